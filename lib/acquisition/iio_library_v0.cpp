@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// libiio 0.x behind iio_library.h; the only file that includes libiio. What 0.24 does against
+// expectation, and where it is met:
+//  - it has no getter for a channel's label: the attribute "label" is read;
+//  - its sample size leaves out the alignment of the frame to its largest element: the layout is
+//    computed here (scan_format.h);
+//  - a refill that times out loses what it had read: local buffers are switched to non-blocking;
+//  - a network server sends every channel that any of its clients has enabled: the layout is
+//    checked against the library's after each refill;
+//  - it writes into the URI that it is given: it gets a copy.
+
+#include "acquisition/iio_library.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include <iio.h>
+
+#include "base/error.h"
+
+namespace ada {
+
+namespace {
+
+struct ContextDeleter {
+  void operator()(iio_context *context) const { iio_context_destroy(context); }
+};
+using ContextPointer = std::unique_ptr<iio_context, ContextDeleter>;
+
+std::string text(const char *s) {
+  return s ? std::string(s) : std::string();
+}
+
+ScanFormat format_of(const iio_channel *channel) {
+  const iio_data_format *f = iio_channel_get_data_format(channel);
+  ScanFormat format;
+  format.bits = f->bits;
+  format.storage = f->length;
+  format.shift = f->shift;
+  format.repeat = f->repeat ? f->repeat : 1;
+  format.is_signed = f->is_signed;
+  format.big_endian = f->is_be;
+  return format;
+}
+
+std::optional<std::string> read_attribute(const iio_channel *channel, const char *name) {
+  if (!iio_channel_find_attr(channel, name))
+    return std::nullopt;
+  std::array<char, 1024> value{};
+  const ssize_t n = iio_channel_attr_read(channel, name, value.data(), value.size() - 1);
+  return n < 0 ? std::nullopt : std::optional<std::string>(value.data());
+}
+
+IioChannel describe(const iio_channel *channel) {
+  IioChannel out;
+  out.id = text(iio_channel_get_id(channel));
+  out.name = text(iio_channel_get_name(channel));
+  out.label = read_attribute(channel, "label").value_or("");
+  const iio_chan_type type = iio_channel_get_type(channel);
+  out.is_voltage = type == IIO_VOLTAGE || type == IIO_ALTVOLTAGE;
+  out.is_timestamp = type == IIO_TIMESTAMP;
+  out.is_output = iio_channel_is_output(channel);
+  out.index = iio_channel_is_scan_element(channel) ? iio_channel_get_index(channel) : -1;
+  out.format = format_of(channel);
+  return out;
+}
+
+IioDevice describe(const iio_device *device) {
+  IioDevice out{text(iio_device_get_id(device)),
+                text(iio_device_get_name(device)),
+                text(iio_device_get_label(device)),
+                {}};
+  for (unsigned i = 0; i < iio_device_get_channels_count(device); ++i)
+    out.channels.push_back(describe(iio_device_get_channel(device, i)));
+  return out;
+}
+
+/// A local buffer, or one behind a server.
+class BufferV0 final : public IioBuffer {
+public:
+  BufferV0(iio_buffer *buffer, std::vector<const iio_channel *> channels)
+      : buffer_(buffer), channels_(std::move(channels)), poll_fd_(iio_buffer_get_poll_fd(buffer)) {
+    if (poll_fd_ >= 0 && iio_buffer_set_blocking_mode(buffer_, false) < 0)
+      poll_fd_ = -1;
+    std::vector<ScanFormat> formats;
+    for (const iio_channel *channel : channels_)
+      formats.push_back(format_of(channel));
+    own_ = current_ = compute_layout(formats);
+  }
+  ~BufferV0() override {
+    // A cancelled network buffer is closed without a dialogue with a server that may be dead.
+    if (poll_fd_ < 0)
+      iio_buffer_cancel(buffer_);
+    iio_buffer_destroy(buffer_);
+  }
+  BufferV0(const BufferV0 &) = delete;
+  BufferV0 &operator=(const BufferV0 &) = delete;
+
+  std::ptrdiff_t refill() override { return iio_buffer_refill(buffer_); }
+  const std::byte *data() const override {
+    return static_cast<const std::byte *>(iio_buffer_start(buffer_));
+  }
+  int poll_fd() const override { return poll_fd_; }
+  void cancel() noexcept override { iio_buffer_cancel(buffer_); }
+
+  /// Local frames hold our channels and nothing else. A server may send more than was asked for
+  /// while it serves another client; then the library's offsets tell, and the frame is its step,
+  /// completed to the alignment that 0.24 forgets.
+  const FrameLayout &layout() override {
+    if (poll_fd_ >= 0)
+      return own_;
+    bool same = true;
+    std::size_t largest = 1;
+    for (std::size_t i = 0; i < channels_.size(); ++i) {
+      const auto *at = static_cast<const std::byte *>(iio_buffer_first(buffer_, channels_[i]));
+      current_.offsets[i] = static_cast<std::size_t>(at - data());
+      same = same && current_.offsets[i] == own_.offsets[i];
+      largest = std::max<std::size_t>(largest, format_of(channels_[i]).element_bytes());
+    }
+    const auto step =
+        static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, iio_buffer_step(buffer_)));
+    const std::size_t complete = (step + largest - 1) / largest * largest;
+    current_.frame_bytes = complete;
+    return same && complete == own_.frame_bytes ? own_ : current_;
+  }
+
+private:
+  iio_buffer *buffer_;
+  std::vector<const iio_channel *> channels_;
+  int poll_fd_;
+  FrameLayout own_, current_;
+};
+
+class ContextV0 final : public IioContext {
+public:
+  explicit ContextV0(ContextPointer context) : context_(std::move(context)) {}
+
+  std::vector<IioDevice> devices() const override {
+    std::vector<IioDevice> out;
+    for (unsigned i = 0; i < iio_context_get_devices_count(context_.get()); ++i) {
+      const iio_device *device = iio_context_get_device(context_.get(), i);
+      // Debian's libiio lists the hwmon devices in the same context.
+      if (text(iio_device_get_id(device)).starts_with("iio:device"))
+        out.push_back(describe(device));
+    }
+    return out;
+  }
+  bool is_local() const override { return text(iio_context_get_name(context_.get())) == "local"; }
+  std::string description() const override {
+    return text(iio_context_get_description(context_.get()));
+  }
+  std::string attribute(const std::string &name) const override {
+    return text(iio_context_get_attr_value(context_.get(), name.c_str()));
+  }
+  std::optional<std::string> read(const std::string &device, const std::string &channel,
+                                  const std::string &name) const override;
+  int write(const std::string &device, const std::string &channel, const std::string &name,
+            const std::string &value) override;
+  std::string trigger(const std::string &device) const override;
+  void set_trigger(const std::string &device, const std::string &trigger) override;
+  void set_timeout(std::chrono::milliseconds timeout) override {
+    // A server without the command is no reason to fail.
+    (void)!iio_context_set_timeout(context_.get(), static_cast<unsigned>(timeout.count()));
+  }
+  std::unique_ptr<IioBuffer> create_buffer(const std::string &device,
+                                           std::span<const std::string> channels,
+                                           std::size_t frames, unsigned kernel_buffers) override;
+
+private:
+  iio_device *device(const std::string &id) const {
+    iio_device *found = iio_context_find_device(context_.get(), id.c_str());
+    if (!found)
+      throw Error(ADA4571_ERROR_NOT_FOUND, "no IIO device " + id);
+    return found;
+  }
+  iio_channel *channel(const std::string &device_id, const std::string &id) const {
+    iio_channel *found = iio_device_find_channel(device(device_id), id.c_str(), false);
+    if (!found)
+      throw Error(ADA4571_ERROR_NOT_FOUND, "no channel " + id + " on " + device_id);
+    return found;
+  }
+
+  ContextPointer context_;
+};
+
+std::optional<std::string> ContextV0::read(const std::string &device_id,
+                                           const std::string &channel_id,
+                                           const std::string &name) const {
+  if (!channel_id.empty())
+    return read_attribute(channel(device_id, channel_id), name.c_str());
+  const iio_device *dev = device(device_id);
+  if (!iio_device_find_attr(dev, name.c_str()))
+    return std::nullopt;
+  std::array<char, 1024> value{};
+  const ssize_t n = iio_device_attr_read(dev, name.c_str(), value.data(), value.size() - 1);
+  return n < 0 ? std::nullopt : std::optional<std::string>(value.data());
+}
+
+int ContextV0::write(const std::string &device_id, const std::string &channel_id,
+                     const std::string &name, const std::string &value) {
+  ssize_t n;
+  if (!channel_id.empty()) {
+    const iio_channel *chn = channel(device_id, channel_id);
+    if (!iio_channel_find_attr(chn, name.c_str()))
+      return ENOENT; // a plain write would create a file in a test bed
+    n = iio_channel_attr_write(chn, name.c_str(), value.c_str());
+  } else {
+    const iio_device *dev = device(device_id);
+    if (!iio_device_find_attr(dev, name.c_str()))
+      return ENOENT;
+    n = iio_device_attr_write(dev, name.c_str(), value.c_str());
+  }
+  return n < 0 ? static_cast<int>(-n) : 0;
+}
+
+std::string ContextV0::trigger(const std::string &device_id) const {
+  const iio_device *found = nullptr;
+  if (iio_device_get_trigger(device(device_id), &found) < 0 || !found)
+    return {};
+  return text(iio_device_get_id(found));
+}
+
+void ContextV0::set_trigger(const std::string &device_id, const std::string &trigger) {
+  const iio_device *found = iio_context_find_device(context_.get(), trigger.c_str());
+  if (!found || !iio_device_is_trigger(found))
+    throw Error(ADA4571_ERROR_NOT_FOUND, "no IIO trigger \"" + trigger + "\"");
+  const int error = iio_device_set_trigger(device(device_id), found);
+  if (error < 0)
+    throw Error(status_of_errno(-error), "cannot use trigger \"" + trigger + "\" for " + device_id +
+                                             ": " + errno_text(-error));
+}
+
+std::unique_ptr<IioBuffer> ContextV0::create_buffer(const std::string &device_id,
+                                                    std::span<const std::string> channels,
+                                                    std::size_t frames, unsigned kernel_buffers) {
+  iio_device *dev = device(device_id);
+  std::vector<const iio_channel *> enabled;
+  for (unsigned i = 0; i < iio_device_get_channels_count(dev); ++i)
+    iio_channel_disable(iio_device_get_channel(dev, i));
+  for (const std::string &id : channels) {
+    iio_channel *chn = channel(device_id, id);
+    iio_channel_enable(chn);
+    enabled.push_back(chn);
+  }
+  // Refused by servers that do not know it; the default of 4 holds then.
+  (void)!iio_device_set_kernel_buffers_count(dev, kernel_buffers);
+  iio_buffer *buffer = iio_device_create_buffer(dev, frames, false);
+  if (!buffer) {
+    const int error = errno ? errno : EIO;
+    throw Error(status_of_errno(error),
+                "cannot start the capture buffer of " + device_id + ": " + errno_text(error) +
+                    (error == EINVAL ? "; most often the device has no trigger: name one with the "
+                                       "option for the trigger"
+                                     : ""));
+  }
+  return std::make_unique<BufferV0>(buffer, std::move(enabled));
+}
+
+[[noreturn]] void refuse_context(const std::string &uri, int error) {
+  const std::string where = "IIO context \"" + uri + "\": ";
+  if (uri.starts_with("local:") && (error == ENOENT || error == ENODEV))
+    throw Error(ADA4571_ERROR_NOT_FOUND,
+                where + "this machine has no IIO device (no /sys/bus/iio/devices)");
+  if (error == ECONNREFUSED)
+    throw Error(ADA4571_ERROR_DISCONNECTED,
+                where + "no IIO server answers there; is iiod running?");
+  if (error == EINVAL || error == ENOSYS)
+    throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
+                where + "not a URI of libiio; use local:, ip:HOST, ip:HOST:PORT or usb:");
+  throw Error(status_of_errno(error), where + errno_text(error));
+}
+
+} // namespace
+
+std::unique_ptr<IioContext> open_iio_context(const std::string &uri) {
+  errno = 0;
+  std::string scratch = uri; // 0.24 writes into the text it is given (the colon before the port)
+  ContextPointer context(iio_create_context_from_uri(scratch.c_str()));
+  if (!context)
+    refuse_context(uri, errno);
+  return std::make_unique<ContextV0>(std::move(context));
+}
+
+std::string iio_library_version() {
+  unsigned major = 0, minor = 0;
+  char tag[8];
+  iio_library_get_version(&major, &minor, tag);
+  return std::to_string(major) + "." + std::to_string(minor);
+}
+
+ada4571_status status_of_errno(int error) {
+  switch (error) {
+  case EACCES:
+  case EPERM:
+    return ADA4571_ERROR_PERMISSION;
+  case EBUSY:
+    return ADA4571_ERROR_BUSY;
+  case ENOENT:
+    return ADA4571_ERROR_NOT_FOUND;
+  case ENOMEM:
+    return ADA4571_ERROR_NO_MEMORY;
+  case ENOSYS:
+  case EOPNOTSUPP:
+    return ADA4571_ERROR_UNSUPPORTED;
+  case ENODEV:
+  case ENXIO:
+  case EPIPE:
+  case ECONNRESET:
+  case ECONNREFUSED:
+  case EHOSTUNREACH:
+  case ENETUNREACH:
+  case ETIMEDOUT:
+    return ADA4571_ERROR_DISCONNECTED;
+  default:
+    return ADA4571_ERROR_IO;
+  }
+}
+
+std::string errno_text(int error) {
+  std::array<char, 256> buffer{};
+  iio_strerror(error, buffer.data(), buffer.size());
+  return buffer.data();
+}
+
+} // namespace ada

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "acquisition/capture_stream.h"
+#include "base/error.h"
+
+namespace ada {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+/// The kernel wakes a poll only when a whole buffer is there, and not at all when the device is
+/// removed; looking this often bounds both delays and costs nothing beside a capture.
+constexpr milliseconds kSlice{50};
+
+class PolledStream final : public CaptureStream {
+public:
+  PolledStream(std::unique_ptr<IioBuffer> buffer, std::string presence_path, std::string name)
+      : buffer_(std::move(buffer)), presence_path_(std::move(presence_path)),
+        name_(std::move(name)), wake_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    if (wake_fd_ < 0)
+      throw Error(ADA4571_ERROR_IO, "cannot make an eventfd: " + errno_text(errno));
+  }
+  ~PolledStream() override { close(wake_fd_); }
+  PolledStream(const PolledStream &) = delete;
+  PolledStream &operator=(const PolledStream &) = delete;
+
+  Event next(CaptureBlock &block, Clock::time_point deadline) override {
+    for (;;) {
+      if (cancelled_.load(std::memory_order_acquire))
+        return Event::cancelled;
+      const std::ptrdiff_t n = buffer_->refill();
+      if (n > 0) {
+        block = {{buffer_->data(), static_cast<std::size_t>(n)}, &buffer_->layout()};
+        return Event::data;
+      }
+      if (n < 0 && n != -EAGAIN && n != -EINTR)
+        fail(static_cast<int>(-n));
+      if (access(presence_path_.c_str(), F_OK) != 0)
+        fail(ENODEV);
+      const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
+      if (left <= milliseconds(0))
+        return Event::timeout;
+      wait(std::min(left, kSlice));
+    }
+  }
+
+  void cancel() noexcept override {
+    cancelled_.store(true, std::memory_order_release);
+    const std::uint64_t one = 1;
+    (void)!write(wake_fd_, &one, sizeof one);
+  }
+
+private:
+  void wait(milliseconds slice) {
+    pollfd fds[2] = {{wake_fd_, POLLIN, 0}, {buffer_->poll_fd(), POLLIN, 0}};
+    const int timeout = static_cast<int>(slice.count());
+    const int ready = poll(fds, 2, timeout);
+    // A node in an error state is ready at once for ever: wait on the wake-up alone.
+    if (ready > 0 && !(fds[1].revents & POLLIN) && fds[1].revents != 0)
+      (void)!poll(fds, 1, timeout);
+  }
+
+  [[noreturn]] void fail(int error) {
+    if (error == ENODEV || error == ENXIO || access(presence_path_.c_str(), F_OK) != 0)
+      throw Error(ADA4571_ERROR_DISCONNECTED,
+                  name_ + " was removed during the capture; start again when it is back");
+    throw Error(status_of_errno(error), "reading from " + name_ + " failed: " + errno_text(error));
+  }
+
+  std::unique_ptr<IioBuffer> buffer_;
+  std::string presence_path_, name_;
+  int wake_fd_;
+  std::atomic<bool> cancelled_{false};
+};
+
+} // namespace
+
+std::unique_ptr<CaptureStream> make_polled_stream(std::unique_ptr<IioBuffer> buffer,
+                                                  std::string presence_path, std::string name) {
+  return std::make_unique<PolledStream>(std::move(buffer), std::move(presence_path),
+                                        std::move(name));
+}
+
+} // namespace ada

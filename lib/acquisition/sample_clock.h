@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Time and loss from timestamps. A full kernel buffer drops new frames without a word to user
+// space; only a jump of the timestamps tells.
+//
+// The sample period is the median interval of the first kLearn frames (robust against losses and
+// jitter), made consistent with the nominal rate when half of the frames or more are missing, and
+// then followed by a second-order phase-locked loop. A frame is counted as missing when the phase
+// has moved on by more than half a period; a late timestamp, whose successors are on time again,
+// is taken back. So jitter below half a period costs nothing, and the count is exact.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "acquisition/source.h"
+
+namespace ada {
+
+class SampleClock {
+public:
+  static constexpr std::size_t kLearn = 33; ///< timestamps from which the period is learned
+
+  /// nominal_rate_hz 0: unknown. With neither timestamps nor a rate there is no time base.
+  explicit SampleClock(double nominal_rate_hz = 0.0);
+
+  /// Forgets everything but the nominal rate.
+  void reset();
+
+  /// Takes the next timestamp (ns). Returns seconds since the first frame. A clock that was set
+  /// back is bridged by one period and counted as a gap of unknown size.
+  double accept(std::int64_t timestamp_ns);
+
+  /// For a device without timestamps: seconds by the nominal rate.
+  double accept_untimed();
+
+  /// Frames counted by accept(), and what is missing between them.
+  SourceStatistics statistics() const;
+
+  /// Period in seconds, 0 while unknown.
+  double period_s() const { return period_ns_ * 1e-9; }
+
+private:
+  void learn();
+  void track(std::int64_t elapsed, std::int64_t previous);
+  void count_loss(std::int64_t missing);
+  void take_back(std::int64_t early);
+
+  double nominal_period_ns_ = 0.0;
+  double period_ns_ = 0.0;
+  double expected_ns_ = 0.0; ///< phase of the loop
+  std::int64_t last_ns_ = 0;    ///< timestamp as it came
+  std::int64_t elapsed_ns_ = 0; ///< since the first frame, without the steps of the clock
+  std::uint64_t frames_ = 0, lost_ = 0, gaps_ = 0;
+  std::uint64_t recent_lost_ = 0; ///< of the last loss, may still be taken back
+  unsigned since_loss_ = 0;
+  std::array<std::int64_t, kLearn> early_{}; ///< times until the period is known
+};
+
+} // namespace ada

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "base/text.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace ada {
+
+std::string_view trim(std::string_view text) {
+  const auto first = std::min(text.find_first_not_of(" \t"), text.size());
+  const auto last = text.find_last_not_of(" \t");
+  return text.substr(first, last == text.npos ? 0 : last - first + 1);
+}
+
+std::string excerpt(std::string_view text) {
+  constexpr std::size_t kLongest = 40;
+  std::string out = "'";
+  for (const char c : text.substr(0, kLongest))
+    out += (c >= 0x20 && c < 0x7f) ? c : '?';
+  return out + (text.size() > kLongest ? "...'" : "'");
+}
+
+std::string shortest(double value) {
+  std::array<char, 40> text;
+  char *const last = text.data() + text.size();
+  const double size = std::fabs(value);
+  // "0.0005" rather than "5e-04": the shortest of all is not what a person would write.
+  const bool plain = value == 0 || (size >= 1e-6 && size < 1e15);
+  const auto end = plain ? std::to_chars(text.data(), last, value, std::chars_format::fixed).ptr
+                         : std::to_chars(text.data(), last, value).ptr;
+  return {text.data(), end};
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+} // namespace ada

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Small pieces of text handling that every reader and writer shares; independent of the locale.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace ada {
+
+/// Without blanks and tabs at both ends. The result points into `text` even when it is empty.
+std::string_view trim(std::string_view text);
+
+/// `text` short and printable, in quotes, for a message; everything else becomes '?'.
+std::string excerpt(std::string_view text);
+
+/// Decimal text with no more digits than it takes to read back the same double.
+std::string shortest(double value);
+
+/// The whole text as a finite number, or nothing.
+std::optional<double> parse_number(std::string_view text);
+
+} // namespace ada

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "base/toml_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "base/error.h"
+
+namespace ada {
+
+namespace {
+
+bool is_ascii(char c) {
+  return static_cast<unsigned char>(c) < 0x80;
+}
+
+/// The character that begins at `at`, and its bytes; 0 bytes when it is no UTF-8.
+struct Character {
+  char32_t code = 0;
+  std::size_t bytes = 0;
+};
+
+Character character_at(std::string_view line, std::size_t at) {
+  const auto lead = static_cast<unsigned char>(line[at]);
+  const std::size_t bytes = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
+  if (lead < 0xc2 || lead > 0xf4 || at + bytes > line.size())
+    return {};
+  char32_t code = lead & (0xffu >> (bytes + 1));
+  for (std::size_t i = 1; i < bytes; ++i) {
+    const auto next = static_cast<unsigned char>(line[at + i]);
+    if ((next & 0xc0) != 0x80)
+      return {};
+    code = code << 6 | (next & 0x3f);
+  }
+  const bool overlong = code < (bytes == 2 ? 0x80u : bytes == 3 ? 0x800u : 0x10000u);
+  const bool surrogate = code >= 0xd800 && code <= 0xdfff;
+  return overlong || surrogate || code > 0x10ffff ? Character{} : Character{code, bytes};
+}
+
+class LineConverter {
+public:
+  explicit LineConverter(std::string_view line) : line_(line) {}
+
+  std::string convert() {
+    while (at_ < line_.size() && problem == nullptr)
+      step();
+    return std::move(out_);
+  }
+
+  const char *problem = nullptr;
+  std::size_t column() const { return at_ + 1; }
+
+private:
+  /// From a place outside of strings and comments.
+  void step() {
+    const char c = line_[at_];
+    if (!is_ascii(c)) {
+      problem = "a letter beyond ASCII must stand in double quotes";
+    } else if (c == '#') {
+      for (; at_ < line_.size(); ++at_)
+        out_ += is_ascii(line_[at_]) ? line_[at_] : '?';
+    } else if (c != '"' && c != '\'') {
+      take();
+    } else if (line_.substr(at_, 3) == std::string(3, c)) {
+      problem = "strings of several lines are not supported";
+    } else {
+      string(c);
+    }
+  }
+
+  void string(char quote) {
+    take();
+    while (at_ < line_.size() && line_[at_] != quote && problem == nullptr) {
+      if (!is_ascii(line_[at_])) {
+        escape(quote);
+        continue;
+      }
+      const bool escaped = quote == '"' && line_[at_] == '\\';
+      take();
+      if (escaped && at_ < line_.size() && is_ascii(line_[at_]))
+        take();
+    }
+    if (problem == nullptr && at_ < line_.size())
+      take();
+  }
+
+  void escape(char quote) {
+    const Character character = character_at(line_, at_);
+    if (character.bytes == 0 || quote == '\'') {
+      problem = character.bytes == 0 ? "this is no UTF-8"
+                                     : "a letter beyond ASCII must stand in double quotes";
+      return;
+    }
+    std::array<char, 16> text;
+    std::snprintf(text.data(), text.size(), "\\U%08x", static_cast<unsigned>(character.code));
+    out_ += text.data();
+    at_ += character.bytes;
+  }
+
+  void take() { out_ += line_[at_++]; }
+
+  std::string_view line_;
+  std::size_t at_ = 0;
+  std::string out_;
+};
+
+} // namespace
+
+std::string ascii_toml(std::string_view text, const std::string &shown) {
+  if (constexpr std::string_view kMark = "\xEF\xBB\xBF"; text.substr(0, kMark.size()) == kMark)
+    text.remove_prefix(kMark.size());
+  std::string out;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const auto line = text.substr(0, std::min(text.find('\n'), text.size() - 1) + 1);
+    text.remove_prefix(line.size());
+    LineConverter converter(line);
+    out += converter.convert();
+    if (converter.problem)
+      throw Error(ADA4571_ERROR_FORMAT, shown + ":" + std::to_string(number) + ":" +
+                                            std::to_string(converter.column()) + ": " +
+                                            converter.problem);
+  }
+  return out;
+}
+
+} // namespace ada

@@ -1,0 +1,586 @@
+/* SPDX-License-Identifier: MIT
+ * SPDX-FileCopyrightText: The libada4571 authors
+ *
+ * libada4571: angles from analog sine/cosine angle sensors (ADA4571 and its kind) on Linux.
+ *
+ * Conventions, said once
+ * ----------------------
+ * 1. Handles are opaque, one noun a section. `_new`, `_open` and `_load` make one, the `_free` of
+ *    the same noun ends it; every `_free` accepts NULL. A handle never depends on the life of
+ *    another: what it needs it copies or shares.
+ * 2. Every function that can fail returns an ada4571_status; results come through the trailing
+ *    pointers, which are left untouched on failure. A NULL where a value is needed is
+ *    ADA4571_ERROR_INVALID_ARGUMENT, never a crash.
+ * 3. ada4571_last_error() gives the sentence for the last failure in the calling thread.
+ * 4. The library never prints, never exits, installs no signal handler, and lets no exception out.
+ * 5. Threads: different handles may be used in different threads at once. One handle may be used
+ *    by one thread at a time, but for the functions marked "Thread-safety:".
+ * 6. Units are in the names: _s seconds, _v volts, _deg degrees, _rad radians, _hz hertz.
+ *    VSIN and VCOS are absolute volts as the converter sees them. `angle_deg` is mechanical and in
+ *    [0, 360/p), with p the electrical periods a turn (2 for AMR, 1 for GMR, TMR and Hall): the
+ *    sensor cannot tell the p parts of a turn apart. It grows when psi of
+ *    VSIN = VDD/2 + A sin(psi), VCOS = VDD/2 + A cos(psi), psi = p * angle, grows.
+ * 7. A channel that does not exist is NaN in a frame.
+ * 8. Strings given back are UTF-8, owned by the handle they come from, and live until it is freed
+ *    or the same function is called again on it.
+ * 9. Structs that callers fill begin with `struct_size`; initialise them with the `_init` function
+ *    of the same name, then set what you need. Enums only ever grow at the end.
+ */
+#ifndef ADA4571_H
+#define ADA4571_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define ADA4571_VERSION_MAJOR 1
+#define ADA4571_VERSION_MINOR 0
+#define ADA4571_VERSION_PATCH 0
+
+#if defined(__GNUC__)
+#define ADA4571_API __attribute__((visibility("default")))
+#else
+#define ADA4571_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------ status */
+
+typedef enum ada4571_status {
+  ADA4571_OK = 0,
+  ADA4571_ERROR_INVALID_ARGUMENT = 1, /* NULL, out of range, unknown name: the caller's mistake */
+  ADA4571_ERROR_STATE = 2,            /* right call, wrong moment */
+  ADA4571_ERROR_NO_MEMORY = 3,
+  ADA4571_ERROR_IO = 4,        /* the system refused; the message has its reason */
+  ADA4571_ERROR_FORMAT = 5,    /* a file or stream is not what it should be; message has the place */
+  ADA4571_ERROR_NOT_FOUND = 6, /* no such file, device, channel, line */
+  ADA4571_ERROR_PERMISSION = 7,
+  ADA4571_ERROR_BUSY = 8,
+  ADA4571_ERROR_DISCONNECTED = 9,  /* device removed or server gone; start again to re-open */
+  ADA4571_ERROR_UNSUPPORTED = 10,  /* built without it, or the device cannot do it */
+  ADA4571_ERROR_UNUSABLE_DATA = 11, /* refused, with the reason: coverage, clipping, stuck, ... */
+  ADA4571_ERROR_INTERNAL = 99       /* a defect of the library */
+} ada4571_status;
+
+/* Name of a status, "ADA4571_OK" and so on. Never NULL. Thread-safety: any thread. */
+ADA4571_API const char *ada4571_status_name(ada4571_status status);
+
+/* Sentence for the last failure in the calling thread; empty when none. Never NULL; lives until
+ * the next call of this library in the same thread. */
+ADA4571_API const char *ada4571_last_error(void);
+
+/* Version of the library that is running, "1.0.0". */
+ADA4571_API const char *ada4571_version(void);
+
+/* ------------------------------------------------------------------- frame */
+
+/* One sample of every channel. */
+typedef struct ada4571_frame {
+  double time_s;        /* seconds; for a device: since the first frame, from its timestamps */
+  double vsin_v;        /* absolute volts */
+  double vcos_v;        /* absolute volts */
+  double vtemp_v;       /* absolute volts, NaN when not recorded */
+  double vdd_v;         /* volts, NaN when not recorded */
+  double reference_deg; /* mechanical degrees of a reference encoder, NaN when not recorded */
+} ada4571_frame;
+
+/* One angle. */
+typedef struct ada4571_angle {
+  double time_s;
+  double angle_deg; /* mechanical, [0, 360/p); NaN when status says that there is none */
+  double radius;    /* relative to the calibrated amplitude: 1 for a sound sample */
+  uint32_t status;  /* 0 when sound, else ADA4571_SAMPLE_ bits */
+} ada4571_angle;
+
+enum {
+  ADA4571_SAMPLE_RADIUS = 1u << 0,  /* radius outside its band: broken wire, short, no magnet */
+  ADA4571_SAMPLE_RAIL = 1u << 1,    /* a channel sits at a rail */
+  ADA4571_SAMPLE_INVALID = 1u << 2, /* not a number, or missing */
+  ADA4571_SAMPLE_GAP = 1u << 3      /* samples are missing before this one */
+};
+
+/* ------------------------------------------------------------------ source */
+/* Where frames come from: an IIO device by libiio (local or network), a recording, or the
+ * simulated sensor. */
+
+typedef struct ada4571_source ada4571_source;
+typedef struct ada4571_device_list ada4571_device_list;
+typedef struct ada4571_recording ada4571_recording;   /* section recording */
+typedef struct ada4571_model ada4571_model;           /* section model */
+typedef struct ada4571_simulation ada4571_simulation; /* section simulation */
+
+typedef struct ada4571_source_options {
+  size_t struct_size;
+  const char *uri;          /* "local:", "ip:host", "ip:host:port", "usb:..."; NULL: local: */
+  const char *device;       /* name, label or id of the IIO device; NULL: the only usable one */
+  const char *sin_channel;  /* id, name or label of the channel; NULL: by label, vsin ... */
+  const char *cos_channel;  /* ... vcos */
+  const char *temp_channel; /* ... vtemp, absent allowed */
+  const char *vdd_channel;  /* ... vdd, absent allowed */
+  const char *trigger;      /* trigger to use; NULL: leave what is set */
+  double sample_rate_hz;    /* 0: leave what is set */
+  double supply_v;          /* 5.0 */
+  int periods_per_turn;     /* 2 */
+  size_t buffer_frames;     /* frames a buffer; 0: about a twentieth of a second */
+} ada4571_source_options;
+
+typedef struct ada4571_source_info {
+  size_t struct_size;
+  const char *description;
+  const char *serial; /* empty where unknown */
+  double sample_rate_hz; /* 0 where unknown */
+  double supply_v;
+  int periods_per_turn;
+  int has_vtemp, has_vdd, has_reference;
+  int gain_control; /* 1 on, 0 off, -1 unknown */
+} ada4571_source_info;
+
+typedef struct ada4571_source_statistics {
+  size_t struct_size;
+  uint64_t frames; /* delivered since start */
+  uint64_t lost;   /* missing, counted from the timestamps */
+  uint64_t gaps;   /* places where frames are missing */
+} ada4571_source_statistics;
+
+typedef enum ada4571_read_outcome {
+  ADA4571_READ_FRAMES = 0,    /* at least one frame */
+  ADA4571_READ_TIMEOUT = 1,   /* none in time; an ordinary event, read again */
+  ADA4571_READ_END = 2,       /* the source is exhausted */
+  ADA4571_READ_CANCELLED = 3  /* ada4571_source_cancel() was called */
+} ada4571_read_outcome;
+
+ADA4571_API void ada4571_source_options_init(ada4571_source_options *options);
+ADA4571_API void ada4571_source_info_init(ada4571_source_info *info);
+ADA4571_API void ada4571_source_statistics_init(ada4571_source_statistics *statistics);
+
+/* Opens what the stored configuration NAME describes: NAME.toml in the user's configuration
+ * folder ($XDG_CONFIG_HOME/ada4571, ~/.config/ada4571), then in /etc/ada4571. A NAME with a slash
+ * is a path. */
+ADA4571_API ada4571_status ada4571_open(const char *name, ada4571_source **source);
+ADA4571_API ada4571_status ada4571_source_open(const ada4571_source_options *options,
+                                               ada4571_source **source);
+/* Plays a recording back, as fast as it is read. */
+ADA4571_API ada4571_status ada4571_source_open_recording(const ada4571_recording *recording,
+                                                         ada4571_source **source);
+/* The simulated sensor. realtime != 0 paces it by the clock. */
+ADA4571_API ada4571_status ada4571_source_open_simulation(const ada4571_simulation *simulation,
+                                                          int realtime, ada4571_source **source);
+ADA4571_API ada4571_status ada4571_source_get_info(const ada4571_source *source,
+                                                   ada4571_source_info *info);
+/* Begins the capture; again after a loss, a cancel or a stop begins it anew. */
+ADA4571_API ada4571_status ada4571_source_start(ada4571_source *source);
+/* Reads up to `capacity` frames; fewer is ordinary. Waits at most timeout_ms for the first
+ * (0: do not wait, negative: for ever). `count` and `outcome` are written on ADA4571_OK. */
+ADA4571_API ada4571_status ada4571_source_read(ada4571_source *source, ada4571_frame *frames,
+                                               size_t capacity, int timeout_ms, size_t *count,
+                                               ada4571_read_outcome *outcome);
+/* Makes a read in another thread return at once. Thread-safety: any thread, not a signal handler. */
+ADA4571_API ada4571_status ada4571_source_cancel(ada4571_source *source);
+ADA4571_API ada4571_status ada4571_source_stop(ada4571_source *source);
+ADA4571_API ada4571_status ada4571_source_get_statistics(const ada4571_source *source,
+                                                         ada4571_source_statistics *statistics);
+/* The calibration that a stored configuration names, or that the driver keeps in calibbias and
+ * calibscale; ADA4571_ERROR_NOT_FOUND when there is none. By the kernel's ABI a driver applies its
+ * calibbias and calibscale: the volts of such a source are corrected already, and correcting them
+ * again with this model does harm (docs/acquisition.md). */
+ADA4571_API ada4571_status ada4571_source_read_calibration(ada4571_source *source,
+                                                           ada4571_model **model);
+/* Writes offsets and amplitudes of the model to the driver's calibbias and calibscale:
+ * calibbias = -offset / scale in whole counts, calibscale = 0.29 VDD / amplitude. All or nothing. */
+ADA4571_API ada4571_status ada4571_source_write_calibration(ada4571_source *source,
+                                                            const ada4571_model *model);
+/* Stores how this source was opened as NAME.toml in the user's configuration folder (a NAME with
+ * a slash is a path), whole or not at all. calibration_path and the pin names may be NULL. */
+ADA4571_API ada4571_status ada4571_source_save_config(const ada4571_source *source,
+                                                      const char *name,
+                                                      const char *calibration_path);
+ADA4571_API void ada4571_source_free(ada4571_source *source);
+
+/* Devices of a context with a usable pair of channels. */
+typedef struct ada4571_device {
+  size_t struct_size;
+  const char *id;       /* iio:device0 */
+  const char *name;     /* ad7380 */
+  const char *label;    /* from the device tree, empty where there is none */
+  const char *channels; /* "voltage0 (vsin), voltage1 (vcos)" */
+  const char *sin_channel, *cos_channel, *temp_channel, *vdd_channel; /* ids, empty when unknown */
+  int labelled; /* whether the labels name the pair, so that no option is needed */
+} ada4571_device;
+
+ADA4571_API ada4571_status ada4571_device_list_new(const char *uri, ada4571_device_list **list);
+ADA4571_API size_t ada4571_device_list_count(const ada4571_device_list *list);
+/* The strings live as long as the list. */
+ADA4571_API ada4571_status ada4571_device_list_get(const ada4571_device_list *list, size_t index,
+                                                   ada4571_device *device);
+ADA4571_API void ada4571_device_list_free(ada4571_device_list *list);
+
+/* --------------------------------------------------------------- recording */
+/* A capture: text (.csv) or SigMF (.sigmf-meta with .sigmf-data; either name will do). "-" is
+ * standard input or output, in the text form. Both forms: docs/recordings.md. */
+
+typedef struct ada4571_writer ada4571_writer;
+
+typedef struct ada4571_recording_info {
+  size_t struct_size;
+  size_t samples;
+  double duration_s;
+  double supply_v;
+  int periods_per_turn;
+  int gain_control;      /* 1 on, 0 off, -1 unknown */
+  double noise_rms_v;    /* NaN where unknown, likewise below */
+  double sample_rate_hz;
+  double adc_bits;
+  double adc_reference_v;
+  int has_vtemp, has_vdd, has_reference;
+  const char *serial, *origin; /* may be NULL when given to a writer */
+} ada4571_recording_info;
+
+ADA4571_API void ada4571_recording_info_init(ada4571_recording_info *info);
+
+/* Reads and validates the whole file; the message of an error names file, line and column (the
+ * sample in a SigMF data file). Times may repeat but not decrease; every number is finite.
+ * ADA4571_ERROR_FORMAT for a malformed file, ADA4571_ERROR_NOT_FOUND, _PERMISSION or _IO. */
+ADA4571_API ada4571_status ada4571_recording_open(const char *path, ada4571_recording **recording);
+ADA4571_API ada4571_status ada4571_recording_get_info(const ada4571_recording *recording,
+                                                      ada4571_recording_info *info);
+/* Value of a metadata key, those of the info included, NULL where it is absent. */
+ADA4571_API const char *ada4571_recording_metadata(const ada4571_recording *recording,
+                                                   const char *key);
+/* Copies frames [first, first + capacity) as far as they exist. */
+ADA4571_API ada4571_status ada4571_recording_read(const ada4571_recording *recording, size_t first,
+                                                  ada4571_frame *frames, size_t capacity,
+                                                  size_t *count);
+/* Writes it to another file, in the form that the extension names. */
+ADA4571_API ada4571_status ada4571_recording_save(const ada4571_recording *recording,
+                                                  const char *path);
+ADA4571_API void ada4571_recording_free(ada4571_recording *recording);
+
+/* Streaming writer. The file appears under its name only with _finish; _free without it leaves
+ * nothing behind. `has_*` of the info say which columns there are; `samples` and `duration_s` are
+ * not looked at. After a failed _write the file is given up: _finish is ADA4571_ERROR_STATE, as it
+ * is without any frame. Volts keep every code of a converter of up to 24 bits, times the
+ * nanosecond, the reference 0.0001 degrees. */
+ADA4571_API ada4571_status ada4571_writer_open(const char *path, const ada4571_recording_info *info,
+                                               ada4571_writer **writer);
+/* A further "# key = value" line; before the first frame. */
+ADA4571_API ada4571_status ada4571_writer_metadata(ada4571_writer *writer, const char *key,
+                                                   const char *value);
+/* A channel of the file that is not finite, or a time before the last one, is
+ * ADA4571_ERROR_INVALID_ARGUMENT. */
+ADA4571_API ada4571_status ada4571_writer_write(ada4571_writer *writer, const ada4571_frame *frames,
+                                                size_t count);
+ADA4571_API ada4571_status ada4571_writer_finish(ada4571_writer *writer);
+ADA4571_API void ada4571_writer_free(ada4571_writer *writer);
+
+/* ------------------------------------------------------------------- model */
+/* A model of one sensor: the application note's baseline and the effects beyond it. A calibration
+ * is such a model. */
+
+typedef struct ada4571_baseline {
+  size_t struct_size;
+  int periods_per_turn;
+  double supply_v;       /* supply that the volts below refer to */
+  double amplitude_v;    /* mean amplitude A = (A_sin + A_cos)/2 */
+  double offset_sin_v;   /* about supply_v/2 */
+  double offset_cos_v;
+  double angle_zero_deg; /* mechanical: psi = p (alpha + zero) */
+  double vtemp_reference_v; /* temperature effects act on VTEMP minus this */
+} ada4571_baseline;
+
+/* One effect of the catalogue, or one parameter of it. */
+typedef struct ada4571_effect_info {
+  size_t struct_size;
+  const char *id;    /* "amplitude-mismatch" */
+  const char *cause; /* one sentence */
+  const char *stage; /* motion, field, bridge, chain, sampler, converter or record */
+  int correctable;
+  size_t parameters;
+} ada4571_effect_info;
+
+typedef struct ada4571_parameter {
+  size_t struct_size;
+  const char *name;
+  const char *unit;
+  double value;     /* a channel is 0 for VSIN and 1 for VCOS; NaN: not present */
+  double std_error; /* NaN where unknown */
+} ada4571_parameter;
+
+ADA4571_API void ada4571_baseline_init(ada4571_baseline *baseline);
+ADA4571_API void ada4571_effect_info_init(ada4571_effect_info *info);
+ADA4571_API void ada4571_parameter_init(ada4571_parameter *parameter);
+
+ADA4571_API size_t ada4571_catalogue_count(void);
+ADA4571_API ada4571_status ada4571_catalogue_get(size_t index, ada4571_effect_info *info);
+/* Parameter of a catalogue entry; value holds what `--effect NAME` takes by default. */
+ADA4571_API ada4571_status ada4571_catalogue_parameter(size_t index, size_t parameter,
+                                                       ada4571_parameter *out);
+
+/* An ideal sensor. */
+ADA4571_API ada4571_status ada4571_model_new(const ada4571_baseline *baseline,
+                                             ada4571_model **model);
+/* ADA4571_ERROR_FORMAT with file, line and column for whatever is not fully understood, a wrong
+ * checksum included (docs/model-file.md). */
+ADA4571_API ada4571_status ada4571_model_load(const char *path, ada4571_model **model);
+/* Whole or not at all: temporary file, fsync, rename. */
+ADA4571_API ada4571_status ada4571_model_save(const ada4571_model *model, const char *path);
+ADA4571_API ada4571_status ada4571_model_get_baseline(const ada4571_model *model,
+                                                      ada4571_baseline *baseline);
+/* Adds an effect, "stray-field" or "stray-field:b=0.01,direction_deg=30"; what is not given takes
+ * the catalogue's value. ADA4571_ERROR_INVALID_ARGUMENT with the known names for an unknown one, and
+ * for an effect that the model has already (at the same order, channel, moment or frequency). */
+ADA4571_API ada4571_status ada4571_model_add_effect(ada4571_model *model, const char *text);
+ADA4571_API size_t ada4571_model_effect_count(const ada4571_model *model);
+ADA4571_API ada4571_status ada4571_model_effect(const ada4571_model *model, size_t index,
+                                                ada4571_effect_info *info);
+ADA4571_API ada4571_status ada4571_model_parameter(const ada4571_model *model, size_t index,
+                                                   size_t parameter, ada4571_parameter *out);
+ADA4571_API void ada4571_model_free(ada4571_model *model);
+
+/* ------------------------------------------------------------- calibration */
+/* The application note's calibrations, with its misprints put right (docs/calibration.md). */
+
+typedef enum ada4571_calibration_method {
+  ADA4571_CALIBRATE_FIT = 0,     /* ellipse by maximum likelihood; needs no full turn */
+  ADA4571_CALIBRATE_MEAN = 1,    /* mean over whole mechanical turns */
+  ADA4571_CALIBRATE_EXTREMA = 2  /* (max + min)/2 and (max - min)/2 */
+} ada4571_calibration_method;
+
+/* Refuses data that cannot carry the method with ADA4571_ERROR_UNUSABLE_DATA and the reason. */
+ADA4571_API ada4571_status ada4571_calibrate_single(const ada4571_recording *recording,
+                                                    ada4571_calibration_method method,
+                                                    ada4571_model **model);
+/* Two temperatures: offsets (and amplitude) as straight lines over VTEMP. */
+ADA4571_API ada4571_status ada4571_calibrate_dual(const ada4571_recording *cold,
+                                                  const ada4571_recording *hot,
+                                                  ada4571_calibration_method method,
+                                                  ada4571_model **model);
+
+/* -------------------------------------------------------------- conversion */
+/* Volts in, angles out. */
+
+typedef struct ada4571_converter ada4571_converter;
+
+typedef enum ada4571_sample_type {
+  ADA4571_S8 = 0, ADA4571_U8, ADA4571_S16, ADA4571_U16, ADA4571_S32, ADA4571_U32,
+  ADA4571_F32, ADA4571_F64
+} ada4571_sample_type;
+
+/* Where the pair stands in a block of raw samples: element i of a channel is at
+ * base + i * stride_bytes, native byte order. Volts = (raw + offset) * scale. */
+typedef struct ada4571_layout {
+  size_t struct_size;
+  ada4571_sample_type type;
+  size_t stride_bytes;
+  double scale_v, offset; /* of both channels */
+  unsigned shift; /* right shift of integers before use */
+  unsigned bits;  /* significant bits after the shift, 0: all */
+} ada4571_layout;
+
+/* Greatest error of the float conversion and of ada4571_atan2_f32, in radians (electrical). */
+#define ADA4571_ATAN2_F32_MAX_ERROR_RAD 1e-6
+
+ADA4571_API void ada4571_layout_init(ada4571_layout *layout);
+
+ADA4571_API ada4571_status ada4571_converter_new(const ada4571_model *model,
+                                                 ada4571_converter **converter);
+/* A live stream, block after block: dynamic effects use the speed of the frames before. No
+ * allocation. */
+ADA4571_API ada4571_status ada4571_converter_frames(ada4571_converter *converter,
+                                                    const ada4571_frame *frames, size_t count,
+                                                    ada4571_angle *angles);
+/* A whole recording: the speed comes from both sides of each sample. `angles` has room for all. */
+ADA4571_API ada4571_status ada4571_converter_recording(ada4571_converter *converter,
+                                                       const ada4571_recording *recording,
+                                                       ada4571_angle *angles);
+/* The vector path: raw samples to mechanical angle in radians [0, 2 pi / p), and the relative
+ * radius where radius is not NULL. Offsets, mismatch and quadrature are corrected; a model with
+ * further effects is ADA4571_ERROR_UNSUPPORTED here. */
+ADA4571_API ada4571_status ada4571_converter_raw_f32(const ada4571_converter *converter,
+                                                     const ada4571_layout *layout, const void *sin,
+                                                     const void *cos, size_t count,
+                                                     float *angle_rad, float *radius);
+ADA4571_API ada4571_status ada4571_converter_raw_f64(const ada4571_converter *converter,
+                                                     const ada4571_layout *layout, const void *sin,
+                                                     const void *cos, size_t count,
+                                                     double *angle_rad, double *radius);
+ADA4571_API void ada4571_converter_free(ada4571_converter *converter);
+
+/* out[i] = atan2(y[i], x[i]), vectorised for the best instruction set of this processor. Special
+ * values as C's atan2; docs/conversion.md has the table. */
+ADA4571_API ada4571_status ada4571_atan2_f32(const float *y, const float *x, size_t count,
+                                             float *out);
+ADA4571_API ada4571_status ada4571_atan2_f64(const double *y, const double *x, size_t count,
+                                             double *out);
+/* Instruction set in use: "AVX3", "AVX2", "SSE4", "NEON", ..., "scalar". */
+ADA4571_API const char *ada4571_vector_target(void);
+
+/* ----------------------------------------------------------------- tracker */
+/* Dynamic calibration: offsets (and amplitudes and phase where wanted) followed while the magnet
+ * turns. Constant memory, no allocation a sample. */
+
+typedef struct ada4571_tracker ada4571_tracker;
+
+typedef struct ada4571_tracker_options {
+  size_t struct_size;
+  int track_amplitude; /* 0 */
+  int track_phase;     /* 0 */
+  double max_offset_rate_v_per_s; /* drift that is believed, 0.02 */
+} ada4571_tracker_options;
+
+ADA4571_API void ada4571_tracker_options_init(ada4571_tracker_options *options);
+/* `model`: the end-of-line calibration, in force from the first sample. options may be NULL. */
+ADA4571_API ada4571_status ada4571_tracker_new(const ada4571_model *model,
+                                               const ada4571_tracker_options *options,
+                                               ada4571_tracker **tracker);
+ADA4571_API ada4571_status ada4571_tracker_frames(ada4571_tracker *tracker,
+                                                  const ada4571_frame *frames, size_t count,
+                                                  ada4571_angle *angles);
+/* The calibration in force now, as a model of its own. */
+ADA4571_API ada4571_status ada4571_tracker_model(const ada4571_tracker *tracker,
+                                                 ada4571_model **model);
+ADA4571_API void ada4571_tracker_free(ada4571_tracker *tracker);
+
+/* -------------------------------------------------------------------- pins */
+/* The sensor's GC (gain control) and PD (power down) lines by libgpiod. */
+
+typedef struct ada4571_pins ada4571_pins;
+typedef enum ada4571_pin { ADA4571_PIN_GC = 0, ADA4571_PIN_PD = 1 } ada4571_pin;
+
+typedef struct ada4571_pins_options {
+  size_t struct_size;
+  const char *config;  /* stored configuration by name; NULL: none */
+  const char *gc_line; /* line name, or "chip:offset"; NULL: "ada4571-gc" */
+  const char *pd_line; /* NULL: "ada4571-pd" */
+  int gc_active_low, pd_active_low; /* 0 */
+} ada4571_pins_options;
+
+ADA4571_API void ada4571_pins_options_init(ada4571_pins_options *options);
+ADA4571_API ada4571_status ada4571_pins_open(const ada4571_pins_options *options,
+                                             ada4571_pins **pins);
+/* on != 0: GC on means gain control active; PD on means powered down. Taking PD off waits for the
+ * sensor to come up. The line is held, and keeps its state, as long as the handle lives. */
+ADA4571_API ada4571_status ada4571_pins_set(ada4571_pins *pins, ada4571_pin pin, int on);
+/* What was set through this handle, else what the line reads. */
+ADA4571_API ada4571_status ada4571_pins_get(ada4571_pins *pins, ada4571_pin pin, int *on);
+ADA4571_API void ada4571_pins_free(ada4571_pins *pins);
+
+/* -------------------------------------------------------------- simulation */
+/* The simulated sensor: a model, a motion and a temperature, seeded. */
+
+typedef struct ada4571_emulator ada4571_emulator;
+
+typedef struct ada4571_simulation_options {
+  size_t struct_size;
+  double sample_rate_hz;     /* 10000 */
+  double duration_s;         /* 7; 0: without end, for sources and the emulator */
+  double noise_rms_v;        /* 0.0005 */
+  int adc_bits;              /* 16; 0: not quantised */
+  double adc_reference_v;    /* 5.0 */
+  const char *motion;        /* docs/simulation.md; "constant:rpm=600", "steps:rpm=60/600/-600" ... */
+  const char *temperature;   /* "constant:deg_c=25", "ramp:from=-20,to=100", "cycle:..." */
+  int gain_control;          /* 1: amplitude compensated over temperature, 0: not */
+  int has_vtemp, has_vdd, has_reference; /* 1: the column exists */
+} ada4571_simulation_options;
+
+ADA4571_API void ada4571_simulation_options_init(ada4571_simulation_options *options);
+/* `model` NULL: a sound ADA4571 with offsets and their drift drawn from the seed. `options` NULL:
+ * the defaults. */
+ADA4571_API ada4571_status ada4571_simulation_new(const ada4571_model *model,
+                                                  const ada4571_simulation_options *options,
+                                                  uint64_t seed, ada4571_simulation **simulation);
+/* The model in force, drawn values included. */
+ADA4571_API ada4571_status ada4571_simulation_model(const ada4571_simulation *simulation,
+                                                    ada4571_model **model);
+ADA4571_API ada4571_status ada4571_simulation_run(const ada4571_simulation *simulation,
+                                                  ada4571_recording **recording);
+ADA4571_API void ada4571_simulation_free(ada4571_simulation *simulation);
+
+/* Serves the simulated sensor as a network IIO device (protocol of libiio 0.24) on
+ * 127.0.0.1:port; port 0 picks a free one. */
+ADA4571_API ada4571_status ada4571_emulator_new(const ada4571_simulation *simulation, int port,
+                                                ada4571_emulator **emulator);
+ADA4571_API int ada4571_emulator_port(const ada4571_emulator *emulator);
+/* Serves until _stop. */
+ADA4571_API ada4571_status ada4571_emulator_run(ada4571_emulator *emulator);
+/* Thread-safety: any thread, and signal handlers. */
+ADA4571_API void ada4571_emulator_stop(ada4571_emulator *emulator);
+ADA4571_API void ada4571_emulator_free(ada4571_emulator *emulator);
+
+/* --------------------------------------------------------------- diagnosis */
+/* What the simulation gets wrong: found, named, modelled, and its gain measured on held-out data. */
+
+typedef struct ada4571_diagnosis ada4571_diagnosis;
+
+typedef enum ada4571_verdict {
+  ADA4571_NO_DISCREPANCY = 0,
+  ADA4571_EXPLAINED = 1,
+  ADA4571_PARTLY_EXPLAINED = 2,
+  ADA4571_UNEXPLAINED = 3,
+  ADA4571_INSUFFICIENT_DATA = 4
+} ada4571_verdict;
+
+/* Progress from 0 to 1 and what is being done; called in the calling thread. Returning non-zero
+ * ends the work with ADA4571_ERROR_STATE. */
+typedef int (*ada4571_progress)(double fraction, const char *what, void *user);
+
+typedef struct ada4571_diagnosis_options {
+  size_t struct_size;
+  const ada4571_model *baseline;    /* NULL: the application note's model */
+  const char *baseline_name;        /* printed; NULL: "application note" */
+  const ada4571_recording *heldout; /* NULL: whole revolutions of the capture are held out */
+  ada4571_progress progress;        /* NULL: none */
+  void *user;
+} ada4571_diagnosis_options;
+
+ADA4571_API void ada4571_diagnosis_options_init(ada4571_diagnosis_options *options);
+ADA4571_API ada4571_status ada4571_diagnose(const ada4571_recording *recording,
+                                            const ada4571_diagnosis_options *options,
+                                            ada4571_diagnosis **diagnosis);
+ADA4571_API ada4571_verdict ada4571_diagnosis_verdict(const ada4571_diagnosis *diagnosis);
+/* "ada4571-diagnosis/1" */
+ADA4571_API const char *ada4571_diagnosis_json(const ada4571_diagnosis *diagnosis);
+/* The same for a person, plain text. */
+ADA4571_API const char *ada4571_diagnosis_text(const ada4571_diagnosis *diagnosis);
+/* The extended model, ready for ada4571_converter_new. */
+ADA4571_API ada4571_status ada4571_diagnosis_model(const ada4571_diagnosis *diagnosis,
+                                                   ada4571_model **model);
+/* One self-contained HTML page. Plots are drawn by the program gnuplot. */
+ADA4571_API ada4571_status ada4571_diagnosis_report(const ada4571_diagnosis *diagnosis,
+                                                    const char *path);
+ADA4571_API void ada4571_diagnosis_free(ada4571_diagnosis *diagnosis);
+
+/* ------------------------------------------------------------------ health */
+
+typedef struct ada4571_health ada4571_health;
+
+/* Radius in its band, rails, clipping, stuck or shorted channels, missing samples, noise against
+ * what capture or model states, supply. `model` NULL: the ellipse that fits the capture, or where
+ * none does, a nominal ADA4571. */
+ADA4571_API ada4571_status ada4571_check(const ada4571_recording *recording,
+                                         const ada4571_model *model, ada4571_health **health);
+/* 1 when no check failed; 0 for NULL. */
+ADA4571_API int ada4571_health_sound(const ada4571_health *health);
+/* For a person, a line a check. Empty for NULL, likewise below. */
+ADA4571_API const char *ada4571_health_text(const ada4571_health *health);
+/* "ada4571-check/1": schema, sound, against, checks[] of id, state ("passed", "failed",
+ * "unknown"), measured, limit, unit, explanation. */
+ADA4571_API const char *ada4571_health_json(const ada4571_health *health);
+ADA4571_API void ada4571_health_free(ada4571_health *health);
+
+/* ------------------------------------------------------------------ figures */
+
+/* Figures of the application note, reproduced by the simulation as data: "mismatch" (Fig. 6),
+ * "offset-25", "offset-0-110", "offset-20-80", "offset-20-50" (Figs. 8 to 11), "error-gc-on",
+ * "error-gc-off" (Figs. 2, 3). Writes DIRECTORY/NAME.csv, and NAME.svg where gnuplot is found. */
+ADA4571_API ada4571_status ada4571_figure_write(const char *name, uint64_t seed,
+                                                const char *directory);
+/* Name of figure `index`, NULL past the last. */
+ADA4571_API const char *ada4571_figure_name(size_t index);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* ADA4571_H */

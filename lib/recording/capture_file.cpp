@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "recording/capture_file.h"
+
+#include <algorithm>
+#include <array>
+
+#include "base/error.h"
+#include "recording/sigmf_reader.h"
+#include "recording/sigmf_writer.h"
+#include "recording/text_reader.h"
+#include "recording/text_writer.h"
+
+namespace ada {
+
+namespace {
+
+bool ends_with(std::string_view text, std::string_view end) {
+  return text.size() > end.size() && text.substr(text.size() - end.size()) == end;
+}
+
+/// Either file of a SigMF pair names it.
+bool is_sigmf(std::string_view path) {
+  return ends_with(path, ".sigmf-meta") || ends_with(path, ".sigmf-data");
+}
+
+} // namespace
+
+Capture read_capture(const std::string &path) {
+  if (is_sigmf(path))
+    return read_sigmf_capture(path);
+  return read_text_capture(path);
+}
+
+std::unique_ptr<CaptureWriter> open_capture_writer(const std::string &path,
+                                                   const CaptureMetadata &meta,
+                                                   const ChannelSet &channels) {
+  if (path == "-" || ends_with(path, ".csv"))
+    return open_text_writer(path, meta, channels);
+  if (is_sigmf(path))
+    return open_sigmf_writer(path, meta, channels);
+  throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
+              path + ": the name of a capture must end in .csv or .sigmf-meta");
+}
+
+void write_capture(const Capture &capture, const std::string &path) {
+  const auto writer = open_capture_writer(path, capture.meta, ChannelSet::of(capture));
+  std::array<Frame, 1024> block;
+  auto gap = capture.gaps.begin();
+  for (std::size_t first = 0, count = 0; first < capture.size(); first += count) {
+    count = std::min(block.size(), capture.size() - first);
+    if (gap != capture.gaps.end() && *gap == first) {
+      writer->mark_gap();
+      ++gap;
+    }
+    if (gap != capture.gaps.end() && *gap < first + count)
+      count = *gap - first; // a block ends where a gap begins
+    for (std::size_t i = 0; i < count; ++i)
+      block[i] = frame_at(capture, first + i);
+    writer->write({block.data(), count});
+  }
+  writer->finish();
+}
+
+std::vector<std::size_t> gaps_in_time(const Capture &capture) {
+  std::vector<std::size_t> gaps;
+  if (!capture.meta.sample_rate_hz)
+    return gaps;
+  const double longest = 1.5 / *capture.meta.sample_rate_hz;
+  for (std::size_t i = 1; i < capture.size(); ++i)
+    if (capture.time_s[i] - capture.time_s[i - 1] > longest)
+      gaps.push_back(i);
+  return gaps;
+}
+
+} // namespace ada

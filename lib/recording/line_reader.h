@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ada {
+
+/// Lines of a descriptor, without their end (LF or CRLF), from a buffer of fixed size.
+class LineReader {
+public:
+  /// Longest line that is read; a longer one is an error rather than an allocation.
+  static constexpr std::size_t kMaxLine = std::size_t{1} << 16;
+
+  LineReader(int fd, std::string shown);
+
+  /// False at the end of the file. `line` is good until the next call.
+  bool next(std::string_view &line);
+
+  std::size_t line_number() const { return line_number_; } ///< of the last line, from 1
+  std::size_t bytes_read() const { return consumed_; }     ///< by the lines so far
+
+  /// Error(ADA4571_ERROR_FORMAT) "file:line:column: what"; columns count from 1.
+  [[noreturn]] void fail(std::size_t column, const std::string &what) const;
+
+private:
+  bool fill();
+
+  int fd_;
+  std::string shown_;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0, end_ = 0; ///< unread part of the buffer
+  std::size_t line_number_ = 0, consumed_ = 0;
+  bool at_end_ = false;
+};
+
+} // namespace ada

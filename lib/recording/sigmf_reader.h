@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "recording/capture.h"
+#include "recording/sigmf_meta.h"
+
+namespace ada {
+
+/// Reads a SigMF recording; `path` names either of its two files. The data file is mapped, not
+/// read into memory; beside the columns nothing grows with it.
+Capture read_sigmf_capture(const std::string &path);
+
+/// The samples of a data file as a capture. Throws Error(ADA4571_ERROR_FORMAT) with `shown`, the
+/// name of the data file, and the sample.
+Capture decode_sigmf(const SigmfMeta &meta, std::span<const std::byte> data,
+                     const std::string &shown);
+
+/// The two files of a recording from the name of either.
+std::string sigmf_meta_path(const std::string &path);
+std::string sigmf_data_path(const std::string &path);
+
+} // namespace ada
