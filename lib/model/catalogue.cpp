@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The table of effects, in physical order: an effect acts after those above it. A new effect is a
+// file in effects/ and a row here.
+
+#include <vector>
+
+#include "model/effect.h"
+
+#define ADA4571_EFFECTS(X)                                                                         \
+  X(angle_slip)                                                                                    \
+  X(rotation_nonuniformity)                                                                        \
+  X(sensor_off_axis)                                                                               \
+  X(field_direction_error)                                                                         \
+  X(stray_field)                                                                                   \
+  X(hysteresis)                                                                                    \
+  X(weak_field)                                                                                    \
+  X(temperature_lag)                                                                               \
+  X(amplitude_temperature_drift)                                                                   \
+  X(quadrature_error)                                                                              \
+  X(amplitude_mismatch)                                                                            \
+  X(offset_temperature_drift)                                                                      \
+  X(offset_temperature_curvature)                                                                  \
+  X(offset_step)                                                                                   \
+  X(quadratic_nonlinearity)                                                                        \
+  X(cubic_nonlinearity)                                                                            \
+  X(harmonic_distortion)                                                                           \
+  X(clipping)                                                                                      \
+  X(low_pass_rolloff)                                                                              \
+  X(propagation_delay)                                                                             \
+  X(channel_skew)                                                                                  \
+  X(supply_variation)                                                                              \
+  X(multiplexer_memory)                                                                            \
+  X(periodic_interference)                                                                         \
+  X(impulse_noise)                                                                                 \
+  X(excess_noise)                                                                                  \
+  X(stuck_channel)                                                                                 \
+  X(channel_swap)                                                                                  \
+  X(channel_inverted)                                                                              \
+  X(sample_loss)                                                                                   \
+  X(reference_eccentricity)
+
+namespace ada {
+
+#define X(name) const Effect &name();
+ADA4571_EFFECTS(X)
+#undef X
+
+std::span<const Effect *const> catalogue() {
+  static const Effect *const table[] = {
+#define X(name) &name(),
+      ADA4571_EFFECTS(X)
+#undef X
+  };
+  return table;
+}
+
+const Effect *find_effect(std::string_view id) {
+  for (const Effect *effect : catalogue())
+    if (effect->info().id == id)
+      return effect;
+  return nullptr;
+}
+
+} // namespace ada

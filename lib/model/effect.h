@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What every effect of the catalogue knows about itself. One effect is one object in one file of
+// effects/; the table in catalogue.cpp lists them. Simulation, correction, calibration and
+// diagnosis are readers of these objects and know no effect by name.
+#pragma once
+
+#include <array>
+#include <random>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/model.h"
+#include "model/wave.h"
+#include "recording/capture.h"
+
+namespace ada {
+
+class Residual;  // residual.h: what the diagnosis shows an effect
+struct Screened; // residual.h: what a first look at a capture found
+
+/// Physical order: a signal passes the stages from top to bottom.
+enum class Stage { motion, field, bridge, chain, sampler, converter, record };
+
+std::string_view stage_name(Stage stage);
+
+/// How a parameter takes part in a fit.
+enum class Role {
+  fitted, ///< continuous
+  chosen, ///< found by a search and then held: an order, a channel, a moment
+};
+
+struct ParameterInfo {
+  std::string_view name; ///< as in the catalogue: "k", "delta_deg", ...
+  std::string_view unit; ///< "1", "V", "deg", "s", "Hz", "V/V", ...; "channel" prints vsin or vcos
+  double fallback;       ///< value when `simulate --effect NAME` does not give it
+  double minimum, maximum; ///< accepted range, inclusive
+  Role role = Role::fitted;
+  double step = 1e-4; ///< for finite differences: a size at which the effect is small and linear
+};
+
+/// An experiment that would tell this effect from a rival.
+struct Separation {
+  std::string_view rival;
+  std::string_view experiment;
+};
+
+/// How a capture shows the effect, which decides how the diagnosis looks for it.
+enum class Evidence {
+  signal,    ///< a deterministic part of VSIN and VCOS: joint least squares
+  screening, ///< seen before any fit: wiring, dead channels, lost samples, spikes
+  noise,     ///< changes the noise, not the signal
+};
+
+struct EffectInfo {
+  std::string_view id;    ///< identifier of the catalogue
+  std::string_view cause; ///< one sentence for a person
+  Stage stage;
+  std::span<const ParameterInfo> parameters;
+  bool correctable; ///< whether a reader may take it out of the angle
+  Evidence evidence = Evidence::signal;
+  bool signature = false; ///< names a shape whose physical cause is open: physical causes go first
+  std::span<const Separation> separations = {};
+};
+
+using Values = std::span<const double>;
+using Rng = std::mt19937_64;
+
+class Effect {
+public:
+  virtual ~Effect() = default;
+  virtual const EffectInfo &info() const = 0;
+
+  // --- what it does, each at its place in the physical order; the default does nothing
+
+  /// Acts on one block at the effect's stage. `values` as in info().parameters.
+  virtual void apply(Values, Wave &) const {}
+  /// Linear dynamics before the sampler.
+  virtual void dynamics(Values, Taps &) const {}
+  /// The shaft's angle (rad) where the reference reads `reference` (rad).
+  virtual double shaft_from_reference(Values, double reference) const { return reference; }
+  /// The part of VCOS that VTEMP carries over, where VTEMP is in the scan.
+  virtual double vtemp_on_vcos(Values) const { return 0.0; }
+  /// Order-1 error that the reference itself shows against smooth time: cos and sin part, rad.
+  virtual std::array<double, 2> reference_ripple(Values) const { return {0.0, 0.0}; }
+  /// Acts on a simulated capture as a whole: lost rows, spikes, the reference column.
+  virtual void record(Values, Rng &, Capture &) const {}
+
+  // --- how it is fitted
+
+  /// Coordinates in which the effect is smooth and zero means absent. The default: the fitted
+  /// parameters themselves.
+  virtual std::vector<double> to_coordinates(Values values) const;
+  /// Back again; `values` gives the chosen parameters.
+  virtual std::vector<double> from_coordinates(Values values, std::span<const double> x) const;
+  /// Finite-difference step of each coordinate.
+  virtual std::vector<double> steps(Values values) const;
+
+  // --- how it is found
+
+  /// Why this capture cannot show the effect at all; empty when it can.
+  virtual std::string invisible(const Residual &) const { return {}; }
+  /// Starting points, best first. Coordinates near zero mean: let the linear fit decide.
+  virtual std::vector<std::vector<double>> guesses(const Residual &) const;
+  /// Evidence::screening: looks at the capture before any fit, marks what the fit must not use.
+  virtual bool screen(Screened &) const { return false; }
+};
+
+/// All effects in physical order.
+std::span<const Effect *const> catalogue();
+
+/// The effect with this identifier, or nullptr.
+const Effect *find_effect(std::string_view id);
+
+inline const EffectInfo &effect_info(const Effect &effect) {
+  return effect.info();
+}
+
+} // namespace ada

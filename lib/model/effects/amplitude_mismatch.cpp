@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// A_sin = A (1 + k/2), A_cos = A (1 - k/2): an ellipse with its axes on the channels.
+
+#include "model/effects/common.h"
+
+namespace ada {
+namespace {
+
+constexpr std::array<ParameterInfo, 1> kParameters{
+    ParameterInfo{"k", "1", 0.01, -1.0, 1.0, Role::fitted, 1e-4}};
+
+constexpr EffectInfo kInfo{.id = "amplitude-mismatch",
+                           .cause = "The two channels have different amplitudes.",
+                           .stage = Stage::bridge,
+                           .parameters = kParameters,
+                           .correctable = true};
+
+class AmplitudeMismatch final : public Effect {
+public:
+  const EffectInfo &info() const override { return kInfo; }
+  void apply(Values v, Wave &w) const override {
+    for (std::size_t i = 0; i < w.n; ++i) {
+      w.s[i] *= 1.0 + 0.5 * v[0];
+      w.c[i] *= 1.0 - 0.5 * v[0];
+    }
+  }
+};
+
+} // namespace
+
+const Effect &amplitude_mismatch() {
+  static const AmplitudeMismatch effect;
+  return effect;
+}
+
+} // namespace ada

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// A channel stops at a level below its peak: the output stage or the converter runs out of range.
+
+#include "model/effects/common.h"
+
+namespace ada {
+namespace {
+
+constexpr std::array<ParameterInfo, 3> kParameters{
+    ParameterInfo{"low_v", "V", -kInf, -kInf, kInf, Role::fitted, 1e-3},
+    ParameterInfo{"high_v", "V", 3.8, -kInf, kInf, Role::fitted, 1e-3},
+    // Absent where both channels stop at the same levels.
+    ParameterInfo{"channel", "channel", std::numeric_limits<double>::quiet_NaN(), 0.0, 1.0,
+                  Role::chosen}};
+
+constexpr std::array<Separation, 1> kSeparations{
+    {{"cubic-nonlinearity",
+      "capture at another amplitude (gain control, supply): clipping keeps its level in volts"}}};
+
+constexpr EffectInfo kInfo{.id = "clipping",
+                           .cause = "The outputs stop at a level below the peak of the signal.",
+                           .stage = Stage::chain,
+                           .parameters = kParameters,
+                           .correctable = true,
+                           .separations = kSeparations};
+
+class Clipping final : public Effect {
+public:
+  const EffectInfo &info() const override { return kInfo; }
+  void apply(Values v, Wave &w) const override {
+    const double low = std::isnan(v[0]) ? -kInf : v[0] - w.mid_v;
+    const double high = std::isnan(v[1]) ? kInf : v[1] - w.mid_v;
+    for (double channel : {0.0, 1.0}) {
+      if (!std::isnan(v[2]) && v[2] != channel)
+        continue;
+      double *signal = channel_of(w, channel);
+      for (std::size_t i = 0; i < w.n; ++i)
+        signal[i] = std::min(std::max(signal[i], low), high);
+    }
+  }
+  /// Only the side that clips is fitted; the other is not a number.
+  std::vector<double> to_coordinates(Values v) const override {
+    std::vector<double> x;
+    for (double level : v.first(2))
+      if (std::isfinite(level))
+        x.push_back(level);
+    return x;
+  }
+  std::vector<double> from_coordinates(Values v, std::span<const double> x) const override {
+    std::vector<double> out(v.begin(), v.end());
+    std::size_t k = 0;
+    for (double &level : std::span(out).first(2))
+      level = std::isfinite(level) ? x[k++] : std::nan("");
+    return out;
+  }
+  std::vector<double> steps(Values v) const override {
+    return std::vector<double>(to_coordinates(v).size(), 1e-3);
+  }
+  std::vector<std::vector<double>> guesses(const Residual &r) const override {
+    return find_clipping(r);
+  }
+};
+
+} // namespace
+
+const Effect &clipping() {
+  static const Clipping effect;
+  return effect;
+}
+
+} // namespace ada

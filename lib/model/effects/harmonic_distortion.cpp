@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// One channel carries a harmonic of psi that no transfer error explains:
+// adds A a sin(n psi + phase) to it. A signature, whose physical cause is open.
+
+#include "model/effects/common.h"
+
+namespace ada {
+namespace {
+
+constexpr std::array<ParameterInfo, 4> kParameters{
+    ParameterInfo{"order", "of psi", 2.0, 2.0, 32.0, Role::chosen},
+    ParameterInfo{"channel", "channel", 0.0, 0.0, 1.0, Role::chosen},
+    ParameterInfo{"amplitude", "1", 0.005, 0.0, 1.0, Role::fitted, 1e-4},
+    ParameterInfo{"phase_deg", "deg", 0.0, -360.0, 360.0}};
+
+constexpr EffectInfo kInfo{.id = "harmonic-distortion",
+                           .cause = "One channel carries a harmonic of the electrical angle.",
+                           .stage = Stage::chain,
+                           .parameters = kParameters,
+                           .correctable = true,
+                           .signature = true};
+
+class HarmonicDistortion final : public PolarEffect {
+public:
+  const EffectInfo &info() const override { return kInfo; }
+  void apply(Values v, Wave &w) const override {
+    const double a = v[2] * w.amplitude_v;
+    if (a == 0.0)
+      return;
+    const double in_phase = a * std::cos(v[3] * kRadPerDeg);
+    const double quadrature = a * std::sin(v[3] * kRadPerDeg);
+    const int order = static_cast<int>(v[0]);
+    double *channel = channel_of(w, v[1]);
+    for (std::size_t i = 0; i < w.n; ++i) {
+      double c = w.ex[i], s = w.ey[i]; // (c + js)^order by repeated product
+      for (int k = 1; k < order; ++k) {
+        const double t = c * w.ex[i] - s * w.ey[i];
+        s = s * w.ex[i] + c * w.ey[i];
+        c = t;
+      }
+      channel[i] += in_phase * s + quadrature * c;
+    }
+  }
+  std::vector<std::vector<double>> guesses(const Residual &) const override {
+    std::vector<std::vector<double>> out;
+    for (double channel : {0.0, 1.0})
+      for (auto v : one_of_each(4, 0, 2, 8)) {
+        v[1] = channel;
+        out.push_back(v);
+      }
+    return out;
+  }
+
+protected:
+  std::size_t amplitude_index() const override { return 2; }
+  std::size_t phase_index() const override { return 3; }
+};
+
+} // namespace
+
+const Effect &harmonic_distortion() {
+  static const HarmonicDistortion effect;
+  return effect;
+}
+
+} // namespace ada

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Each conversion keeps a part m of the channel converted before it, in the scan order VSIN, VCOS,
+// VTEMP. Where VTEMP is not in the scan, VSIN keeps a part of the VCOS of the frame before.
+
+#include "model/effects/common.h"
+
+namespace ada {
+namespace {
+
+constexpr std::array<ParameterInfo, 1> kParameters{
+    ParameterInfo{"m", "1", 0.005, -0.5, 0.5, Role::fitted, 1e-4}};
+
+constexpr std::array<Separation, 2> kSeparations{
+    {{"quadrature-error", "record VTEMP in the same scan: with a multiplexer memory it carries the "
+                          "angle; or change the scan order"},
+     {"channel-skew", "record VTEMP in the same scan: with a multiplexer memory it carries the "
+                      "angle; or capture a second speed"}}};
+
+constexpr EffectInfo kInfo{
+    .id = "multiplexer-memory",
+    .cause = "The converter's sampling capacitor keeps a part of the channel converted before.",
+    .stage = Stage::converter,
+    .parameters = kParameters,
+    .correctable = true,
+    .separations = kSeparations};
+
+class MultiplexerMemory final : public Effect {
+public:
+  const EffectInfo &info() const override { return kInfo; }
+  void apply(Values v, Wave &w) const override {
+    const double m = v[0];
+    if (m == 0.0)
+      return;
+    for (std::size_t i = 0; i < w.n; ++i) {
+      double before;
+      if (w.at.vtemp_scan != nullptr) {
+        before = w.at.vtemp_scan[i];
+      } else { // VCOS one frame ago: turn the pair back by the step of psi
+        const double step = w.periods * w.at.omega[i] * w.at.frame_period_s;
+        before =
+            w.mid_v + (w.c[i] - w.mid_v) * std::cos(step) + (w.s[i] - w.mid_v) * std::sin(step);
+      }
+      w.s[i] += m * (before - w.s[i]);
+      w.c[i] += m * (w.s[i] - w.c[i]);
+    }
+  }
+  double vtemp_on_vcos(Values v) const override { return v[0]; }
+  void record(Values v, Rng &, Capture &capture) const override {
+    for (std::size_t i = 0; i < capture.vtemp_v.size(); ++i)
+      capture.vtemp_v[i] += v[0] * (capture.vcos_v[i] - capture.vtemp_v[i]);
+  }
+};
+
+} // namespace
+
+const Effect &multiplexer_memory() {
+  static const MultiplexerMemory effect;
+  return effect;
+}
+
+} // namespace ada

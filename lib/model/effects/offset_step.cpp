@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// An offset jumps at one moment and stays there.
+
+#include "model/effects/common.h"
+
+namespace ada {
+namespace {
+
+constexpr std::array<ParameterInfo, 3> kParameters{
+    ParameterInfo{"time_s", "s", 1.0, -kInf, kInf, Role::chosen},
+    ParameterInfo{"step_sin_v", "V", 0.01, -5.0, 5.0, Role::fitted, 1e-3},
+    ParameterInfo{"step_cos_v", "V", 0.0, -5.0, 5.0, Role::fitted, 1e-3}};
+
+constexpr EffectInfo kInfo{
+    .id = "offset-step",
+    .cause = "An offset jumped at one moment: a contact, a solder joint or a stressed package.",
+    .stage = Stage::chain,
+    .parameters = kParameters,
+    .correctable = false};
+
+class OffsetStep final : public Effect {
+public:
+  const EffectInfo &info() const override { return kInfo; }
+  void apply(Values v, Wave &w) const override {
+    for (std::size_t i = 0; i < w.n; ++i)
+      if (w.at.time[i] >= v[0]) {
+        w.s[i] += v[1];
+        w.c[i] += v[2];
+      }
+  }
+  std::vector<std::vector<double>> guesses(const Residual &r) const override {
+    const auto step = find_step(r, StepIn::offsets);
+    if (!step)
+      return {};
+    return {{step->time_s, step->first, step->second}};
+  }
+};
+
+} // namespace
+
+const Effect &offset_step() {
+  static const OffsetStep effect;
+  return effect;
+}
+
+} // namespace ada

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Offsets move with VTEMP; the slope at the model's reference VTEMP.
+
+#include "model/effects/common.h"
+
+namespace ada {
+namespace {
+
+constexpr std::array<ParameterInfo, 2> kParameters{
+    ParameterInfo{"tc_sin", "V/V", 0.02, -2.0, 2.0, Role::fitted, 1e-3},
+    ParameterInfo{"tc_cos", "V/V", -0.015, -2.0, 2.0, Role::fitted, 1e-3}};
+
+constexpr EffectInfo kInfo{.id = "offset-temperature-drift",
+                           .cause = "The offsets drift with temperature.",
+                           .stage = Stage::chain,
+                           .parameters = kParameters,
+                           .correctable = true};
+
+class OffsetTemperatureDrift final : public Effect {
+public:
+  const EffectInfo &info() const override { return kInfo; }
+  void apply(Values v, Wave &w) const override {
+    for (std::size_t i = 0; i < w.n; ++i) {
+      w.s[i] += v[0] * w.temp[i];
+      w.c[i] += v[1] * w.temp[i];
+    }
+  }
+  std::string invisible(const Residual &r) const override { return r.why_no_temperature; }
+};
+
+} // namespace
+
+const Effect &offset_temperature_drift() {
+  static const OffsetTemperatureDrift effect;
+  return effect;
+}
+
+} // namespace ada

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The sensor sits beside the shaft axis. The field of a dipole m at in-plane offset s and gap z is
+// 3 (m.r) r / r^5 - m / r^3: its component along s is weakened by rho = 3 s^2/(s^2 + z^2) against
+// the one across. With a = rho/(2 - rho) the direction obeys tan(phi - beta) = tan(alpha - beta) (1
+// + a)/(1 - a), so phi - alpha = a sin 2(alpha - beta) + (a^2/2) sin 4(alpha - beta) + ...: the
+// parameter is exactly the first term. The Lissajous figure stays a circle.
+
+#include "model/effects/common.h"
+
+namespace ada {
+namespace {
+
+constexpr std::array<ParameterInfo, 2> kParameters{
+    ParameterInfo{"a_deg", "deg", 0.2, 0.0, 20.0, Role::fitted, 0.01},
+    ParameterInfo{"direction_deg", "deg", 0.0, -360.0, 360.0}};
+
+constexpr std::array<Separation, 2> kSeparations{
+    {{"rotation-nonuniformity",
+      "record a reference angle, or repeat at another speed or in a coast-down"},
+     {"field-direction-error", "move the sensor by a known step: the error of an off-axis sensor "
+                               "grows with the square of the distance"}}};
+
+constexpr EffectInfo kInfo{
+    .id = "sensor-off-axis",
+    .cause =
+        "The sensor sits beside the shaft axis, where the magnet's field has another direction.",
+    .stage = Stage::field,
+    .parameters = kParameters,
+    .correctable = true,
+    .separations = kSeparations};
+
+class SensorOffAxis final : public PolarEffect {
+public:
+  const EffectInfo &info() const override { return kInfo; }
+  void apply(Values v, Wave &w) const override {
+    const double a = v[0] * kRadPerDeg;
+    if (a == 0.0)
+      return;
+    const double cb = std::cos(v[1] * kRadPerDeg), sb = std::sin(v[1] * kRadPerDeg);
+    for (std::size_t i = 0; i < w.n; ++i) {
+      const double along = (1.0 - a) * (w.fx[i] * cb + w.fy[i] * sb);
+      const double across = (1.0 + a) * (w.fy[i] * cb - w.fx[i] * sb);
+      w.fx[i] = along * cb - across * sb;
+      w.fy[i] = along * sb + across * cb;
+    }
+  }
+  std::string invisible(const Residual &r) const override {
+    return r.has_reference ? "" : "without a reference it looks like a speed ripple of order 2";
+  }
+
+protected:
+  double multiplicity() const override { return 2.0; }
+};
+
+} // namespace
+
+const Effect &sensor_off_axis() {
+  static const SensorOffAxis effect;
+  return effect;
+}
+
+} // namespace ada

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "model/forward.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/angle.h"
+
+namespace ada {
+
+namespace {
+
+std::size_t table_index(const Effect *effect) {
+  const auto table = catalogue();
+  return static_cast<std::size_t>(std::find(table.begin(), table.end(), effect) - table.begin());
+}
+
+/// e^(j p x) of the direction of (fx, fy).
+void electrical(Wave &w) {
+  for (std::size_t i = 0; i < w.n; ++i) {
+    const double x = w.fx[i], y = w.fy[i];
+    const double r2 = x * x + y * y;
+    if (w.periods == 2) {
+      const double inverse = 1.0 / r2;
+      w.ex[i] = (x * x - y * y) * inverse;
+      w.ey[i] = 2.0 * x * y * inverse;
+      continue;
+    }
+    const double inverse = 1.0 / std::sqrt(r2);
+    double c = x * inverse, s = y * inverse;
+    const double c1 = c, s1 = s;
+    for (int k = 1; k < w.periods; ++k) {
+      const double t = c * c1 - s * s1;
+      s = s * c1 + c * s1;
+      c = t;
+    }
+    w.ex[i] = c;
+    w.ey[i] = s;
+  }
+}
+
+} // namespace
+
+ForwardModel::ForwardModel(const Model &model, AlphaIs alpha)
+    : baseline_(model.baseline), mid_v_(0.5 * model.supply_v),
+      temp_reference_v_(model.vtemp_reference_v), periods_(model.periods_per_turn) {
+  std::vector<EffectInstance> effects = model.effects;
+  std::stable_sort(effects.begin(), effects.end(), [](const auto &a, const auto &b) {
+    return table_index(a.effect) < table_index(b.effect);
+  });
+  for (EffectInstance &e : effects) {
+    e.effect->dynamics(e.values, taps_);
+    Step step{e.effect, std::move(e.values)};
+    switch (e.effect->info().stage) {
+    case Stage::motion:
+      motion_.push_back(std::move(step));
+      break;
+    case Stage::field:
+      field_.push_back(std::move(step));
+      break;
+    case Stage::bridge:
+      bridge_.push_back(std::move(step));
+      break;
+    case Stage::chain:
+      chain_.push_back(std::move(step));
+      break;
+    case Stage::record:
+      if (alpha == AlphaIs::reference)
+        reference_.push_back(step);
+      later_.push_back(std::move(step));
+      break;
+    case Stage::sampler:
+    case Stage::converter:
+      later_.push_back(std::move(step));
+      break;
+    }
+  }
+}
+
+void ForwardModel::until_sampler(Wave &w, double delay_s, const double *shaft) const {
+  for (std::size_t i = 0; i < w.n; ++i) {
+    double a = shaft[i];
+    if (delay_s != 0.0) {
+      a -= w.at.omega[i] * delay_s;
+      if (w.at.accel)
+        a += 0.5 * w.at.accel[i] * delay_s * delay_s;
+    }
+    w.alpha[i] = a;
+    w.fx[i] = std::cos(a);
+    w.fy[i] = std::sin(a);
+    w.temp[i] = w.at.temp ? w.at.temp[i] - temp_reference_v_ : 0.0;
+  }
+  for (const Step &step : field_)
+    step.effect->apply(step.values, w);
+  electrical(w);
+  std::copy(w.ex, w.ex + w.n, w.c);
+  std::copy(w.ey, w.ey + w.n, w.s);
+  for (const Step &step : bridge_)
+    step.effect->apply(step.values, w);
+  for (std::size_t i = 0; i < w.n; ++i) {
+    w.s[i] = baseline_.amplitude_v * w.s[i] + baseline_.offset_sin_v;
+    w.c[i] = baseline_.amplitude_v * w.c[i] + baseline_.offset_cos_v;
+  }
+  for (const Step &step : chain_)
+    step.effect->apply(step.values, w);
+}
+
+void ForwardModel::motion(Wave &w, double *shaft) const {
+  for (std::size_t i = 0; i < w.n; ++i) {
+    shaft[i] = w.at.alpha[i];
+    for (const Step &step : reference_)
+      shaft[i] = step.effect->shaft_from_reference(step.values, shaft[i]);
+  }
+  if (!reference_.empty())
+    w.at.alpha = shaft;
+  std::copy(shaft, shaft + w.n, w.alpha);
+  for (const Step &step : motion_)
+    step.effect->apply(step.values, w);
+}
+
+void ForwardModel::magnet_angle(const Conditions &at, double *alpha) const {
+  Wave w;
+  double shaft[kWaveBlock];
+  for (std::size_t first = 0; first < at.n; first += kWaveBlock) {
+    w.n = std::min(kWaveBlock, at.n - first);
+    w.at = at.slice(first, w.n);
+    motion(w, shaft);
+    std::copy(w.alpha, w.alpha + w.n, alpha + first);
+  }
+}
+
+void ForwardModel::block(const Conditions &at, double *vsin_v, double *vcos_v, Wave &w) const {
+  w.n = at.n;
+  w.at = at;
+  double shaft[kWaveBlock];
+  motion(w, shaft);
+  for (std::size_t i = 0; i < w.n; ++i)
+    shaft[i] = w.alpha[i] + baseline_.angle_zero_deg * kRadPerDeg;
+
+  if (taps_.trivial()) {
+    until_sampler(w, 0.0, shaft);
+  } else {
+    double s[kWaveBlock] = {}, c[kWaveBlock] = {};
+    std::vector<double> done;
+    for (const auto *taps : {&taps_.sin, &taps_.cos})
+      for (const Tap &tap : *taps) {
+        if (std::find(done.begin(), done.end(), tap.delay_s) != done.end())
+          continue;
+        done.push_back(tap.delay_s);
+        until_sampler(w, tap.delay_s, shaft);
+        for (const Tap &other : taps_.sin)
+          if (other.delay_s == tap.delay_s)
+            for (std::size_t i = 0; i < w.n; ++i)
+              s[i] += other.weight * w.s[i];
+        for (const Tap &other : taps_.cos)
+          if (other.delay_s == tap.delay_s)
+            for (std::size_t i = 0; i < w.n; ++i)
+              c[i] += other.weight * w.c[i];
+      }
+    std::copy(s, s + w.n, w.s);
+    std::copy(c, c + w.n, w.c);
+  }
+  for (std::size_t i = 0; i < w.n; ++i) {
+    w.s[i] += mid_v_;
+    w.c[i] += mid_v_;
+  }
+  for (const Step &step : later_)
+    step.effect->apply(step.values, w);
+  std::copy(w.s, w.s + w.n, vsin_v);
+  std::copy(w.c, w.c + w.n, vcos_v);
+}
+
+void ForwardModel::evaluate(const Conditions &at, double *vsin_v, double *vcos_v) const {
+  Wave w;
+  w.amplitude_v = baseline_.amplitude_v;
+  w.mid_v = mid_v_;
+  w.periods = periods_;
+  for (std::size_t first = 0; first < at.n; first += kWaveBlock) {
+    const std::size_t count = std::min(kWaveBlock, at.n - first);
+    block(at.slice(first, count), vsin_v + first, vcos_v + first, w);
+  }
+}
+
+} // namespace ada

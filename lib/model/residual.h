@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What the diagnosis shows an effect: what a capture can show at all, and what the model so far
+// leaves over. The finders below are shared by the effects that begin with a search.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/effect.h"
+#include "recording/capture.h"
+
+namespace ada {
+
+/// The data minus the model so far, and what the capture holds. Arrays of one length, in time
+/// order; samples that a fit must not use are left out.
+class Residual {
+public:
+  bool has_reference = false, has_supply = false;
+  bool both_directions = false, several_speeds = false;
+  std::string why_no_temperature; ///< empty when the capture shows a range of temperatures
+  double fastest_omega = 0.0;     ///< rad/s, mechanical
+  int periods = 2;
+  double amplitude_v = 1.0, noise_v = 0.0, supply_v = 5.0;
+  double sample_period_s = 0.0;
+  std::span<const double> time, omega;
+  std::span<const double> sin_v, cos_v;             ///< residual
+  std::span<const double> model_sin_v, model_cos_v; ///< absolute volts of the model so far
+  std::span<const double> alpha;                    ///< mechanical angle, rad
+};
+
+struct StepGuess {
+  double time_s, first, second; ///< offsets: V in VSIN and VCOS; angle: rad mechanical and 0
+};
+enum class StepIn { angle, offsets };
+
+/// The moment at which the mean of the residual changes most.
+std::optional<StepGuess> find_step(const Residual &residual, StepIn where);
+
+/// Strongest lines of the residual's spectrum over time, as values of `periodic-interference`.
+std::vector<std::vector<double>> find_tones(const Residual &residual);
+
+/// Levels at which the signal stops below what the model expects, as values of `clipping`.
+std::vector<std::vector<double>> find_clipping(const Residual &residual);
+
+/// A cause that is seen before any fit.
+struct ScreenFinding {
+  const Effect *effect;
+  std::vector<double> values, std_errors;
+  std::vector<std::string> alternatives;
+  std::string explanation;
+};
+
+/// A capture on its first look, and what came of it.
+struct Screened {
+  const Capture &capture;
+  std::vector<char> usable;       ///< 0: a fit must not use this sample
+  std::vector<double> angle;      ///< unwrapped mechanical angle from the pair itself, rad
+  std::vector<std::size_t> jumps; ///< first sample after each jump of the angle over time
+  std::vector<double> jump_rad;   ///< mechanical, beyond what the speed explains
+  std::vector<ScreenFinding> findings;
+  double white_noise_v = 0.0; ///< sample-to-sample noise of one channel
+};
+
+bool screen_spikes(Screened &look, const Effect &effect);
+bool screen_stuck(Screened &look, const Effect &effect);
+bool screen_orientation(Screened &look, const Effect &effect);
+bool screen_losses(Screened &look, const Effect &effect);
+bool screen_slip(Screened &look, const Effect &effect); ///< only where there is no reference
+
+/// Places of isolated outliers: residuals that stand out of their neighbours by more than
+/// `threshold` robust standard deviations, or of `floor_v` where that is larger.
+void find_spikes(std::span<const double> residual, double threshold, double floor_v,
+                 std::vector<std::size_t> &places);
+
+/// Takes `samples` rows out of the capture at `events` random places; time runs on unbroken.
+void drop_rows(std::size_t events, std::size_t samples, Rng &rng, Capture &capture);
+
+} // namespace ada

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "model/wave.h"
+
+namespace ada {
+
+namespace {
+const double *offset(const double *p, std::size_t first) {
+  return p ? p + first : nullptr;
+}
+
+std::vector<Tap> convolve(const std::vector<Tap> &a, std::span<const Tap> b) {
+  std::vector<Tap> out;
+  out.reserve(a.size() * b.size());
+  for (const Tap &x : a)
+    for (const Tap &y : b)
+      out.push_back({x.delay_s + y.delay_s, x.weight * y.weight});
+  return out;
+}
+} // namespace
+
+Conditions Conditions::slice(std::size_t first, std::size_t count) const {
+  Conditions out = *this;
+  out.n = count;
+  for (const double **p : {&out.time, &out.alpha, &out.omega, &out.accel, &out.direction, &out.temp,
+                           &out.temp_rate, &out.supply, &out.vtemp_scan})
+    *p = offset(*p, first);
+  return out;
+}
+
+void Taps::pass(std::span<const Tap> system) {
+  sin = convolve(sin, system);
+  cos = convolve(cos, system);
+}
+
+} // namespace ada

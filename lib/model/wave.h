@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What the stages of the forward model hand to each other: one block of samples on its way from
+// the shaft to the converter, and the conditions under which each sample was taken.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace ada {
+
+/// Conditions of each sample; arrays of one length. Optional ones are nullptr where unknown.
+struct Conditions {
+  std::size_t n = 0;
+  const double *time = nullptr;       ///< s
+  const double *alpha = nullptr;      ///< true mechanical angle of the shaft, rad
+  const double *omega = nullptr;      ///< d alpha/dt, rad/s
+  const double *accel = nullptr;      ///< d omega/dt, rad/s^2, optional
+  const double *direction = nullptr;  ///< -1 or +1, the sense of the last motion
+  const double *temp = nullptr;       ///< VTEMP, V, free of noise; optional
+  const double *temp_rate = nullptr;  ///< d VTEMP/dt, V/s; optional
+  const double *supply = nullptr;     ///< (VDD/mean - 1) scaled to an rms of 1; optional
+  const double *vtemp_scan = nullptr; ///< VTEMP as converted before VSIN, V; nullptr: not scanned
+  double frame_period_s = 0.0;
+
+  /// The same conditions from sample `first` on, `count` samples.
+  Conditions slice(std::size_t first, std::size_t count) const;
+};
+
+inline constexpr std::size_t kWaveBlock = 256;
+
+/// One block. Which members are meaningful follows the stages:
+/// motion: alpha; field: fx, fy; bridge: ex, ey, c, s (amplitude 1); chain: c, s in volts about
+/// mid-supply; sampler and later: c, s in absolute volts.
+struct Wave {
+  std::size_t n = 0;
+  Conditions at;                         ///< the conditions of this block
+  double amplitude_v = 1.0;              ///< A of the baseline
+  double mid_v = 2.5;                    ///< supply/2
+  int periods = 2;                       ///< p
+  double alpha[kWaveBlock];              ///< angle of the magnet, rad
+  double fx[kWaveBlock], fy[kWaveBlock]; ///< field at the sensor, magnet alone = 1
+  double ex[kWaveBlock], ey[kWaveBlock]; ///< cos psi, sin psi of the field
+  double c[kWaveBlock], s[kWaveBlock];   ///< the two signals
+  double temp[kWaveBlock]; ///< temperature of the bridge in V of VTEMP, minus the reference
+};
+
+/// Linear dynamics before the sampler as a sum of delayed copies: out(t) = sum w_i in(t - d_i).
+struct Tap {
+  double delay_s, weight;
+};
+struct Taps {
+  std::vector<Tap> sin{{0.0, 1.0}}, cos{{0.0, 1.0}};
+  bool trivial() const {
+    return sin.size() == 1 && cos.size() == 1 && sin[0].delay_s == 0.0 && cos[0].delay_s == 0.0;
+  }
+  /// Passes both channels through another such system.
+  void pass(std::span<const Tap> system);
+};
+
+} // namespace ada

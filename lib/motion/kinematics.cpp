@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "motion/kinematics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/angle.h"
+#include "motion/spline.h"
+
+namespace ada {
+
+namespace {
+
+/// Slopes of straight lines over +-half samples. Each window is summed about its own middle:
+/// running sums would lose the digits of a slope in those of a long record.
+std::vector<double> local_slopes(std::span<const double> x, std::span<const double> y,
+                                 std::size_t half) {
+  const std::size_t n = x.size();
+  std::vector<double> slope(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t from = i > half ? i - half : 0;
+    const std::size_t to = std::min(n, i + half + 1);
+    double sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (std::size_t k = from; k < to; ++k) {
+      const double u = x[k] - x[i], v = y[k] - y[i];
+      sx += u;
+      sy += v;
+      sxx += u * u;
+      sxy += u * v;
+    }
+    const double count = static_cast<double>(to - from);
+    const double d = count * sxx - sx * sx;
+    slope[i] = d > 0.0 ? (count * sxy - sx * sy) / d : (i > 0 ? slope[i - 1] : 0.0);
+  }
+  return slope;
+}
+
+/// Knots at every turn of travel, and at rest at least every twentieth of the record. Unusable
+/// stretches get several knots, so that what lies on both sides of them does not have to fit
+/// together.
+std::vector<double> knots_by_travel(std::span<const double> time, std::span<const double> angle,
+                                    std::span<const char> usable) {
+  std::vector<double> knots{time.front()};
+  double travel = 0.0;
+  const double longest = (time.back() - time.front()) / 20.0;
+  std::size_t inside = 0;
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    if (!usable[i]) {
+      std::size_t end = i;
+      while (end < time.size() && !usable[end])
+        ++end;
+      constexpr int kInside = 5;
+      if (end - i <= 3 * kInside) { // single bad samples interrupt nothing
+        travel += std::abs(angle[end - 1] - angle[i - 1]);
+        i = end - 1;
+        continue;
+      }
+      if (travel < 0.5 * kTwoPi && knots.size() > 1)
+        knots.pop_back(); // a short piece before the gap would be loose
+      for (int k = 0; k < kInside; ++k) {
+        const std::size_t at = i + (end - 1 - i) * static_cast<std::size_t>(k) / (kInside - 1);
+        if (time[at] > knots.back())
+          knots.push_back(time[at]);
+      }
+      travel = 0.0;
+      inside = 0;
+      i = end - 1;
+      continue;
+    }
+    travel += std::abs(angle[i] - angle[i - 1]);
+    ++inside;
+    const bool far = travel >= kTwoPi;
+    const bool late = time[i] - knots.back() > longest && travel < 0.5 * kTwoPi;
+    if ((far || late) && inside >= 8 && time[i] > knots.back()) {
+      knots.push_back(time[i]);
+      travel = 0.0;
+      inside = 0;
+    }
+  }
+  if (knots.size() > 1 && time.back() - knots.back() < knots.back() - knots[knots.size() - 2])
+    knots.pop_back(); // the last piece takes what is left
+  knots.push_back(time.back());
+  return knots;
+}
+
+/// One fit of spline and harmonics; fills motion, cos, sin and gives the residual of each sample.
+std::vector<double> split(std::span<const double> time, std::span<const double> angle,
+                          std::span<const char> usable, int orders, SmoothMotion &out) {
+  CubicSpline spline(knots_by_travel(time, angle, usable));
+  const auto harmonics = [&](std::size_t i, double *t) {
+    const double c1 = std::cos(angle[i]), s1 = std::sin(angle[i]);
+    double c = 1.0, s = 0.0;
+    for (int k = 0; k < orders; ++k) {
+      const double next = c * c1 - s * s1;
+      s = s * c1 + c * s1;
+      c = next;
+      t[2 * k] = c;
+      t[2 * k + 1] = s;
+    }
+  };
+  spline.fit(time, angle, usable, static_cast<std::size_t>(2 * orders), harmonics);
+  const std::vector<double> &terms = spline.term_coefficients();
+  out.cos.clear();
+  out.sin.clear();
+  for (std::size_t k = 0; k < terms.size(); k += 2) {
+    out.cos.push_back(terms[k]);
+    out.sin.push_back(terms[k + 1]);
+  }
+  const std::size_t n = time.size();
+  Kinematics &m = out.motion;
+  for (auto *v : {&m.alpha, &m.omega, &m.accel, &m.direction})
+    v->resize(n);
+  std::vector<double> residual(n), t(terms.size());
+  double sense = 1.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    m.alpha[i] = spline.value(time[i]);
+    m.omega[i] = spline.slope(time[i]);
+    m.accel[i] = spline.curvature(time[i]);
+    if (m.omega[i] != 0.0)
+      sense = m.omega[i] < 0.0 ? -1.0 : 1.0;
+    m.direction[i] = sense;
+    harmonics(i, t.data());
+    double periodic = 0.0;
+    for (std::size_t k = 0; k < t.size(); ++k)
+      periodic += terms[k] * t[k];
+    residual[i] = angle[i] - m.alpha[i] - periodic;
+  }
+  return residual;
+}
+
+/// Widens every unusable stretch by `travel` on both sides; single bad samples stay single.
+void widen_gaps(std::span<const double> angle, double travel, std::span<char> usable) {
+  const std::vector<char> before(usable.begin(), usable.end());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before[i])
+      continue;
+    std::size_t end = i;
+    while (end < before.size() && !before[end])
+      ++end;
+    if (end - i > 15) {
+      std::size_t a = i, b = end - 1;
+      for (double t = 0.0; a > 0 && t < travel; --a)
+        t += std::abs(angle[a] - angle[a - 1]);
+      for (double t = 0.0; b + 1 < before.size() && t < travel; ++b)
+        t += std::abs(angle[b + 1] - angle[b]);
+      std::fill(usable.begin() + static_cast<std::ptrdiff_t>(a),
+                usable.begin() + static_cast<std::ptrdiff_t>(b + 1), char{0});
+    }
+    i = end;
+  }
+}
+
+/// Marks stretches whose residual stands far above that of the rest, with a turn on either side.
+bool mask_rough(std::span<const double> angle, const std::vector<double> &residual,
+                std::span<char> usable) {
+  struct Stretch {
+    std::size_t from, to;
+    double rms;
+  };
+  std::vector<Stretch> stretches;
+  std::size_t from = 0;
+  double travel = 0.0, sum = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < angle.size(); ++i) {
+    if (i > 0)
+      travel += std::abs(angle[i] - angle[i - 1]);
+    if (usable[i]) {
+      sum += residual[i] * residual[i];
+      count += 1.0;
+    }
+    if (travel < 0.25 * kTwoPi && i + 1 < angle.size())
+      continue;
+    if (count >= 4.0)
+      stretches.push_back({from, i + 1, std::sqrt(sum / count)});
+    from = i + 1;
+    travel = sum = count = 0.0;
+  }
+  if (stretches.size() < 12)
+    return false;
+  std::vector<double> rms;
+  for (const Stretch &s : stretches)
+    rms.push_back(s.rms);
+  // The smooth part is the better part, yet the greater part is never thrown away.
+  std::sort(rms.begin(), rms.end());
+  const double limit = std::max(2.5 * rms[rms.size() / 4], 1.5 * rms[rms.size() * 3 / 4]);
+  bool any = false;
+  for (const Stretch &s : stretches) {
+    if (s.rms <= limit)
+      continue;
+    any = true;
+    std::size_t a = s.from, b = s.to - 1;
+    for (double t = 0.0; a > 0 && t < kTwoPi; --a)
+      t += std::abs(angle[a] - angle[a - 1]);
+    for (double t = 0.0; b + 1 < angle.size() && t < kTwoPi; ++b)
+      t += std::abs(angle[b + 1] - angle[b]);
+    std::fill(usable.begin() + static_cast<std::ptrdiff_t>(a),
+              usable.begin() + static_cast<std::ptrdiff_t>(b + 1), char{0});
+  }
+  return any;
+}
+
+} // namespace
+
+void unwrap(std::vector<double> &angle, double period) {
+  double offset = 0.0;
+  for (std::size_t i = 1; i < angle.size(); ++i) {
+    const double step = angle[i] + offset - angle[i - 1];
+    offset -= period * std::round(step / period);
+    angle[i] += offset;
+  }
+}
+
+Kinematics differentiate(std::span<const double> time, std::vector<double> alpha,
+                         std::size_t half_window) {
+  Kinematics out;
+  out.omega = local_slopes(time, alpha, half_window);
+  out.accel = local_slopes(time, out.omega, std::max<std::size_t>(4 * half_window, 20));
+  out.direction.resize(alpha.size());
+  // The sense is held through a standstill: below a thousandth of the top speed nothing turns.
+  double top = 0.0;
+  for (double w : out.omega)
+    top = std::max(top, std::abs(w));
+  double sense = 1.0;
+  for (double w : out.omega)
+    if (std::abs(w) > 1e-3 * top) {
+      sense = w < 0.0 ? -1.0 : 1.0;
+      break;
+    }
+  for (std::size_t i = 0; i < alpha.size(); ++i) {
+    if (std::abs(out.omega[i]) > 1e-3 * top)
+      sense = out.omega[i] < 0.0 ? -1.0 : 1.0;
+    out.direction[i] = sense;
+  }
+  out.alpha = std::move(alpha);
+  return out;
+}
+
+SmoothMotion smooth_motion(std::span<const double> time, std::span<const double> angle,
+                           std::span<char> usable, int orders) {
+  SmoothMotion out;
+  std::vector<double> residual = split(time, angle, usable, orders, out);
+  bool rough = false;
+  for (int pass = 0; pass < 5 && mask_rough(angle, residual, usable); ++pass) {
+    residual = split(time, angle, usable, orders, out);
+    rough = true;
+  }
+  if (rough) // the spline is loose at its ends: two more turns beside each gap are not judged
+    widen_gaps(angle, 2.0 * kTwoPi, usable);
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < residual.size(); ++i)
+    if (usable[i]) {
+      sum += residual[i] * residual[i];
+      count += 1.0;
+    }
+  out.residual_rms_rad = count > 0.0 ? std::sqrt(sum / count) : 0.0;
+  return out;
+}
+
+} // namespace ada

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Angle, speed and sense of rotation over time, from a reference or from the sensor itself.
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace ada {
+
+/// Columns of one length: rad, rad/s, rad/s^2, -1 or +1.
+struct Kinematics {
+  std::vector<double> alpha, omega, accel, direction;
+};
+
+/// Takes the jumps by whole periods out of an angle in place.
+void unwrap(std::vector<double> &angle, double period);
+
+/// Speed and acceleration of an unwrapped angle by local straight lines over +-half_window samples.
+Kinematics differentiate(std::span<const double> time, std::vector<double> alpha,
+                         std::size_t half_window);
+
+/// What a smooth motion leaves over: its periodic part, by mechanical order.
+struct SmoothMotion {
+  Kinematics motion;             ///< the smooth motion alone
+  std::vector<double> cos, sin;  ///< rad: periodic part, entry n - 1 is order n
+  double residual_rms_rad = 0.0; ///< what neither explains
+};
+
+/// Splits an unwrapped angle into a smooth motion (a spline with knots every turn, which cannot
+/// follow a ripple of order 1) and `orders` harmonics of the turn, jointly, so that neither leaks
+/// into the other. Stretches that are no smooth motion, such as the kinks between two speeds, are
+/// marked unusable.
+SmoothMotion smooth_motion(std::span<const double> time, std::span<const double> angle,
+                           std::span<char> usable, int orders);
+
+} // namespace ada

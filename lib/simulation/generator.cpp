@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "simulation/generator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/angle.h"
+
+namespace ada {
+
+namespace {
+
+constexpr double kVtempNoiseV = 0.0002; ///< assumed, both
+constexpr double kVddNoiseV = 0.0001;
+
+double value_of(const Model &model, std::string_view id, double fallback) {
+  for (const EffectInstance &e : model.effects)
+    if (e.effect->info().id == id)
+      return e.values[0];
+  return fallback;
+}
+
+} // namespace
+
+struct Generator::Columns {
+  std::vector<double> time, alpha, omega, accel, direction, temp, rate, supply;
+  explicit Columns(std::size_t n)
+      : time(n), alpha(n), omega(n), accel(n), direction(n), temp(n), rate(n), supply(n) {}
+  Conditions view(double period_s, bool vtemp_scanned) const {
+    return {.n = time.size(),
+            .time = time.data(),
+            .alpha = alpha.data(),
+            .omega = omega.data(),
+            .accel = accel.data(),
+            .direction = direction.data(),
+            .temp = temp.data(),
+            .temp_rate = rate.data(),
+            .supply = supply.data(),
+            .vtemp_scan = vtemp_scanned ? temp.data() : nullptr,
+            .frame_period_s = period_s};
+  }
+};
+
+Generator::Generator(const Simulation &simulation)
+    : model_(simulation.model()), options_(simulation.options()), forward_(model_),
+      speed_(parse_motion(options_.motion, options_.duration_s)),
+      temperature_(parse_temperature(options_.temperature, options_.duration_s)),
+      rng_(simulation.seed()) {
+  std::uniform_real_distribution<double> turn(0.0, kTwoPi);
+  supply_phase_slow_ = turn(rng_);
+  supply_phase_fast_ = turn(rng_);
+  start_angle_ = turn(rng_);
+  // The source of these two wave forms is here; the effects only act on them.
+  lag_s_ = value_of(model_, "temperature-lag", 0.0);
+  supply_rms_ = value_of(model_, "supply-variation", 0.0);
+}
+
+void Generator::conditions(std::size_t count, Columns &x) {
+  const double period = 1.0 / options_.sample_rate_hz;
+  const double volts = model_.supply_v * kVtempFractionPerDegree;
+  const double zero = model_.supply_v * kVtempFractionAtZero;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double t = static_cast<double>(index_ + i) * period;
+    x.time[i] = t;
+    x.alpha[i] = start_angle_ + speed_.integral(t);
+    x.omega[i] = speed_.value(t);
+    x.accel[i] = speed_.slope(t);
+    x.direction[i] = x.omega[i] < 0.0 ? -1.0 : 1.0;
+    const double bridge = zero + volts * temperature_.value(t);
+    if (index_ + i == 0 || lag_s_ <= 0.0)
+      vtemp_ = bridge;
+    x.rate[i] = lag_s_ > 0.0 ? (bridge - vtemp_) / lag_s_ : volts * temperature_.slope(t);
+    x.temp[i] = vtemp_;
+    if (lag_s_ > 0.0)
+      vtemp_ += (bridge - vtemp_) * -std::expm1(-period / lag_s_);
+    // Unit rms: a slow wander and a mains ripple.
+    x.supply[i] = std::sqrt(2.0) * (0.8 * std::sin(kTwoPi * 1.3 * t + supply_phase_slow_) +
+                                    0.6 * std::sin(kTwoPi * 100.0 * t + supply_phase_fast_));
+  }
+}
+
+double Generator::quantised(double volts) const {
+  if (options_.adc_bits <= 0)
+    return volts;
+  const double lsb = options_.adc_reference_v / std::ldexp(1.0, options_.adc_bits);
+  const double top = std::ldexp(1.0, options_.adc_bits) - 1.0;
+  return std::clamp(std::round(volts / lsb), 0.0, top) * lsb;
+}
+
+void Generator::disturb(Capture &capture) {
+  std::normal_distribution<double> normal;
+  for (std::size_t i = 0; i < capture.size(); ++i) {
+    capture.vsin_v[i] += options_.noise_rms_v * normal(rng_);
+    capture.vcos_v[i] += options_.noise_rms_v * normal(rng_);
+  }
+  for (const EffectInstance &e : model_.effects)
+    e.effect->record(e.values, rng_, capture);
+  for (auto *column : {&capture.vsin_v, &capture.vcos_v, &capture.vtemp_v})
+    for (double &v : *column)
+      v = quantised(v);
+}
+
+Capture Generator::next(std::size_t count) {
+  Columns x(count);
+  conditions(count, x);
+  Capture capture;
+  capture.time_s = x.time;
+  capture.vsin_v.resize(count);
+  capture.vcos_v.resize(count);
+  forward_.evaluate(x.view(1.0 / options_.sample_rate_hz, options_.has_vtemp),
+                    capture.vsin_v.data(), capture.vcos_v.data());
+  std::normal_distribution<double> normal;
+  if (options_.has_vtemp)
+    for (std::size_t i = 0; i < count; ++i)
+      capture.vtemp_v.push_back(x.temp[i] * (1.0 + supply_rms_ * x.supply[i]) +
+                                kVtempNoiseV * normal(rng_));
+  if (options_.has_vdd)
+    for (std::size_t i = 0; i < count; ++i)
+      capture.vdd_v.push_back(model_.supply_v * (1.0 + supply_rms_ * x.supply[i]) +
+                              kVddNoiseV * normal(rng_));
+  if (options_.has_reference)
+    for (std::size_t i = 0; i < count; ++i)
+      capture.reference_deg.push_back(wrap(x.alpha[i] * kDegPerRad, 360.0));
+  disturb(capture);
+  index_ += count;
+  return capture;
+}
+
+} // namespace ada

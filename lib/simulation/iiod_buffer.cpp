@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "simulation/iiod_buffer.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+
+namespace ada {
+
+namespace {
+
+constexpr std::size_t kMostBytes = 64u << 20;
+
+/// Bit i of a mask of words of 32 bits, the highest word first; false where it has too few.
+bool mask_bit(std::string_view mask, std::size_t i) {
+  const std::size_t words = mask.size() / 8, word = i / 32;
+  if (word >= words)
+    return false;
+  std::uint32_t value = 0;
+  const char *at = mask.data() + 8 * (words - 1 - word);
+  std::from_chars(at, at + 8, value, 16);
+  return (value >> (i % 32)) & 1u;
+}
+
+} // namespace
+
+int IiodBuffer::open(std::size_t samples, std::string_view mask) {
+  const std::size_t channels = device_.channels.size();
+  if (mask.size() != 8 * ((channels + 31) / 32) ||
+      mask.find_first_not_of("0123456789abcdefABCDEF") != std::string_view::npos)
+    return EINVAL;
+  std::vector<ScanFormat> formats;
+  for (std::size_t i = 0; i < 32 * (mask.size() / 8); ++i) {
+    const ServedChannel *channel = i < channels ? &device_.channels[i] : nullptr;
+    const bool scan = channel && channel->index >= 0,
+               timestamp = scan && channel->id == "timestamp";
+    if (mask_bit(mask, i)) {
+      if (!scan)
+        return EINVAL;
+      elements_.push_back({channel->format, columns_, timestamp});
+      formats.push_back(channel->format);
+    }
+    if (scan && !timestamp)
+      ++columns_;
+  }
+  layout_ = compute_layout(formats);
+  if (formats.empty() || samples == 0 || samples > kMostBytes / layout_.frame_bytes)
+    return EINVAL;
+  mask_ = mask;
+  stream_ = device_.frames();
+  counts_.resize(samples * columns_);
+  bytes_.assign(samples * layout_.frame_bytes, '\0');
+  began_ = Clock::now();
+  began_ns_ = std::chrono::duration_cast<std::chrono::nanoseconds>(
+                  std::chrono::system_clock::now().time_since_epoch())
+                  .count();
+  return 0;
+}
+
+std::size_t IiodBuffer::frames_in(std::size_t bytes) const {
+  return std::min(bytes, bytes_.size()) / layout_.frame_bytes;
+}
+
+IiodBuffer::Clock::time_point IiodBuffer::due(std::size_t frames) const {
+  if (device_.rate_hz <= 0.0)
+    return Clock::now();
+  const double seconds = static_cast<double>(produced_ + frames) / device_.rate_hz;
+  return began_ +
+         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+bool IiodBuffer::produce(std::size_t frames) {
+  if (stream_->next(std::span(counts_).first(frames * columns_), frames) < frames)
+    return false;
+  const double period_ns = device_.rate_hz > 0.0 ? 1e9 / device_.rate_hz : 1.0;
+  std::fill(bytes_.begin(), bytes_.end(), '\0'); // the kernel's padding is zero
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const Element &element = elements_[e];
+    char *at = bytes_.data() + layout_.offsets[e];
+    for (std::size_t i = 0; i < frames; ++i, at += layout_.frame_bytes) {
+      const std::int64_t value =
+          element.timestamp
+              ? began_ns_ + std::llround(static_cast<double>(produced_ + i) * period_ns)
+              : counts_[i * columns_ + element.column];
+      put(at, element.format, value);
+    }
+  }
+  used_ = frames * layout_.frame_bytes;
+  produced_ += frames;
+  return true;
+}
+
+void IiodBuffer::put(char *at, const ScanFormat &format, std::int64_t value) const {
+  const unsigned bytes = format.word_bytes();
+  auto word = static_cast<std::uint64_t>(value);
+  if (format.bits < 64)
+    word &= (std::uint64_t{1} << format.bits) - 1;
+  word <<= format.shift;
+  for (unsigned r = 0; r < format.repeat; ++r, at += bytes)
+    for (unsigned i = 0; i < bytes; ++i) {
+      const unsigned place = format.big_endian ? bytes - 1 - i : i;
+      at[i] = static_cast<char>((word >> (8 * place)) & 0xff);
+    }
+}
+
+} // namespace ada

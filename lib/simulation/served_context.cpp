@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "simulation/served_context.h"
+
+#include <array>
+#include <charconv>
+
+namespace ada {
+
+namespace {
+
+/// libiio parses with validation, so the document type must come along.
+constexpr const char *kProlog =
+    "<?xml version=\"1.0\" encoding=\"utf-8\"?><!DOCTYPE context ["
+    "<!ELEMENT context (device | context-attribute)*><!ELEMENT context-attribute EMPTY>"
+    "<!ELEMENT device (channel | attribute | debug-attribute | buffer-attribute)*>"
+    "<!ELEMENT channel (scan-element?, attribute*)><!ELEMENT attribute EMPTY>"
+    "<!ELEMENT scan-element EMPTY><!ELEMENT debug-attribute EMPTY>"
+    "<!ELEMENT buffer-attribute EMPTY>"
+    "<!ATTLIST context name CDATA #REQUIRED version-major CDATA #REQUIRED version-minor CDATA "
+    "#REQUIRED version-git CDATA #REQUIRED description CDATA #IMPLIED>"
+    "<!ATTLIST context-attribute name CDATA #REQUIRED value CDATA #REQUIRED>"
+    "<!ATTLIST device id CDATA #REQUIRED name CDATA #IMPLIED label CDATA #IMPLIED>"
+    "<!ATTLIST channel id CDATA #REQUIRED type (input|output) #REQUIRED name CDATA #IMPLIED>"
+    "<!ATTLIST scan-element index CDATA #REQUIRED format CDATA #REQUIRED scale CDATA #IMPLIED>"
+    "<!ATTLIST attribute name CDATA #REQUIRED filename CDATA #IMPLIED>"
+    "<!ATTLIST debug-attribute name CDATA #REQUIRED>"
+    "<!ATTLIST buffer-attribute name CDATA #REQUIRED>]>";
+
+std::string escaped(const std::string &text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+    case '&':
+      out += "&amp;";
+      break;
+    case '<':
+      out += "&lt;";
+      break;
+    case '>':
+      out += "&gt;";
+      break;
+    case '"':
+      out += "&quot;";
+      break;
+    default:
+      out += c;
+    }
+  }
+  return out;
+}
+
+std::string attribute(const char *name, const std::string &value) {
+  return " " + std::string(name) + "=\"" + escaped(value) + "\"";
+}
+
+std::string optional_attribute(const char *name, const std::string &value) {
+  return value.empty() ? std::string() : attribute(name, value);
+}
+
+std::string decimal(double value) {
+  std::array<char, 400> text{};
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
+  return {text.data(), end.ptr};
+}
+
+std::string channel_xml(const ServedChannel &channel) {
+  std::string xml = "<channel" + attribute("id", channel.id) + attribute("type", "input") + " >";
+  if (channel.index >= 0)
+    xml += "<scan-element" + attribute("index", std::to_string(channel.index)) +
+           attribute("format", to_string(channel.format)) +
+           (channel.scale_mv ? attribute("scale", decimal(*channel.scale_mv)) : "") + " />";
+  for (const ServedAttribute &a : channel.attributes)
+    xml += "<attribute" + attribute("name", a.name) +
+           attribute("filename", "in_" + channel.id + "_" + a.name) + " />";
+  return xml + "</channel>";
+}
+
+} // namespace
+
+ServedDevice *ServedContext::find_device(std::string_view id) {
+  for (ServedDevice &device : devices)
+    if (device.id == id)
+      return &device;
+  return nullptr;
+}
+
+std::string context_xml(const ServedContext &context) {
+  std::string xml = kProlog;
+  xml += "<context" + attribute("name", "local") + attribute("version-major", "0") +
+         attribute("version-minor", "24") + attribute("version-git", "v0.24") +
+         attribute("description", context.description) + " >";
+  for (const auto &[name, value] : context.attributes)
+    xml += "<context-attribute" + attribute("name", name) + attribute("value", value) + " />";
+  for (const ServedDevice &device : context.devices) {
+    xml += "<device" + attribute("id", device.id) + optional_attribute("name", device.name) +
+           optional_attribute("label", device.label) + " >";
+    for (const ServedChannel &channel : device.channels)
+      xml += channel_xml(channel);
+    for (const ServedAttribute &a : device.attributes)
+      xml += "<attribute" + attribute("name", a.name) + " />";
+    xml += "</device>";
+  }
+  return xml + "</context>";
+}
+
+} // namespace ada
