@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The electrical angle of a capture, unwrapped: how far the magnet has turned.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "calibration/ellipse_fit.h"
+#include "recording/capture.h"
+
+namespace ada {
+
+struct AnglePath {
+  std::vector<std::size_t> sample; ///< samples that lie on the ellipse, in order
+  std::vector<double> psi;         ///< electrical, unwrapped, rad; one a sample of the list
+};
+
+/// Throws ADA4571_ERROR_UNUSABLE_DATA where the magnet turns so fast that the steps from sample to
+/// sample are ambiguous (half an electrical period and more).
+AnglePath unwrap(const Capture &capture, const EllipseFit &fit);
+
+} // namespace ada

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "calibration/guards.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "base/error.h"
+#include "calibration/dead_channel.h"
+
+namespace ada {
+
+namespace {
+
+constexpr double kStillFraction = 0.01; ///< of the supply: a channel at rest moves less
+constexpr double kMaxRejected = 0.10;   ///< more is no matter of spikes
+constexpr double kPeakSector = 0.2;     ///< sine of half the sector about a peak
+constexpr double kClippedSlope = 0.5;
+constexpr double kFlat = 0.25;         ///< of the variance that an arch has
+constexpr double kMaxSlopeError = 0.1; ///< a slope less certain than this is no evidence
+constexpr double kMinSectorSamples = 20;
+
+[[noreturn]] void refuse(const std::string &why) {
+  throw Error(ADA4571_ERROR_UNUSABLE_DATA, why);
+}
+
+std::string number(const char *format, double x) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, x);
+  return text;
+}
+
+/// First sample of the longest run of rejected ones.
+std::size_t longest_rejected_run(const EllipseFit &fit) {
+  std::size_t best = 0, best_count = 0, count = 0;
+  for (std::size_t i = 0; i < fit.accepted.size(); ++i) {
+    count = fit.accepted[i] ? 0 : count + 1;
+    if (count > best_count) {
+      best_count = count;
+      best = i + 1 - count;
+    }
+  }
+  return best;
+}
+
+/// Straight line of measured over expected volts near one peak of one channel.
+class PeakSlope {
+public:
+  void add(double expected, double measured) {
+    n_ += 1;
+    const double dx = expected - mean_x_, dy = measured - mean_y_;
+    mean_x_ += dx / n_;
+    mean_y_ += dy / n_;
+    xx_ += dx * (expected - mean_x_);
+    xy_ += dx * (measured - mean_y_);
+    yy_ += dy * (measured - mean_y_);
+  }
+  bool clipped(double noise_v) const {
+    if (n_ < kMinSectorSamples || !(xx_ > 0))
+      return false;
+    // A distorted peak may have two humps, which have no slope either, but a spread of their own.
+    if (yy_ > kFlat * xx_ + 1.5 * noise_v * noise_v * n_)
+      return false;
+    const double slope = xy_ / xx_;
+    const double residual = std::max(yy_ - slope * xy_, 0.0) / (n_ - 2);
+    return slope < kClippedSlope && std::sqrt(residual / xx_) < kMaxSlopeError;
+  }
+  double level() const { return mean_y_; }
+
+private:
+  double n_ = 0, mean_x_ = 0, mean_y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0;
+};
+
+void check_channel(const char *name, const std::vector<double> &v, double centre, double amplitude,
+                   const std::vector<double> &other, double other_centre, double other_amplitude,
+                   double delta, double noise_v) {
+  PeakSlope top, bottom;
+  const double cos_d = std::cos(delta), sin_d = std::sin(delta);
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double x = (other[i] - other_centre) / other_amplitude;
+    if (!(std::abs(x) < kPeakSector) || !std::isfinite(v[i]))
+      continue;
+    const double arch = std::sqrt(1 - x * x) * cos_d, tilt = x * sin_d;
+    if (v[i] > centre)
+      top.add(amplitude * (arch + tilt), v[i]);
+    else
+      bottom.add(amplitude * (tilt - arch), v[i]);
+  }
+  for (const PeakSlope *side : {&top, &bottom})
+    if (side->clipped(noise_v))
+      refuse(std::string(name) + " is clipped at about " + number("%.3f", side->level()) +
+             " V: its peaks are cut off, so amplitude and offset cannot be measured");
+}
+
+} // namespace
+
+void refuse_dead_channels(const Capture &capture) {
+  const double sin_travel = travel(capture.vsin_v), cos_travel = travel(capture.vcos_v);
+  const double still = kStillFraction * capture.meta.supply_v;
+  if (sin_travel < still && cos_travel < still)
+    refuse("the magnet does not turn: VSIN and VCOS move by less than " +
+           number("%.0f", still * 1e3) + " mV");
+  const auto stuck = [&](const char *name, double own, double other) {
+    if (own < kStuckRatio * other)
+      refuse(std::string(name) + " is stuck: it moves by " + number("%.2g", own * 1e3) +
+             " mV while the other channel moves by " + number("%.3g", other) + " V");
+  };
+  stuck("VSIN", sin_travel, cos_travel);
+  stuck("VCOS", cos_travel, sin_travel);
+  const auto partly = [&](const char *name, std::optional<std::size_t> first) {
+    if (first)
+      refuse(std::string(name) + " is stuck for a part of the capture, from " +
+             number("%.6g", capture.time_s[*first]) + " s");
+  };
+  partly("VSIN", stuck_from(capture.vsin_v, sin_travel, capture.vcos_v, cos_travel));
+  partly("VCOS", stuck_from(capture.vcos_v, cos_travel, capture.vsin_v, sin_travel));
+}
+
+void refuse_scattered(const Capture &capture, const EllipseFit &fit) {
+  const double fraction = static_cast<double>(fit.rejected) /
+                          static_cast<double>(std::max<std::size_t>(fit.accepted.size(), 1));
+  if (fraction <= kMaxRejected)
+    return;
+  refuse(number("%.0f", 100 * fraction) +
+         " % of the samples do not lie on the ellipse of the others, the longest stretch from " +
+         number("%.6g", capture.time_s[longest_rejected_run(fit)]) + " s");
+}
+
+void refuse_clipped(const Capture &capture, const EllipseFit &fit) {
+  const EllipseParameters &e = fit.value;
+  const double a_sin = e.amplitude_v * (1 + e.k / 2), a_cos = e.amplitude_v * (1 - e.k / 2);
+  const double noise_v = std::sqrt(std::max(
+      fit.residual_rms_v * fit.residual_rms_v - fit.structure_rms_v * fit.structure_rms_v, 0.0));
+  check_channel("VSIN", capture.vsin_v, e.centre_sin_v, a_sin, capture.vcos_v, e.centre_cos_v,
+                a_cos, e.delta_rad, noise_v);
+  check_channel("VCOS", capture.vcos_v, e.centre_cos_v, a_cos, capture.vsin_v, e.centre_sin_v,
+                a_sin, e.delta_rad, noise_v);
+}
+
+} // namespace ada

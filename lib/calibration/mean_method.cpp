@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "calibration/mean_method.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/angle.h"
+#include "base/error.h"
+
+namespace ada {
+
+namespace {
+
+/// Beyond this many standard errors a mismatch or quadrature error is taken for real; the note's
+/// model leaves both out.
+constexpr double kSignificant = 5.0;
+
+/// A path that ends less than this part of a turn short of its beginning is closed by a straight
+/// step: a capture of "one turn" ends one sample before it.
+constexpr double kClosable = 0.02;
+
+/// The part of a path between its two turning points that are farthest apart.
+struct Stretch {
+  std::size_t first, last;
+  double turns; ///< mechanical
+};
+
+Stretch longest_stretch(const AnglePath &path, int periods) {
+  const auto [low, high] = std::minmax_element(path.psi.begin(), path.psi.end());
+  const auto at = [&](auto it) { return static_cast<std::size_t>(it - path.psi.begin()); };
+  return {std::min(at(low), at(high)), std::max(at(low), at(high)),
+          (*high - *low) / (kTwoPi * periods)};
+}
+
+struct Moments {
+  double sin = 0, cos = 0, sin_sin = 0, cos_cos = 0, sin_cos = 0; ///< about the present centre
+};
+
+/// Integrals over psi/(2 pi), along the path from its first point to `end` radians further on. A
+/// segment of h radians of a sinusoid has the exact integral tan(h/2) (v1 + v2); its square, half
+/// constant and half of twice the angle, h/2 and sin h cos h likewise.
+Moments integrate(const Capture &capture, const std::vector<std::size_t> &sample,
+                  const std::vector<double> &psi, double end, const EllipseParameters &e) {
+  Moments m;
+  const double direction = end > psi.front() ? 1.0 : -1.0;
+  for (std::size_t i = 0; i + 1 < psi.size(); ++i) {
+    const double a = psi[i], b = psi[i + 1];
+    const bool last = direction * (b - end) >= 0;
+    // Weights of the two ends; the last segment ends between its samples.
+    const double part = last && b != a ? (end - a) / (b - a) : 1.0;
+    const double s1 = capture.vsin_v[sample[i]] - e.centre_sin_v;
+    const double c1 = capture.vcos_v[sample[i]] - e.centre_cos_v;
+    double s2 = capture.vsin_v[sample[i + 1]] - e.centre_sin_v;
+    double c2 = capture.vcos_v[sample[i + 1]] - e.centre_cos_v;
+    s2 = s1 + part * (s2 - s1);
+    c2 = c1 + part * (c2 - c1);
+    const double h = part * (b - a);
+    const double w = 2 * std::tan(std::clamp(h, -2.0, 2.0) / 2);
+    m.sin += 0.5 * w * (s1 + s2);
+    m.cos += 0.5 * w * (c1 + c2);
+    m.sin_sin += 0.5 * h * (s1 * s1 + s2 * s2);
+    m.cos_cos += 0.5 * h * (c1 * c1 + c2 * c2);
+    m.sin_cos += 0.5 * h * (s1 * c1 + s2 * c2);
+    if (last)
+      break;
+  }
+  const double range = end - psi.front();
+  for (double *x : {&m.sin, &m.cos, &m.sin_sin, &m.cos_cos, &m.sin_cos})
+    *x /= range;
+  return m;
+}
+
+/// psi of the stretch about the present ellipse, unwrapped.
+std::vector<double> path_about(const Capture &capture, const std::vector<std::size_t> &sample,
+                               const EllipseParameters &e) {
+  const EllipseInverse inverse = invert(e);
+  std::vector<double> psi;
+  psi.reserve(sample.size());
+  for (const std::size_t i : sample) {
+    const double a = std::atan2(inverse.sine(capture.vsin_v[i], capture.vcos_v[i]),
+                                inverse.cosine(capture.vsin_v[i], capture.vcos_v[i]));
+    psi.push_back(psi.empty() ? a : psi.back() + wrap_centred(a - psi.back(), kTwoPi));
+  }
+  return psi;
+}
+
+} // namespace
+
+void estimate_by_mean(const Capture &capture, const EllipseFit &fit, PairEstimate &estimate) {
+  const int p = capture.meta.periods_per_turn;
+  const AnglePath path = unwrap(capture, fit);
+  const Stretch stretch = longest_stretch(path, p);
+  const double turns = std::floor(stretch.turns + kClosable);
+  if (turns < 1) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the method mean needs a whole mechanical turn, the capture holds %.2f; use the "
+                  "method fit",
+                  stretch.turns);
+    throw Error(ADA4571_ERROR_UNUSABLE_DATA, text);
+  }
+  const std::vector<std::size_t> sample(
+      path.sample.begin() + static_cast<std::ptrdiff_t>(stretch.first),
+      path.sample.begin() + static_cast<std::ptrdiff_t>(stretch.last) + 1);
+
+  EllipseParameters e;
+  e.amplitude_v = fit.value.amplitude_v;
+  e.centre_sin_v = 0.5 * capture.meta.supply_v;
+  e.centre_cos_v = e.centre_sin_v;
+  // An offset as large as the amplitude leaves no angle to integrate over: start near the middle.
+  if (std::hypot(fit.value.centre_sin_v - e.centre_sin_v, fit.value.centre_cos_v - e.centre_cos_v) >
+      0.5 * e.amplitude_v)
+    e = {fit.value.amplitude_v, 0, 0, fit.value.centre_sin_v, fit.value.centre_cos_v};
+  std::vector<std::size_t> closed = sample;
+  closed.push_back(sample.front());
+  const bool closing = stretch.turns < turns;
+  const double n = static_cast<double>(sample.size());
+  const double moment_error = std::sqrt(8 / n) * fit.residual_rms_v / e.amplitude_v;
+  for (int round = 0; round < 60; ++round) {
+    std::vector<double> psi = path_about(capture, sample, e);
+    const double end = psi.front() + std::copysign(kTwoPi * p * turns, psi.back() - psi.front());
+    if (closing)
+      psi.push_back(end);
+    const Moments m = integrate(capture, closing ? closed : sample, psi, end, e);
+    const double a_sin = std::sqrt(2 * (m.sin_sin - m.sin * m.sin));
+    const double a_cos = std::sqrt(2 * (m.cos_cos - m.cos * m.cos));
+    const double before_sin = e.centre_sin_v, before_cos = e.centre_cos_v;
+    e.centre_sin_v += m.sin;
+    e.centre_cos_v += m.cos;
+    e.amplitude_v = 0.5 * (a_sin + a_cos);
+    const double k = (a_sin - a_cos) / e.amplitude_v;
+    const double delta =
+        std::asin(std::clamp(2 * (m.sin_cos - m.sin * m.cos) / (a_sin * a_cos), -0.9, 0.9));
+    estimate.has_mismatch = std::abs(k) > kSignificant * moment_error;
+    estimate.has_quadrature = std::abs(delta) > kSignificant * moment_error;
+    e.k = estimate.has_mismatch ? k : 0.0;
+    e.delta_rad = estimate.has_quadrature ? delta : 0.0;
+    if (std::hypot(e.centre_sin_v - before_sin, e.centre_cos_v - before_cos) < 1e-9 * e.amplitude_v)
+      break;
+  }
+  estimate.value = e;
+  const double sigma = fit.residual_rms_v / std::sqrt(n);
+  // Those of evenly spread samples; uneven speed makes them larger.
+  estimate.std_error = {sigma, moment_error, moment_error, std::sqrt(2.0) * sigma,
+                        std::sqrt(2.0) * sigma};
+}
+
+} // namespace ada

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What every method of calibration gives: the ellipse at one temperature, and how well it is known.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "calibration/ellipse_fit.h"
+#include "recording/capture.h"
+
+namespace ada {
+
+enum class CalibrationMethod { fit, mean, extrema };
+
+const char *method_name(CalibrationMethod method);
+
+struct PairEstimate {
+  EllipseParameters value;                      ///< centres absolute
+  std::array<double, kEllipseSize> std_error{}; ///< by EllipseIndex; 0 where not estimated
+  bool has_mismatch = false, has_quadrature = false;
+  double noise_rms_v = 0;    ///< of one channel, as far as it is not a function of the angle
+  double residual_rms_v = 0; ///< distance from the ellipse
+  std::optional<double> vtemp_mean_v, vtemp_min_v, vtemp_max_v;
+};
+
+/// Calibrates one capture by one method. The reference column is never looked at.
+/// Throws ADA4571_ERROR_UNUSABLE_DATA with the reason when the data cannot carry the method.
+PairEstimate estimate_pair(const Capture &capture, CalibrationMethod method);
+
+} // namespace ada

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "calibration/single.h"
+
+#include <ctime>
+
+#include "base/angle.h"
+#include "base/error.h"
+#include "model/effect.h"
+
+namespace ada {
+
+namespace {
+
+std::string now_utc() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+} // namespace
+
+EffectInstance effect_instance(std::string_view id, std::vector<double> values,
+                               std::vector<double> std_errors) {
+  const Effect *effect = find_effect(id);
+  if (effect == nullptr || effect_info(*effect).parameters.size() != values.size())
+    throw Error(ADA4571_ERROR_INTERNAL, "the catalogue has no effect '" + std::string(id) +
+                                            "' with " + std::to_string(values.size()) +
+                                            " parameters");
+  return {effect, std::move(values), std::move(std_errors)};
+}
+
+Model model_of(const PairEstimate &estimate, const Capture &capture, const std::string &method) {
+  const EllipseParameters &e = estimate.value;
+  const auto &se = estimate.std_error;
+  Model model;
+  model.periods_per_turn = capture.meta.periods_per_turn;
+  model.supply_v = capture.meta.supply_v;
+  model.baseline.amplitude_v = e.amplitude_v;
+  model.baseline.offset_sin_v = e.centre_sin_v - 0.5 * model.supply_v;
+  model.baseline.offset_cos_v = e.centre_cos_v - 0.5 * model.supply_v;
+  model.baseline_std_error = {se[kAmplitude], se[kCentreSin], se[kCentreCos], 0.0};
+  model.vtemp_reference_v = estimate.vtemp_mean_v.value_or(0.0);
+  if (estimate.noise_rms_v > 0)
+    model.noise_rms_v = estimate.noise_rms_v;
+  if (estimate.has_mismatch)
+    model.effects.push_back(effect_instance("amplitude-mismatch", {e.k}, {se[kMismatch]}));
+  if (estimate.has_quadrature)
+    model.effects.push_back(
+        effect_instance("quadrature-error", {e.delta_rad * kDegPerRad}, {se[kDelta] * kDegPerRad}));
+  Provenance &from = model.provenance;
+  from.serial = capture.meta.serial;
+  from.date = now_utc();
+  from.method = method;
+  from.capture_identity = capture.identity;
+  from.generator = "libada4571 " ADA4571_VERSION_STRING;
+  from.vtemp_min_v = estimate.vtemp_min_v;
+  from.vtemp_max_v = estimate.vtemp_max_v;
+  from.gain_control = capture.meta.gain_control;
+  from.fit_residual_rms_v = estimate.residual_rms_v;
+  return model;
+}
+
+Model calibrate_single(const Capture &capture, CalibrationMethod method) {
+  return model_of(estimate_pair(capture, method), capture,
+                  std::string("single ") + method_name(method));
+}
+
+} // namespace ada

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The application note's single-temperature calibration. docs/calibration.md has its misprints.
+#pragma once
+
+#include "calibration/pair_estimate.h"
+#include "model/model.h"
+
+namespace ada {
+
+Model calibrate_single(const Capture &capture, CalibrationMethod method);
+
+/// The model that an estimate is, with its provenance. Mismatch and quadrature error become
+/// effects where they were estimated.
+Model model_of(const PairEstimate &estimate, const Capture &capture, const std::string &method);
+
+/// An effect of the catalogue with its numbers. Throws ADA4571_ERROR_INTERNAL when the catalogue
+/// does not hold it or counts other parameters.
+EffectInstance effect_instance(std::string_view id, std::vector<double> values,
+                               std::vector<double> std_errors);
+
+} // namespace ada

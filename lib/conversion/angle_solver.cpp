@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "conversion/angle_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/angle.h"
+#include "conversion/sample_status.h"
+#include "motion/kinematics.h"
+#include "motion/spline.h"
+
+namespace ada {
+
+namespace {
+
+std::uint32_t status_of(double vsin, double vcos, double radius, double supply_v) {
+  if (!std::isfinite(vsin) || !std::isfinite(vcos))
+    return ADA4571_SAMPLE_INVALID;
+  return radius_status(radius) | rail_status(vsin, vcos, supply_v);
+}
+
+bool needs_motion(const Model &model) {
+  Taps taps;
+  for (const EffectInstance &e : model.effects) {
+    e.effect->dynamics(e.values, taps);
+    if (e.effect->info().id == "hysteresis" || e.effect->info().id == "multiplexer-memory")
+      return true;
+  }
+  return !taps.trivial();
+}
+
+/// Mean square of the third differences of an angle: large when the motion is uneven.
+double unevenness(std::span<const double> alpha) {
+  // Over a twentieth of a turn and more, so that noise does not hide the ripple.
+  double travel = 0.0;
+  for (std::size_t i = 1; i < alpha.size(); ++i)
+    travel += std::abs(alpha[i] - alpha[i - 1]);
+  if (travel <= 0.0)
+    return 0.0;
+  const double per_sample = travel / static_cast<double>(alpha.size());
+  const auto stride = static_cast<std::size_t>(std::clamp(0.6 / per_sample, 1.0, 1e6));
+  double sum = 0.0;
+  for (std::size_t i = 0; i + 3 * stride < alpha.size(); ++i) {
+    const double d =
+        alpha[i + 3 * stride] - 3.0 * alpha[i + 2 * stride] + 3.0 * alpha[i + stride] - alpha[i];
+    sum += d * d;
+  }
+  return sum;
+}
+
+/// Columns of conditions for a capture.
+struct Columns {
+  std::vector<double> temp, rate, supply, zero;
+  Kinematics motion;
+  Conditions view(const Capture &c, double period_s) const {
+    const auto data = [](const std::vector<double> &v) { return v.empty() ? nullptr : v.data(); };
+    return {.n = c.size(),
+            .time = c.time_s.data(),
+            .alpha = nullptr,
+            .omega = data(motion.omega),
+            .accel = data(motion.accel),
+            .direction = data(motion.direction),
+            .temp = data(temp),
+            .temp_rate = data(rate),
+            .supply = data(supply),
+            .vtemp_scan = data(temp),
+            .frame_period_s = period_s};
+  }
+};
+
+} // namespace
+
+Model correctable_part(const Model &model) {
+  Model out = model;
+  std::erase_if(out.effects, [](const EffectInstance &e) { return !e.effect->info().correctable; });
+  return out;
+}
+
+AngleSolver::AngleSolver(const Model &model)
+    : model_(correctable_part(model)), forward_(model_), amplitude_v_(model.baseline.amplitude_v),
+      centre_sin_v_(0.5 * model.supply_v + model.baseline.offset_sin_v),
+      centre_cos_v_(0.5 * model.supply_v + model.baseline.offset_cos_v),
+      zero_rad_(model.baseline.angle_zero_deg * kRadPerDeg), periods_(model.periods_per_turn),
+      supply_fraction_(0.0) {
+  for (const EffectInstance &e : model_.effects)
+    if (e.effect->info().id == "supply-variation")
+      supply_fraction_ = e.values[0];
+}
+
+void AngleSolver::start(std::span<const double> vsin, std::span<const double> vcos,
+                        std::span<double> alpha) const {
+  // Wiring effects turn the pair around: find the electrical angle of the model's own pair.
+  std::array<double, 64> a, s, c, zero{}, one;
+  one.fill(1.0);
+  const double period = kTwoPi / periods_;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    a[k] = period * static_cast<double>(k) / static_cast<double>(a.size());
+  Conditions at{.n = a.size(),
+                .time = zero.data(),
+                .alpha = a.data(),
+                .omega = zero.data(),
+                .direction = one.data()};
+  forward_.evaluate(at, s.data(), c.data());
+  const auto phase = [&](double vs, double vc) {
+    return std::atan2(vs - centre_sin_v_, vc - centre_cos_v_);
+  };
+  const bool backwards = wrap_centred(phase(s[1], c[1]) - phase(s[0], c[0]), kTwoPi) < 0.0;
+  const double at_zero = phase(s[0], c[0]);
+  for (std::size_t i = 0; i < alpha.size(); ++i) {
+    const double psi = phase(vsin[i], vcos[i]);
+    alpha[i] = wrap((backwards ? at_zero - psi : psi - at_zero) / periods_, period);
+  }
+}
+
+void AngleSolver::solve(const Conditions &at, std::span<const double> vsin,
+                        std::span<const double> vcos, std::span<double> alpha,
+                        std::span<double> radius) const {
+  constexpr int kIterations = 4;
+  constexpr double kStep = 1e-4;
+  std::array<double, kWaveBlock> s0, c0, s1, c1, moved, zeros{}, ones;
+  ones.fill(1.0);
+  for (std::size_t first = 0; first < at.n; first += kWaveBlock) {
+    const std::size_t n = std::min(kWaveBlock, at.n - first);
+    Conditions here = at;
+    here.alpha = alpha.data();
+    here = here.slice(first, n);
+    if (!here.omega)
+      here.omega = zeros.data();
+    if (!here.direction)
+      here.direction = ones.data();
+    for (int iteration = 0; iteration < kIterations; ++iteration) {
+      here.alpha = alpha.data() + first;
+      forward_.evaluate(here, s0.data(), c0.data());
+      for (std::size_t i = 0; i < n; ++i)
+        moved[i] = alpha[first + i] + kStep;
+      here.alpha = moved.data();
+      forward_.evaluate(here, s1.data(), c1.data());
+      for (std::size_t i = 0; i < n; ++i) {
+        const double ds = (s1[i] - s0[i]) / kStep, dc = (c1[i] - c0[i]) / kStep;
+        const double slope2 = ds * ds + dc * dc;
+        const double step =
+            slope2 > 0.0
+                ? (ds * (vsin[first + i] - s0[i]) + dc * (vcos[first + i] - c0[i])) / slope2
+                : 0.0;
+        const double limit = 0.3 / periods_;
+        alpha[first + i] += std::clamp(step, -limit, limit);
+      }
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const double ms = s0[i] - centre_sin_v_, mc = c0[i] - centre_cos_v_;
+      const double r = std::hypot(vsin[first + i] - centre_sin_v_, vcos[first + i] - centre_cos_v_);
+      radius[first + i] = r / std::max(std::hypot(ms, mc), 1e-9);
+    }
+  }
+}
+
+void AngleSolver::capture(const Capture &capture, std::span<ada4571_angle> out) const {
+  const std::size_t n = capture.size();
+  if (n == 0)
+    return;
+  const double period = kTwoPi / periods_;
+  const double frame =
+      n > 1 ? (capture.time_s.back() - capture.time_s.front()) / static_cast<double>(n - 1) : 0.0;
+  Columns x;
+  if (capture.has_vtemp()) {
+    if (n >= 400) {
+      CubicSpline spline(CubicSpline::uniform(capture.time_s.front(), capture.time_s.back(),
+                                              std::clamp<std::size_t>(n / 400, 4, 100)));
+      spline.fit(capture.time_s, capture.vtemp_v, {}, 0, {});
+      for (double t : capture.time_s) {
+        x.temp.push_back(spline.value(t));
+        x.rate.push_back(spline.slope(t));
+      }
+    } else {
+      x.temp = capture.vtemp_v;
+      x.rate.assign(n, 0.0);
+    }
+  }
+  if (capture.has_vdd() && supply_fraction_ != 0.0) {
+    const double mean =
+        std::accumulate(capture.vdd_v.begin(), capture.vdd_v.end(), 0.0) / static_cast<double>(n);
+    for (double v : capture.vdd_v)
+      x.supply.push_back((v / mean - 1.0) / supply_fraction_);
+  }
+  std::vector<double> alpha(n), radius(n);
+  start(capture.vsin_v, capture.vcos_v, alpha);
+  for (double &a : alpha)
+    if (!std::isfinite(a))
+      a = 0.0;
+  if (n > 1)
+    unwrap(alpha, period);
+  if (capture.has_reference()) {
+    // The reference only says which part of the turn the record begins in.
+    const double first = capture.reference_deg[0] * kRadPerDeg - alpha[0];
+    const double shift = period * std::round(first / period);
+    for (double &a : alpha)
+      a += shift;
+  }
+  const auto run = [&](std::vector<double> a) {
+    solve(x.view(capture, frame), capture.vsin_v, capture.vcos_v, a, radius);
+    if (needs_motion(model_)) { // once more with the speed of the corrected angle
+      x.motion = differentiate(capture.time_s, a, 10);
+      solve(x.view(capture, frame), capture.vsin_v, capture.vcos_v, a, radius);
+    }
+    return a;
+  };
+  std::vector<double> best = run(alpha);
+  if (!capture.has_reference() && periods_ > 1) {
+    double lowest = unevenness(best);
+    for (int part = 1; part < periods_; ++part) {
+      std::vector<double> other = alpha;
+      for (double &a : other)
+        a += part * period;
+      other = run(std::move(other));
+      const double value = unevenness(other);
+      if (value < lowest) {
+        lowest = value;
+        best = std::move(other);
+      }
+    }
+    solve(x.view(capture, frame), capture.vsin_v, capture.vcos_v, best, radius);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t status =
+        status_of(capture.vsin_v[i], capture.vcos_v[i], radius[i], model_.supply_v);
+    const bool sound = (status & ADA4571_SAMPLE_INVALID) == 0;
+    out[i] = {capture.time_s[i], sound ? wrap(best[i], period) * kDegPerRad : kAbsent, radius[i],
+              status};
+  }
+  for (std::size_t gap : capture.gaps)
+    if (gap < n)
+      out[gap].status |= ADA4571_SAMPLE_GAP;
+}
+
+void AngleSolver::frames(std::span<const Frame> frames, std::span<ada4571_angle> out) {
+  const double period = kTwoPi / periods_;
+  constexpr double kSpeedTime = 0.002; ///< s, of the filter that follows the speed
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const Frame &f = frames[i];
+    out[i] = {f.time_s, kAbsent, kAbsent, ADA4571_SAMPLE_INVALID};
+    if (!std::isfinite(f.vsin_v) || !std::isfinite(f.vcos_v))
+      continue;
+    double alpha, radius;
+    start({&f.vsin_v, 1}, {&f.vcos_v, 1}, {&alpha, 1});
+    const double dt = stream_.running ? f.time_s - stream_.time : 0.0;
+    const double expected =
+        stream_.running ? stream_.alpha + stream_.omega * dt
+                        : (std::isfinite(f.reference_deg) ? f.reference_deg * kRadPerDeg : alpha);
+    alpha += period * std::round((expected - alpha) / period);
+    double supply = 0.0;
+    if (std::isfinite(f.vdd_v) && supply_fraction_ != 0.0) {
+      stream_.vdd_count = std::min(stream_.vdd_count + 1.0, 1e5);
+      stream_.vdd_mean += (f.vdd_v - stream_.vdd_mean) / stream_.vdd_count;
+      supply = (f.vdd_v / stream_.vdd_mean - 1.0) / supply_fraction_;
+    }
+    const double rate = 0.0;
+    const bool has_temp = std::isfinite(f.vtemp_v);
+    Conditions at{.n = 1,
+                  .time = &f.time_s,
+                  .alpha = nullptr,
+                  .omega = &stream_.omega,
+                  .accel = nullptr,
+                  .direction = &stream_.sense,
+                  .temp = has_temp ? &f.vtemp_v : nullptr,
+                  .temp_rate = has_temp ? &rate : nullptr,
+                  .supply = supply_fraction_ != 0.0 ? &supply : nullptr,
+                  .vtemp_scan = has_temp ? &f.vtemp_v : nullptr,
+                  .frame_period_s = dt};
+    solve(at, {&f.vsin_v, 1}, {&f.vcos_v, 1}, {&alpha, 1}, {&radius, 1});
+    const std::uint32_t status = status_of(f.vsin_v, f.vcos_v, radius, model_.supply_v);
+    out[i] = {f.time_s, wrap(alpha, period) * kDegPerRad, radius, status};
+    if (stream_.running && dt > 0.0) {
+      const double speed = (alpha - stream_.alpha) / dt;
+      stream_.omega += (speed - stream_.omega) * -std::expm1(-dt / kSpeedTime);
+      if (std::abs(stream_.omega) > 0.05)
+        stream_.sense = stream_.omega < 0.0 ? -1.0 : 1.0;
+    }
+    stream_.running = true;
+    stream_.time = f.time_s;
+    stream_.alpha = alpha;
+  }
+}
+
+} // namespace ada

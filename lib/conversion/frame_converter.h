@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Frames in volts to angles, sample by sample, with status. A model that folds into an ellipse is
+// inverted in closed form here; every other model goes to the iterative AngleSolver.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "base/frame.h"
+#include "conversion/ellipse.h"
+#include "conversion/gap_detector.h"
+#include "recording/capture.h"
+
+namespace ada {
+
+class AngleSolver;
+
+/// One sample through the inverse. `angle` gets angle_deg, radius and the status bits for radius,
+/// rails and invalid numbers; its time_s is the frame's.
+void convert_sample(const EllipseInverse &inverse, int periods_per_turn, double zero_rad,
+                    double supply_v, const Frame &frame, ada4571_angle &angle);
+
+class FrameConverter {
+public:
+  explicit FrameConverter(const Model &model);
+  ~FrameConverter();
+
+  /// A live stream, block after block; no allocation. Where the model follows VTEMP, a missing
+  /// VTEMP is taken from the frame before; before the first one the sample is invalid.
+  void frames(std::span<const Frame> in, std::span<ada4571_angle> out);
+
+  /// A whole capture, at the supply that it states: outputs are ratiometric. Throws
+  /// ADA4571_ERROR_UNUSABLE_DATA when the model follows VTEMP and the capture has none.
+  void capture(const Capture &in, std::span<ada4571_angle> out) const;
+
+private:
+  void convert(const EllipseModel &ellipse, double &vtemp, const Frame &in,
+               ada4571_angle &out) const;
+
+  void by_ellipse(const Capture &in, std::span<ada4571_angle> out) const;
+
+  Model model_;
+  std::optional<EllipseModel> ellipse_;
+  EllipseInverse inverse_{}; ///< where nothing follows VTEMP
+  std::unique_ptr<AngleSolver> solver_;
+  GapDetector gaps_;
+  double vtemp_v_; ///< last one seen
+};
+
+} // namespace ada

@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "conversion/vector_kernels.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "conversion/vector_kernels.cpp"
+#include <hwy/foreach_target.h> // compiles this file again for every instruction set
+
+#include <hwy/highway.h>
+
+#include "conversion/atan2-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ada {
+namespace HWY_NAMESPACE {
+namespace {
+
+/// No vector is longer.
+constexpr std::size_t kMaxBytes = HWY_MAX_BYTES;
+
+// --- where pairs come from: each reader gives raw numbers about their centres. The centres are
+// broadcast once: the compiler cannot know that writing angles does not change them.
+
+/// Neighbouring 16-bit numbers.
+template <class D, bool kSigned> class Pairs16 {
+  using DI = hn::Rebind<std::int32_t, D>;
+  using V = hn::Vec<D>;
+  using VI = hn::Vec<DI>;
+
+public:
+  HWY_INLINE Pairs16(D d, const void *pairs, const void *, const PairConstants<float> &k)
+      : d_(d), data_(static_cast<const std::uint8_t *>(pairs)),
+        centre_sin_(hn::Set(di_, static_cast<std::int32_t>(k.centre_sin))),
+        centre_cos_(hn::Set(di_, static_cast<std::int32_t>(k.centre_cos))) {}
+
+  HWY_INLINE void at(std::size_t i, V &s, V &c) const { load(data_ + i * kElement, s, c); }
+  HWY_INLINE void last(std::size_t i, std::size_t n, V &s, V &c) const {
+    HWY_ALIGN std::uint8_t buffer[kMaxBytes] = {};
+    std::memcpy(buffer, data_ + i * kElement, n * kElement);
+    load(buffer, s, c);
+  }
+
+private:
+  static constexpr std::size_t kElement = 4;
+
+  HWY_INLINE void load(const std::uint8_t *at, V &s, V &c) const {
+    const VI both = hn::LoadU(di_, reinterpret_cast<const std::int32_t *>(at));
+    VI low = half<false>(both), high = half<true>(both);
+    if constexpr (std::endian::native == std::endian::big)
+      std::swap(low, high);
+    s = hn::ConvertTo(d_, hn::Sub(low, centre_sin_));
+    c = hn::ConvertTo(d_, hn::Sub(high, centre_cos_));
+  }
+  template <bool kHigh> HWY_INLINE VI half(VI both) const {
+    const hn::RebindToUnsigned<DI> du;
+    if constexpr (kSigned)
+      return hn::ShiftRight<16>(kHigh ? both : hn::ShiftLeft<16>(both));
+    else if constexpr (kHigh)
+      return hn::BitCast(di_, hn::ShiftRight<16>(hn::BitCast(du, both)));
+    else
+      return hn::And(both, hn::Set(di_, 0xFFFF));
+  }
+
+  D d_;
+  DI di_;
+  const std::uint8_t *data_;
+  VI centre_sin_, centre_cos_;
+};
+
+/// Channels of their own: 16-bit numbers E, or the output's type.
+template <class D, class E> class Planar {
+  using T = hn::TFromD<D>;
+  using V = hn::Vec<D>;
+  using Wide = std::conditional_t<sizeof(E) == sizeof(T), T, std::int32_t>;
+  using DW = hn::Rebind<Wide, D>;
+  using VW = hn::Vec<DW>;
+
+public:
+  HWY_INLINE Planar(D d, const void *sin, const void *cos, const PairConstants<T> &k)
+      : d_(d), sin_(static_cast<const std::uint8_t *>(sin)),
+        cos_(static_cast<const std::uint8_t *>(cos)),
+        centre_sin_(hn::Set(dw_, static_cast<Wide>(k.centre_sin))),
+        centre_cos_(hn::Set(dw_, static_cast<Wide>(k.centre_cos))) {}
+
+  HWY_INLINE void at(std::size_t i, V &s, V &c) const {
+    s = load(sin_ + i * sizeof(E), centre_sin_);
+    c = load(cos_ + i * sizeof(E), centre_cos_);
+  }
+  HWY_INLINE void last(std::size_t i, std::size_t n, V &s, V &c) const {
+    HWY_ALIGN std::uint8_t buffer[kMaxBytes] = {};
+    std::memcpy(buffer, sin_ + i * sizeof(E), n * sizeof(E));
+    s = load(buffer, centre_sin_);
+    std::memcpy(buffer, cos_ + i * sizeof(E), n * sizeof(E));
+    c = load(buffer, centre_cos_);
+  }
+
+private:
+  HWY_INLINE V load(const std::uint8_t *at, VW centre) const {
+    const auto *elements = reinterpret_cast<const E *>(at);
+    if constexpr (sizeof(E) == sizeof(T)) {
+      return hn::Sub(hn::LoadU(d_, elements), centre);
+    } else {
+      const hn::Rebind<E, D> de;
+      return hn::ConvertTo(d_, hn::Sub(hn::PromoteTo(dw_, hn::LoadU(de, elements)), centre));
+    }
+  }
+
+  D d_;
+  DW dw_;
+  const std::uint8_t *sin_, *cos_;
+  VW centre_sin_, centre_cos_;
+};
+
+// --- what is done with them
+
+template <class T, class D> struct Correction {
+  using V = hn::Vec<D>;
+  using Atan = decltype(MakeAtan(D(), T(), 1.0));
+  D d;
+  V sin_s, sin_c, sin_0, cos_s, cos_c, cos_0, quarter, half, full, below_full;
+  Atan atan;
+
+  HWY_INLINE Correction(D tag, const PairConstants<T> &k)
+      : d(tag), sin_s(hn::Set(d, k.sin_s)), sin_c(hn::Set(d, k.sin_c)), sin_0(hn::Set(d, k.sin_0)),
+        cos_s(hn::Set(d, k.cos_s)), cos_c(hn::Set(d, k.cos_c)), cos_0(hn::Set(d, k.cos_0)),
+        quarter(hn::Set(d, k.period / 4)), half(hn::Set(d, k.period / 2)),
+        full(hn::Set(d, k.period)), below_full(hn::Set(d, std::nextafter(k.period, T{0}))),
+        atan(MakeAtan(d, T(), static_cast<double>(k.period) / 6.283185307179586477)) {}
+
+  HWY_INLINE void vector(V s, V c, V &y, V &x) const {
+    y = hn::MulAdd(sin_s, s, hn::MulAdd(sin_c, c, sin_0));
+    x = hn::MulAdd(cos_s, s, hn::MulAdd(cos_c, c, cos_0));
+  }
+  HWY_INLINE V angle(V y, V x) const {
+    const V ax = hn::Abs(x), ay = hn::Abs(y);
+    V r = atan(hn::Div(hn::Min(ax, ay), hn::Max(ax, ay)));
+    // By sign bits: a subtraction and a blend are cheaper than a comparison and a mask.
+    r = IfSignBit(d, hn::Sub(ax, ay), hn::Sub(quarter, r), r);
+    r = IfSignBit(d, x, hn::Sub(half, r), r);
+    r = IfSignBit(d, y, hn::Sub(full, r), r);
+    // Rounding may reach the period.
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+    return hn::Min(below_full, r); // x86: where one is no number, the second operand
+#else
+    return hn::IfThenElse(hn::Gt(r, below_full), below_full, r);
+#endif
+  }
+  HWY_INLINE V radius(V y, V x) const {
+    return hn::Sqrt(hn::MulAdd(y, y, hn::Mul(x, x)));
+  }
+};
+
+/// One loop. Only pointers come in: a function with vector arguments leaves the upper halves of the
+/// registers in use when it returns, and every SSE instruction of the caller would pay for that.
+template <class Reader, bool kRadius, class T>
+void run(const void *first_channel, const void *second_channel, std::size_t count,
+         const PairConstants<T> &k, T *HWY_RESTRICT angle, T *HWY_RESTRICT radius) {
+  const hn::ScalableTag<T> d;
+  const std::size_t lanes = hn::Lanes(d);
+  const Reader source(d, first_channel, second_channel, k);
+  const Correction<T, decltype(d)> correct(d, k);
+  std::size_t i = 0;
+  hn::Vec<decltype(d)> s, c, y, x;
+  for (; i + lanes <= count; i += lanes) {
+    source.at(i, s, c);
+    correct.vector(s, c, y, x);
+    hn::StoreU(correct.angle(y, x), d, angle + i);
+    if constexpr (kRadius)
+      hn::StoreU(correct.radius(y, x), d, radius + i);
+  }
+  if (i == count)
+    return;
+  HWY_ALIGN T buffer[kMaxBytes / sizeof(T)];
+  source.last(i, count - i, s, c);
+  correct.vector(s, c, y, x);
+  hn::Store(correct.angle(y, x), d, buffer);
+  std::memcpy(angle + i, buffer, (count - i) * sizeof(T));
+  if constexpr (kRadius) {
+    hn::Store(correct.radius(y, x), d, buffer);
+    std::memcpy(radius + i, buffer, (count - i) * sizeof(T));
+  }
+}
+
+template <class Reader, class T>
+void convert(const void *a, const void *b, std::size_t count, const PairConstants<T> &k, T *angle,
+             T *radius) {
+  if (radius != nullptr)
+    run<Reader, true>(a, b, count, k, angle, radius);
+  else
+    run<Reader, false>(a, b, count, k, angle, radius);
+}
+
+using F32 = hn::ScalableTag<float>;
+using F64 = hn::ScalableTag<double>;
+
+template <class T> void atan2_block(const T *y, const T *x, std::size_t count, T *out) {
+  const hn::ScalableTag<T> d;
+  const std::size_t lanes = hn::Lanes(d);
+  const auto atan = MakeAtan(d, T(), 1.0);
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes)
+    hn::StoreU(Atan2(d, atan, hn::LoadU(d, y + i), hn::LoadU(d, x + i)), d, out + i);
+  if (i == count)
+    return;
+  HWY_ALIGN T a[kMaxBytes / sizeof(T)] = {}, b[kMaxBytes / sizeof(T)] = {};
+  std::memcpy(a, y + i, (count - i) * sizeof(T));
+  std::memcpy(b, x + i, (count - i) * sizeof(T));
+  hn::Store(Atan2(d, atan, hn::Load(d, a), hn::Load(d, b)), d, a);
+  std::memcpy(out + i, a, (count - i) * sizeof(T));
+}
+
+} // namespace
+
+void Atan2F32(const float *y, const float *x, std::size_t n, float *out) {
+  atan2_block(y, x, n, out);
+}
+void Atan2F64(const double *y, const double *x, std::size_t n, double *out) {
+  atan2_block(y, x, n, out);
+}
+void PairsI16(const void *pairs, std::size_t n, const PairConstants<float> &k, float *angle,
+              float *radius) {
+  convert<Pairs16<F32, true>>(pairs, nullptr, n, k, angle, radius);
+}
+void PairsU16(const void *pairs, std::size_t n, const PairConstants<float> &k, float *angle,
+              float *radius) {
+  convert<Pairs16<F32, false>>(pairs, nullptr, n, k, angle, radius);
+}
+void PlanarI16(const void *s, const void *c, std::size_t n, const PairConstants<float> &k,
+               float *angle, float *radius) {
+  convert<Planar<F32, std::int16_t>>(s, c, n, k, angle, radius);
+}
+void PlanarU16(const void *s, const void *c, std::size_t n, const PairConstants<float> &k,
+               float *angle, float *radius) {
+  convert<Planar<F32, std::uint16_t>>(s, c, n, k, angle, radius);
+}
+void PlanarF32(const float *s, const float *c, std::size_t n, const PairConstants<float> &k,
+               float *angle, float *radius) {
+  convert<Planar<F32, float>>(s, c, n, k, angle, radius);
+}
+void PlanarF64(const double *s, const double *c, std::size_t n, const PairConstants<double> &k,
+               double *angle, double *radius) {
+  convert<Planar<F64, double>>(s, c, n, k, angle, radius);
+}
+std::int64_t Target() {
+  return HWY_TARGET;
+}
+
+// NOLINTNEXTLINE(google-readability-namespace-comments)
+} // namespace HWY_NAMESPACE
+} // namespace ada
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ada {
+
+HWY_EXPORT(Atan2F32);
+HWY_EXPORT(Atan2F64);
+HWY_EXPORT(PairsI16);
+HWY_EXPORT(PairsU16);
+HWY_EXPORT(PlanarI16);
+HWY_EXPORT(PlanarU16);
+HWY_EXPORT(PlanarF32);
+HWY_EXPORT(PlanarF64);
+HWY_EXPORT(Target);
+
+void atan2_f32(const float *y, const float *x, std::size_t count, float *out) {
+  HWY_DYNAMIC_DISPATCH(Atan2F32)(y, x, count, out);
+}
+void atan2_f64(const double *y, const double *x, std::size_t count, double *out) {
+  HWY_DYNAMIC_DISPATCH(Atan2F64)(y, x, count, out);
+}
+void convert_pairs_i16(const void *pairs, std::size_t count, const PairConstants<float> &k,
+                       float *angle, float *radius) {
+  HWY_DYNAMIC_DISPATCH(PairsI16)(pairs, count, k, angle, radius);
+}
+void convert_pairs_u16(const void *pairs, std::size_t count, const PairConstants<float> &k,
+                       float *angle, float *radius) {
+  HWY_DYNAMIC_DISPATCH(PairsU16)(pairs, count, k, angle, radius);
+}
+void convert_planar_i16(const void *sin, const void *cos, std::size_t count,
+                        const PairConstants<float> &k, float *angle, float *radius) {
+  HWY_DYNAMIC_DISPATCH(PlanarI16)(sin, cos, count, k, angle, radius);
+}
+void convert_planar_u16(const void *sin, const void *cos, std::size_t count,
+                        const PairConstants<float> &k, float *angle, float *radius) {
+  HWY_DYNAMIC_DISPATCH(PlanarU16)(sin, cos, count, k, angle, radius);
+}
+void convert_planar_f32(const float *sin, const float *cos, std::size_t count,
+                        const PairConstants<float> &k, float *angle, float *radius) {
+  HWY_DYNAMIC_DISPATCH(PlanarF32)(sin, cos, count, k, angle, radius);
+}
+void convert_planar_f64(const double *sin, const double *cos, std::size_t count,
+                        const PairConstants<double> &k, double *angle, double *radius) {
+  HWY_DYNAMIC_DISPATCH(PlanarF64)(sin, cos, count, k, angle, radius);
+}
+
+const char *vector_target() {
+  return hwy::TargetName(HWY_DYNAMIC_DISPATCH(Target)());
+}
+
+namespace {
+std::int64_t real_targets() {
+  static const std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
+  return targets;
+}
+} // namespace
+
+std::vector<std::string> vector_targets() {
+  std::vector<std::string> names;
+  for (std::int64_t left = real_targets(); left != 0; left &= left - 1)
+    names.emplace_back(hwy::TargetName(left & -left));
+  return names;
+}
+
+void use_vector_target(const std::string &name) {
+  for (std::int64_t left = real_targets(); left != 0; left &= left - 1)
+    if (name == hwy::TargetName(left & -left)) {
+      hwy::SetSupportedTargetsForTest(left & -left);
+      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+      return;
+    }
+  if (!name.empty())
+    throw std::invalid_argument("no vector target '" + name + "'");
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+} // namespace ada
+#endif // HWY_ONCE
