@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/candidates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/fit.h"
+#include "model/forward.h"
+
+namespace ada {
+
+namespace {
+
+/// Effects that a model may hold more than once: each with another order, moment or frequency.
+bool may_repeat(const Effect &effect) {
+  for (const ParameterInfo &p : effect.info().parameters)
+    if (p.name == "order" || p.name == "frequency_hz")
+      return true;
+  return false;
+}
+
+bool same_choice(const EffectInstance &a, const Effect &effect, const std::vector<double> &values) {
+  if (a.effect != &effect)
+    return false;
+  const auto parameters = effect.info().parameters;
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    if (parameters[k].role == Role::chosen && a.values[k] != values[k])
+      return false;
+  return true;
+}
+
+/// One way in which an effect could enter, and the columns of the linear problem that stand for it.
+struct Variant {
+  const Effect *effect;
+  std::vector<double> values;
+  bool linear; ///< one column a coordinate; else one column for the whole change
+  std::vector<Model> models;
+  std::vector<double> steps;
+};
+
+Variant make_variant(const Model &model, const Effect &effect, std::vector<double> values) {
+  Variant v{&effect, std::move(values), true, {}, {}};
+  std::vector<double> x = effect.to_coordinates(v.values);
+  for (double c : x)
+    v.linear = v.linear && c == 0.0;
+  Model extended = model;
+  extended.effects.push_back({&effect, v.values, {}});
+  if (!v.linear) {
+    v.models.push_back(std::move(extended));
+    v.steps.push_back(1.0);
+    return v;
+  }
+  v.steps = effect.steps(v.values);
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    x[k] = v.steps[k];
+    extended.effects.back().values = effect.from_coordinates(v.values, x);
+    x[k] = 0.0;
+    v.models.push_back(extended);
+  }
+  return v;
+}
+
+std::vector<Variant> variants(const Residual &residual, const Model &model, bool rivals) {
+  std::vector<Variant> out;
+  for (const Effect *effect : catalogue()) {
+    if (effect->info().evidence != Evidence::signal)
+      continue;
+    const bool present = std::any_of(model.effects.begin(), model.effects.end(),
+                                     [&](const EffectInstance &e) { return e.effect == effect; });
+    if (present && !may_repeat(*effect))
+      continue;
+    if (!rivals && !effect->invisible(residual).empty())
+      continue;
+    for (auto &values : effect->guesses(residual)) {
+      if (std::any_of(model.effects.begin(), model.effects.end(),
+                      [&](const EffectInstance &e) { return same_choice(e, *effect, values); }) &&
+          present && effect->info().parameters[0].role == Role::chosen)
+        continue;
+      out.push_back(make_variant(model, *effect, std::move(values)));
+    }
+  }
+  return out;
+}
+
+} // namespace
+
+Residual residual_view(const Scene &scene, const Observations &data, const ResidualColumns &columns,
+                       double noise_v, double amplitude_v) {
+  Residual r;
+  r.has_reference = scene.has_reference;
+  r.has_supply = !data.supply.empty();
+  r.both_directions = scene.both_directions;
+  r.several_speeds = scene.several_speeds;
+  r.why_no_temperature = scene.why_no_temperature;
+  r.fastest_omega = scene.fastest_omega;
+  r.periods = scene.periods;
+  r.amplitude_v = amplitude_v;
+  r.noise_v = noise_v;
+  r.supply_v = scene.supply_v;
+  r.sample_period_s = data.frame_period_s;
+  r.time = data.time;
+  r.omega = data.omega;
+  r.alpha = data.alpha;
+  r.sin_v = columns.sin;
+  r.cos_v = columns.cos;
+  r.model_sin_v = columns.model_sin;
+  r.model_cos_v = columns.model_cos;
+  return r;
+}
+
+std::vector<Candidate> candidates(const Scene &scene, const Observations &data, const Model &model,
+                                  bool rivals) {
+  const ResidualColumns columns = residual_columns(data, model);
+  ResidualColumns white = columns; // what a search for lines and steps may trust
+  for (std::size_t i = 0; i < data.size(); ++i)
+    data.whiten(i, white.sin[i], white.cos[i]);
+  const Residual residual =
+      residual_view(scene, data, white, scene.white_noise_v, model.baseline.amplitude_v);
+  const std::vector<Variant> all = variants(residual, model, rivals);
+
+  // Columns: the model's own coordinates, every variant's, and the residual last.
+  const std::vector<double> x0 = coordinates_of(model), h0 = coordinate_steps(model);
+  std::vector<ForwardModel> forward;
+  std::vector<double> step;
+  std::vector<double> moved = x0;
+  for (std::size_t k = 0; k < x0.size(); ++k) {
+    moved[k] += h0[k];
+    forward.emplace_back(with_coordinates(model, moved), AlphaIs::reference);
+    moved[k] = x0[k];
+    step.push_back(h0[k]);
+  }
+  for (const Variant &v : all)
+    for (std::size_t k = 0; k < v.models.size(); ++k) {
+      forward.emplace_back(v.models[k], AlphaIs::reference);
+      step.push_back(v.steps[k]);
+    }
+  const auto total = static_cast<Eigen::Index>(forward.size());
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(total + 1, total + 1);
+  Eigen::MatrixXd rows(total + 1, 2 * kWaveBlock);
+  std::array<double, kWaveBlock> s, c;
+  const Conditions conditions = data.conditions();
+  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
+    const std::size_t n = std::min(kWaveBlock, data.size() - first);
+    const Conditions at = conditions.slice(first, n);
+    for (Eigen::Index k = 0; k <= total; ++k) {
+      if (k < total)
+        forward[static_cast<std::size_t>(k)].evaluate(at, s.data(), c.data());
+      const double inverse = k < total ? 1.0 / step[static_cast<std::size_t>(k)] : 1.0;
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t at_i = first + i;
+        double ds = k < total ? (s[i] - columns.model_sin[at_i]) * inverse : columns.sin[at_i];
+        double dc = k < total ? (c[i] - columns.model_cos[at_i]) * inverse : columns.cos[at_i];
+        data.whiten(at_i, ds, dc);
+        rows(k, static_cast<Eigen::Index>(2 * i)) = ds;
+        rows(k, static_cast<Eigen::Index>(2 * i + 1)) = dc;
+      }
+    }
+    gram.selfadjointView<Eigen::Lower>().rankUpdate(
+        rows.leftCols(static_cast<Eigen::Index>(2 * n)));
+  }
+  gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+
+  // Take the model's own columns out of all others.
+  const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd unit = scale.asDiagonal() * gram * scale.asDiagonal();
+  const auto own = static_cast<Eigen::Index>(x0.size());
+  const Eigen::LDLT<Eigen::MatrixXd> own_solver(unit.topLeftCorner(own, own));
+  const Eigen::MatrixXd own_part = own_solver.solve(unit.topRows(own));
+  const Eigen::MatrixXd rest = unit - unit.leftCols(own) * own_part;
+
+  std::vector<Candidate> out;
+  Eigen::Index at = own;
+  for (const Variant &v : all) {
+    const auto m = static_cast<Eigen::Index>(v.models.size());
+    const Eigen::MatrixXd inner = rest.block(at, at, m, m);
+    const Eigen::VectorXd right = rest.block(at, total, m, 1);
+    const Eigen::Index here = at;
+    at += m;
+    // A column that the model already holds says nothing new.
+    if (inner.diagonal().minCoeff() < 1e-9)
+      continue;
+    const Eigen::VectorXd y = inner.ldlt().solve(right);
+    const double gain = y.dot(right) * gram(total, total);
+    if (!std::isfinite(gain) || gain <= 0.0)
+      continue;
+    const Eigen::VectorXd own_move = own_part.col(total) - own_part.middleCols(here, m) * y;
+    std::vector<double> x = x0;
+    const double size = 1.0 / scale[total];
+    for (Eigen::Index k = 0; k < own; ++k)
+      x[static_cast<std::size_t>(k)] += own_move[k] * scale[k] * size;
+    std::vector<double> added = v.effect->to_coordinates(v.values);
+    if (v.linear)
+      for (Eigen::Index k = 0; k < m; ++k)
+        added[static_cast<std::size_t>(k)] = y[k] * scale[here + k] * size;
+    if (!v.linear && y[0] < 0.0)
+      continue;
+    Candidate candidate{v.effect, model, gain, added.size()};
+    candidate.start.effects.push_back({v.effect, v.values, {}});
+    x.insert(x.end(), added.begin(), added.end());
+    candidate.start = with_coordinates(candidate.start, x);
+    const auto better = std::find_if(out.begin(), out.end(),
+                                     [&](const Candidate &o) { return o.effect == v.effect; });
+    if (better == out.end())
+      out.push_back(std::move(candidate));
+    else if (gain > better->gain)
+      *better = std::move(candidate);
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Candidate &a, const Candidate &b) { return a.gain > b.gain; });
+  return out;
+}
+
+} // namespace ada

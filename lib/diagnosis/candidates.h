@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// How much of a residual each effect of the catalogue could explain, to first order and in one
+// pass over the data, with everything already in the model free to move.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/observations.h"
+#include "model/model.h"
+
+namespace ada {
+
+struct Candidate {
+  const Effect *effect;
+  Model start;         ///< the model with the effect added, moved by the linear solution
+  double gain;         ///< expected fall of the sum of squares, V^2
+  std::size_t freedom; ///< coordinates that it adds
+};
+
+/// What effects are shown: the residual of `data` against `model` with the facts of the scene. The
+/// columns must outlive the result.
+struct ResidualColumns;
+Residual residual_view(const Scene &scene, const Observations &data, const ResidualColumns &columns,
+                       double noise_v, double amplitude_v);
+
+/// Best variant of each effect, by gain, best first. `rivals`: also effects that this capture
+/// cannot show as such, but which may look like one that it does.
+std::vector<Candidate> candidates(const Scene &scene, const Observations &data, const Model &model,
+                                  bool rivals);
+
+} // namespace ada

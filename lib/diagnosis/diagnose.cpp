@@ -1,0 +1,551 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/diagnose.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "base/angle.h"
+#include "conversion/angle_solver.h"
+#include "diagnosis/candidates.h"
+#include "diagnosis/explain.h"
+#include "diagnosis/robust.h"
+#include "diagnosis/search.h"
+#include "diagnosis/whiteness.h"
+#include "model/forward.h"
+
+namespace ada {
+
+namespace {
+
+constexpr std::size_t kSearchTrain = 30000, kSearchHeldout = 15000;
+
+/// Noise that the capture should have: what it states, with the converter's steps on top; without
+/// a statement what the data show from sample to sample.
+double expected_noise(const Capture &capture, const Scene &scene, bool &stated) {
+  stated = capture.meta.noise_rms_v.has_value();
+  if (!stated)
+    return scene.white_noise_v;
+  double variance = *capture.meta.noise_rms_v * *capture.meta.noise_rms_v;
+  if (capture.meta.adc_bits && capture.meta.adc_reference_v) {
+    const double lsb = *capture.meta.adc_reference_v / std::exp2(*capture.meta.adc_bits);
+    variance += lsb * lsb / 12.0;
+  }
+  return std::max(std::sqrt(variance), 1e-9);
+}
+
+/// Amplitude, offsets and zero angle that start the fit.
+Model first_model(const Scene &scene, const Model *given) {
+  Model model;
+  if (given) {
+    model = given->at_supply(scene.supply_v);
+    model.baseline_std_error = {0, 0, 0, 0};
+  }
+  model.periods_per_turn = scene.periods;
+  model.supply_v = scene.supply_v;
+  if (!given)
+    model.vtemp_reference_v = scene.vtemp_mean_v;
+  bool turned = false;
+  for (const EffectInstance &e : model.effects)
+    turned = turned || e.effect->info().evidence == Evidence::screening;
+  // Wiring is settled before any fit; a screened effect without action on the pair does nothing.
+  for (const ScreenFinding &f : scene.screened)
+    if (f.effect->info().correctable && !turned)
+      model.effects.insert(model.effects.begin(), {f.effect, f.values, f.std_errors});
+
+  const auto span_of = [](const std::vector<double> &v) {
+    return std::pair(quantile(v, 0.005), quantile(v, 0.995));
+  };
+  const auto [slow, shigh] = span_of(scene.all.vsin);
+  const auto [clow, chigh] = span_of(scene.all.vcos);
+  Baseline &b = model.baseline;
+  if (!given) {
+    b.amplitude_v = 0.25 * (shigh - slow + chigh - clow);
+    b.offset_sin_v = 0.5 * (shigh + slow - scene.supply_v);
+    b.offset_cos_v = 0.5 * (chigh + clow - scene.supply_v);
+  }
+  // The zero angle by the mean turn from the model without it to the data.
+  b.angle_zero_deg = 0.0;
+  Model plain = model;
+  std::erase_if(plain.effects, [](const EffectInstance &e) {
+    return e.effect->info().evidence == Evidence::signal;
+  });
+  const auto some = scene.all.select(thin(scene.train, 5000));
+  const ResidualColumns r = residual_columns(some, plain);
+  double c = 0.0, s = 0.0;
+  const double ms = 0.5 * scene.supply_v + b.offset_sin_v,
+               mc = 0.5 * scene.supply_v + b.offset_cos_v;
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    const double x = r.model_cos[i] - mc, y = r.model_sin[i] - ms;
+    const double u = some.vcos[i] - mc, v = some.vsin[i] - ms;
+    c += u * x + v * y;
+    s += v * x - u * y;
+  }
+  double turn = std::atan2(s, c);
+  for (const EffectInstance &e : plain.effects) // a reversed pair turns the other way
+    if (e.effect->info().correctable)
+      turn = -turn;
+  b.angle_zero_deg = turn * kDegPerRad / scene.periods;
+  return model;
+}
+
+/// RMS error of the corrected angle on these samples against the magnet's angle: the reference,
+/// with what the model knows to be wrong with the reference and the drive.
+std::optional<double> angle_error(const Scene &scene, const Observations &data,
+                                  const Model &model) {
+  if (!scene.has_reference || data.size() == 0)
+    return std::nullopt;
+  const AngleSolver solver(model);
+  Conditions at = data.conditions();
+  std::vector<double> alpha = data.alpha, radius(data.size());
+  std::vector<double> magnet(data.size());
+  ForwardModel(model, AlphaIs::reference).magnet_angle(at, magnet.data());
+  solver.start(data.vsin, data.vcos, alpha);
+  const double period = kTwoPi / scene.periods;
+  for (std::size_t i = 0; i < alpha.size(); ++i)
+    alpha[i] += period * std::round((magnet[i] - alpha[i]) / period);
+  solver.solve(at, data.vsin, data.vcos, alpha, radius);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < alpha.size(); ++i) {
+    const double e = wrap_centred(alpha[i] - magnet[i], period);
+    sum += e * e;
+  }
+  return std::sqrt(sum / static_cast<double>(alpha.size())) * kDegPerRad;
+}
+
+Quality quality(const Scene &scene, const Observations &data, const Model &model, double train_rms,
+                bool with_angle) {
+  Quality q;
+  const double n = static_cast<double>(data.size());
+  if (n == 0.0)
+    return q;
+  const double rss = sum_of_squares(data, model);
+  q.residual_rms_v = std::sqrt(rss / (2.0 * n));
+  const double sigma = train_rms > 0.0 ? train_rms : q.residual_rms_v;
+  q.log_likelihood = std::log(data.weight_along) - std::log(kTwoPi * sigma * sigma) -
+                     0.5 * rss / (n * sigma * sigma);
+  if (with_angle)
+    q.angle_error_rms_deg = angle_error(scene, data, model);
+  return q;
+}
+
+std::string now_utc() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(
+                                                  std::chrono::system_clock::now())));
+}
+
+void describe_capture(const Capture &capture, const Scene &scene, Diagnosis &d) {
+  d.samples = capture.size();
+  d.duration_s = capture.size() > 1 ? capture.time_s.back() - capture.time_s.front() : 0.0;
+  d.turns = scene.turns;
+  d.periods_per_turn = scene.periods;
+  d.channels = {"vsin_v", "vcos_v"};
+  if (capture.has_vtemp())
+    d.channels.push_back("vtemp_v");
+  if (capture.has_vdd())
+    d.channels.push_back("vdd_v");
+  if (capture.has_reference())
+    d.channels.push_back("reference_deg");
+  d.has_reference = capture.has_reference();
+}
+
+/// The parts of a diagnosis that work on one pair of training and held-out data.
+class Work {
+public:
+  Work(const Capture &capture, const DiagnosisOptions &options)
+      : capture_(capture), options_(options), scene_(prepare(capture, options.heldout == nullptr)) {
+    if (options.heldout)
+      judge_ = prepare(*options.heldout, false);
+  }
+
+  Diagnosis run() {
+    describe_capture(capture_, scene_, out_);
+    out_.baseline_name = options_.baseline_name;
+    if (!usable())
+      return std::move(out_);
+    noise_ = expected_noise(capture_, scene_, noise_stated_);
+    out_.noise_rms_v = noise_;
+    const Scene &judge = options_.heldout ? *judge_ : scene_;
+    train_ = scene_.all.select(scene_.train);
+    heldout_ = options_.heldout ? judge.all : scene_.all.select(scene_.heldout);
+    Model start = first_model(scene_, options_.baseline);
+    // Without a reference the angle is the pair's own, lag and all: a common delay is free.
+    free_lag_ = !scene_.has_reference && scene_.several_speeds && !has(start, "propagation-delay");
+    if (free_lag_)
+      start.effects.push_back({find_effect("propagation-delay"), {0.0}, {}});
+    SearchData data{&scene_, scene_.all.select(thin(scene_.train, kSearchTrain)),
+                    options_.heldout ? judge.all
+                                     : scene_.all.select(thin(scene_.heldout, kSearchHeldout)),
+                    &judge};
+    Search search(std::move(data), start, noise_, options_.progress);
+    found_ = search.run();
+    weigh_as(found_);
+    ladder();
+    noise_causes();
+    leftovers();
+    verdict();
+    return std::move(out_);
+  }
+
+private:
+  bool usable() {
+    out_.reason = scene_.insufficient;
+    if (out_.reason.empty() && judge_ && !judge_->insufficient.empty())
+      out_.reason = "the held-out capture: " + judge_->insufficient;
+    if (out_.reason.empty() && judge_ &&
+        (judge_->has_reference != scene_.has_reference || judge_->periods != scene_.periods))
+      out_.reason = "the two captures differ in reference or periods per turn";
+    out_.verdict = Verdict::insufficient_data;
+    return out_.reason.empty();
+  }
+
+  /// A disturbance that is not recorded changes how residuals are weighed from here on; a supply
+  /// counts as a finding and so only from its own rung on.
+  void weigh_as(const SearchResult &found) {
+    for (Observations *o : {&train_, &heldout_, &scene_.all}) {
+      o->disturbed = found.disturbed;
+      o->weight_along = found.disturbed == Direction::supply ? 1.0 : found.weight_along;
+    }
+  }
+
+  Rung rung(const Model &model) {
+    Rung r;
+    r.in_sample = quality(scene_, train_, model, 0.0, true);
+    const Scene &judge = judge_ ? *judge_ : scene_;
+    r.heldout = quality(judge, heldout_, model, r.in_sample.residual_rms_v, true);
+    return r;
+  }
+
+  void add_screened(const Rung &at) {
+    for (const ScreenFinding &f : scene_.screened) {
+      const bool given =
+          options_.baseline &&
+          std::any_of(options_.baseline->effects.begin(), options_.baseline->effects.end(),
+                      [&](const EffectInstance &e) { return e.effect == f.effect; });
+      if (given)
+        continue;
+      Finding finding{f.effect,
+                      f.values,
+                      f.std_errors,
+                      f.alternatives,
+                      {},
+                      {},
+                      at,
+                      at,
+                      f.effect->info().correctable};
+      if (!f.effect->info().correctable)
+        recorded_.push_back({f.effect, f.values, f.std_errors});
+      finish(finding);
+    }
+  }
+
+  void finish(Finding &finding) {
+    finding.separate_by = separation(*finding.effect, finding.alternatives);
+    finding.explanation = explanation(finding);
+    out_.findings.push_back(std::move(finding));
+  }
+
+  /// The search saw thinned revolutions only: the moment of a step is looked for once more in all
+  /// samples, held out or not, since an event belongs to the capture and not to a part of it.
+  Model with_exact_moments(Model model) const {
+    for (std::size_t k = 0; k < model.effects.size(); ++k) {
+      EffectInstance &e = model.effects[k];
+      const auto parameters = e.effect->info().parameters;
+      if (e.effect->info().evidence != Evidence::signal || parameters.empty() ||
+          parameters[0].name != "time_s" || parameters[0].role != Role::chosen)
+        continue;
+      Model less = model;
+      less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(k));
+      const ResidualColumns columns = residual_columns(scene_.all, less);
+      const Residual residual =
+          residual_view(scene_, scene_.all, columns, noise_, model.baseline.amplitude_v);
+      const auto guesses = e.effect->guesses(residual);
+      if (!guesses.empty())
+        e.values[0] = guesses.front()[0];
+      e.std_errors.assign(e.values.size(), 0.0);
+    }
+    return model;
+  }
+
+  /// From the baseline up, one finding at a time in the order of their size, each rung fitted to
+  /// the training part and judged on the rest.
+  void ladder() {
+    FitResult final_fit = fit(train_, with_exact_moments(found_.fit.model), 5);
+    attach_errors(final_fit);
+    Model model = final_fit.model;
+    Model bare = model;
+    std::vector<std::size_t> drop = found_.order;
+    std::sort(drop.rbegin(), drop.rend());
+    for (std::size_t k : drop)
+      bare.effects.erase(bare.effects.begin() + static_cast<std::ptrdiff_t>(k));
+    Model step = fit(train_, bare, 6).model;
+    out_.baseline = step;
+    out_.ladder.push_back(step);
+    Rung before = rung(step);
+    out_.baseline_quality = before;
+    add_screened(before);
+    for (std::size_t i = 0; i < found_.order.size(); ++i) {
+      const EffectInstance &e = model.effects[found_.order[i]];
+      step.effects.push_back(e);
+      step = fit(train_, step, 4).model;
+      const Rung after = rung(step);
+      out_.ladder.push_back(step);
+      Finding finding{e.effect, e.values, e.std_errors, found_.alternatives[i],      {},
+                      {},       before,   after,        e.effect->info().correctable};
+      finish(finding);
+      before = after;
+    }
+    last_ = before;
+    out_.extended = model;
+  }
+
+  void noise_causes() {
+    if (found_.supply_rms_fraction > 0.0) {
+      const Effect *effect = find_effect("supply-variation");
+      const double f = found_.supply_rms_fraction;
+      Rung after = last_;
+      if (found_.disturbed == Direction::supply)
+        train_.weight_along = heldout_.weight_along = found_.weight_along;
+      after = rung(out_.extended);
+      Finding finding{effect, {f},   {f / std::sqrt(2.0 * static_cast<double>(train_.size()))},
+                      {},     {},    {},
+                      last_,  after, false};
+      last_ = after;
+      finish(finding);
+    }
+    spikes();
+    excess_noise();
+  }
+
+  /// Spikes that only show against the model.
+  void spikes() {
+    const bool known =
+        std::any_of(out_.findings.begin(), out_.findings.end(),
+                    [](const Finding &f) { return f.effect->info().id == "impulse-noise"; });
+    if (known || (options_.baseline && has(*options_.baseline, "impulse-noise")))
+      return;
+    ResidualColumns r = residual_columns(scene_.all, out_.extended);
+    for (std::size_t i = 0; i < scene_.all.size(); ++i)
+      scene_.all.whiten(i, r.sin[i], r.cos[i]);
+    std::vector<std::size_t> places, both;
+    double sum = 0.0, count = 0.0;
+    for (const auto *v : {&r.sin, &r.cos}) {
+      find_spikes(*v, 7.0, std::max(noise_, scene_.white_noise_v), places);
+      for (std::size_t i : places) {
+        sum += (*v)[i] * (*v)[i];
+        count += 1.0;
+        both.push_back(i);
+      }
+    }
+    std::sort(both.begin(), both.end());
+    both.erase(std::unique(both.begin(), both.end()), both.end());
+    if (both.size() < 8)
+      return;
+    const double n = static_cast<double>(scene_.all.size()),
+                 hits = static_cast<double>(both.size());
+    Finding finding{find_effect("impulse-noise"),
+                    {hits / n, std::sqrt(sum / count)},
+                    {std::sqrt(hits) / n, std::sqrt(sum / count / (2.0 * count))},
+                    {},
+                    {},
+                    {},
+                    last_,
+                    last_,
+                    false};
+    recorded_.push_back({finding.effect, finding.values, finding.std_errors});
+    finish(finding);
+  }
+
+  static bool has(const Model &model, std::string_view id) {
+    return std::any_of(model.effects.begin(), model.effects.end(),
+                       [&](const EffectInstance &e) { return e.effect->info().id == id; });
+  }
+
+  /// Only white noise on both channels alike is called so.
+  void excess_noise() {
+    sigma_ = last_.in_sample.residual_rms_v;
+    if (!noise_stated_)
+      return;
+    const double white = scene_.white_noise_v;
+    const double excess2 = sigma_ * sigma_ - noise_ * noise_;
+    const double known =
+        options_.baseline && options_.baseline->noise_rms_v ? *options_.baseline->noise_rms_v : 0.0;
+    if (sigma_ < 1.06 * std::max(noise_, known) || white * white < noise_ * noise_ + 0.5 * excess2)
+      return;
+    const double excess = std::sqrt(excess2);
+    Rung before = last_;
+    // Under the noise that was stated, against the noise that is there.
+    const auto under = [&](const Observations &data) {
+      const double n = static_cast<double>(data.size());
+      return -std::log(kTwoPi * noise_ * noise_) -
+             0.5 * sum_of_squares(data, out_.extended) / (n * noise_ * noise_);
+    };
+    before.in_sample.log_likelihood = under(train_);
+    before.heldout.log_likelihood = under(heldout_);
+    const double error =
+        sigma_ * sigma_ / excess / std::sqrt(4.0 * static_cast<double>(train_.size()));
+    Finding finding{
+        find_effect("excess-noise"), {excess}, {error}, {}, {}, {}, before, last_, false};
+    recorded_.push_back({finding.effect, finding.values, finding.std_errors});
+    finish(finding);
+    explained_noise_ = sigma_;
+  }
+
+  void leftovers() {
+    out_.extended_quality = last_;
+    const auto [residual, all] = without_spikes();
+    if (free_lag_)
+      for (Model *m : {&out_.baseline, &out_.extended})
+        std::erase_if(m->effects, [](const EffectInstance &e) {
+          return e.effect->info().id == "propagation-delay";
+        });
+    out_.extended.noise_rms_v = last_.in_sample.residual_rms_v;
+    for (EffectInstance &e : recorded_)
+      out_.extended.effects.push_back(std::move(e));
+    Provenance &p = out_.extended.provenance;
+    p.serial = capture_.meta.serial;
+    p.date = now_utc();
+    p.method = "diagnose";
+    p.capture_identity = capture_.identity;
+    p.generator = std::string("libada4571 ") + ADA4571_VERSION_STRING;
+    p.gain_control = capture_.meta.gain_control;
+    p.fit_residual_rms_v = last_.in_sample.residual_rms_v;
+    p.heldout_residual_rms_v = last_.heldout.residual_rms_v;
+    if (capture_.has_vtemp()) {
+      p.vtemp_min_v = *std::min_element(capture_.vtemp_v.begin(), capture_.vtemp_v.end());
+      p.vtemp_max_v = *std::max_element(capture_.vtemp_v.begin(), capture_.vtemp_v.end());
+    }
+    for (const Effect *effect : catalogue())
+      note_invisible(*effect);
+
+    // Whiteness is judged on everything that no cause took out, held out or not.
+    const double floor = explained_noise_ > 0.0 ? explained_noise_ : noise_;
+    const double sigma =
+        std::min(last_.in_sample.residual_rms_v, std::max(floor, scene_.white_noise_v));
+    if (found_.supply_rms_fraction <= 0.0)
+      out_.structure =
+          find_structure(scene_, all, residual, sigma, 0.12 * sigma + second_order_floor());
+    const double rest2 =
+        last_.heldout.residual_rms_v * last_.heldout.residual_rms_v - floor * floor;
+    out_.unexplained_rms_v = rest2 > 0.0 ? std::sqrt(rest2) : 0.0;
+    if (out_.structure.empty() && found_.supply_rms_fraction <= 0.0 && noise_stated_ &&
+        last_.heldout.residual_rms_v > 1.15 * floor)
+      out_.structure.push_back({"time",
+                                "the residual is larger than the stated noise, yet not white "
+                                "noise of both channels",
+                                out_.unexplained_rms_v});
+  }
+
+  /// Residual of the extended model on all samples but the spikes that stand out of it.
+  std::pair<ResidualColumns, Observations> without_spikes() const {
+    ResidualColumns r = residual_columns(scene_.all, out_.extended);
+    std::vector<char> hit(scene_.all.size(), 0);
+    std::vector<std::size_t> places;
+    for (const auto *v : {&r.sin, &r.cos}) {
+      find_spikes(*v, 6.0, std::max(noise_, scene_.white_noise_v), places);
+      for (std::size_t i : places)
+        hit[i] = 1;
+    }
+    std::vector<std::uint32_t> keep;
+    for (std::size_t i = 0; i < hit.size(); ++i)
+      if (!hit[i])
+        keep.push_back(static_cast<std::uint32_t>(i));
+    Observations all = scene_.all.select(keep);
+    return {residual_columns(all, out_.extended), std::move(all)};
+  }
+
+  /// Products of what was found are not modelled to the last term.
+  double second_order_floor() const {
+    double largest =
+        std::hypot(out_.extended.baseline.offset_sin_v, out_.extended.baseline.offset_cos_v);
+    double sum = 0.0;
+    for (double c : found_.contribution)
+      sum += c;
+    const double a = out_.extended.baseline.amplitude_v;
+    return std::min(0.3 * sum * (sum + largest) / a, 5e-4 * a);
+  }
+
+  void note_invisible(const Effect &effect) {
+    const ResidualColumns none;
+    const Residual facts =
+        residual_view(scene_, scene_.all, none, noise_, out_.extended.baseline.amplitude_v);
+    const std::string why = effect.invisible(facts);
+    if (!why.empty())
+      out_.invisible.push_back({std::string(effect.info().id), why});
+  }
+
+  /// Takes a finding that is not believed out of a model.
+  static void forget(const Finding &finding, Model &model) {
+    for (std::size_t k = 0; k < model.effects.size(); ++k)
+      if (model.effects[k].effect == finding.effect &&
+          (finding.values.empty() || model.effects[k].values[0] == finding.values[0] ||
+           finding.effect->info().parameters[0].role == Role::fitted)) {
+        model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(k));
+        return;
+      }
+  }
+
+  void verdict() {
+    // A cause that explains little beside what nothing explains is not believed.
+    double left = 0.0;
+    for (const Structure &s : out_.structure)
+      left = std::max(left, s.rms_v);
+    if (left > 0.0)
+      std::erase_if(out_.findings, [&](const Finding &f) {
+        const double gain2 = f.before.heldout.residual_rms_v * f.before.heldout.residual_rms_v -
+                             f.after.heldout.residual_rms_v * f.after.heldout.residual_rms_v;
+        if (f.effect->info().evidence != Evidence::signal ||
+            f.before.heldout.residual_rms_v == f.after.heldout.residual_rms_v ||
+            gain2 >= 4.0 * left * left)
+          return false;
+        for (Model &m : out_.ladder)
+          forget(f, m);
+        forget(f, out_.extended);
+        return true;
+      });
+    const bool unexplained = !out_.structure.empty(), found = !out_.findings.empty();
+    out_.verdict = found ? (unexplained ? Verdict::partly_explained : Verdict::explained)
+                         : (unexplained ? Verdict::unexplained : Verdict::no_discrepancy);
+  }
+
+  const Capture &capture_;
+  const DiagnosisOptions &options_;
+  Scene scene_;
+  std::optional<Scene> judge_;
+  Diagnosis out_;
+  Observations train_, heldout_;
+  SearchResult found_;
+  Rung last_;
+  std::vector<EffectInstance>
+      recorded_; ///< causes that the extended model names but never corrects
+  double noise_ = 0.0, sigma_ = 0.0, explained_noise_ = 0.0;
+  bool noise_stated_ = false, free_lag_ = false;
+};
+
+} // namespace
+
+std::string_view verdict_name(Verdict verdict) {
+  switch (verdict) {
+  case Verdict::no_discrepancy:
+    return "no-discrepancy";
+  case Verdict::explained:
+    return "explained";
+  case Verdict::partly_explained:
+    return "partly-explained";
+  case Verdict::unexplained:
+    return "unexplained";
+  case Verdict::insufficient_data:
+    break;
+  }
+  return "insufficient-data";
+}
+
+Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &options) {
+  return Work(capture, options).run();
+}
+
+} // namespace ada

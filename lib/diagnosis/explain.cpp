@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/explain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace ada {
+
+namespace {
+
+std::string_view experiment_between(const Effect &a, std::string_view b) {
+  for (const Separation &s : a.info().separations)
+    if (s.rival == b)
+      return s.experiment;
+  if (const Effect *other = find_effect(b))
+    for (const Separation &s : other->info().separations)
+      if (s.rival == a.info().id)
+        return s.experiment;
+  return "a capture at other speeds, in both directions and at another temperature";
+}
+
+} // namespace
+
+std::string separation(const Effect &effect, const std::vector<std::string> &rivals) {
+  std::vector<std::string_view> said;
+  std::string out;
+  for (const std::string &rival : rivals) {
+    const std::string_view experiment = experiment_between(effect, rival);
+    if (std::find(said.begin(), said.end(), experiment) != said.end())
+      continue;
+    said.push_back(experiment);
+    out += fmt::format("{}{}", out.empty() ? "" : "; ", experiment);
+  }
+  return out;
+}
+
+std::string parameter_text(const ParameterInfo &info, double value, double std_error) {
+  if (info.unit == "channel")
+    return fmt::format("{} {}", info.name, value < 0.5 ? "vsin" : "vcos");
+  std::string unit = info.unit == "1" ? "" : fmt::format(" {}", info.unit);
+  if (std_error > 0.0 && std::isfinite(std_error)) {
+    // Digits up to the second of the error.
+    const double digits = std::ceil(std::log10(std::abs(value) / std_error)) + 2.0;
+    const int n = static_cast<int>(std::clamp(std::isfinite(digits) ? digits : 3.0, 2.0, 10.0));
+    return fmt::format("{} = {:.{}g} +- {:.2g}{}", info.name, value, n, std_error, unit);
+  }
+  return fmt::format("{} = {:.6g}{}", info.name, value, unit);
+}
+
+std::string explanation(const Finding &finding) {
+  const EffectInfo &info = finding.effect->info();
+  std::string out(info.cause);
+  std::string numbers;
+  for (std::size_t k = 0; k < info.parameters.size(); ++k)
+    if (!std::isnan(finding.values[k]))
+      numbers +=
+          fmt::format("{}{}", numbers.empty() ? "" : ", ",
+                      parameter_text(info.parameters[k], finding.values[k],
+                                     k < finding.std_errors.size() ? finding.std_errors[k] : 0.0));
+  if (!numbers.empty())
+    out += " (" + numbers + ")";
+  return out;
+}
+
+} // namespace ada

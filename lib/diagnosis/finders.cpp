@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <unsupported/Eigen/FFT>
+
+#include "base/angle.h"
+#include "diagnosis/robust.h"
+#include "model/residual.h"
+
+namespace ada {
+
+namespace {
+
+constexpr double kAbsentLevel = std::numeric_limits<double>::quiet_NaN();
+
+/// Tangential part of the residual as a mechanical angle, rad.
+double angle_residual(const Residual &r, std::size_t i) {
+  const double c = r.model_cos_v[i] - 0.5 * r.supply_v, s = r.model_sin_v[i] - 0.5 * r.supply_v;
+  const double radius2 = std::max(c * c + s * s, 1e-12);
+  return (r.sin_v[i] * c - r.cos_v[i] * s) / (radius2 * r.periods);
+}
+
+/// Power and quadrature sums of both channels at one frequency.
+struct Line {
+  double power;
+  std::array<double, 4> amplitudes; ///< sine, cosine of VSIN; sine, cosine of VCOS
+};
+
+Line line_at(const Residual &r, double frequency) {
+  std::array<double, 4> sum{};
+  for (std::size_t i = 0; i < r.time.size(); ++i) {
+    const double phase = kTwoPi * frequency * r.time[i];
+    const double s = std::sin(phase), c = std::cos(phase);
+    sum[0] += r.sin_v[i] * s;
+    sum[1] += r.sin_v[i] * c;
+    sum[2] += r.cos_v[i] * s;
+    sum[3] += r.cos_v[i] * c;
+  }
+  Line line{0.0, sum};
+  for (double &a : line.amplitudes) {
+    a *= 2.0 / static_cast<double>(r.time.size());
+    line.power += a * a;
+  }
+  return line;
+}
+
+/// Whether a frequency belongs to the turning shaft: a line at an order of a steady rotation is no
+/// tone.
+bool turns_with_shaft(const Residual &r, double frequency, double resolution) {
+  // Speeds at which the capture dwells, each with the width of its orders.
+  std::vector<double> speed;
+  for (double w : r.omega)
+    speed.push_back(std::abs(w) / kTwoPi);
+  std::sort(speed.begin(), speed.end());
+  for (double q : {0.05, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95}) {
+    const double f = speed[static_cast<std::size_t>(q * static_cast<double>(speed.size() - 1))];
+    if (f < resolution)
+      continue;
+    const double order = std::round(frequency / f);
+    if (order >= 1.0 && order <= 24.0 &&
+        std::abs(frequency - order * f) < 3.0 * resolution + 2e-3 * order * f)
+      return true;
+  }
+  return false;
+}
+
+} // namespace
+
+std::optional<StepGuess> find_step(const Residual &r, StepIn where) {
+  const std::size_t n = r.time.size();
+  if (n < 100)
+    return std::nullopt;
+  std::vector<double> a(n), b(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    a[i] = where == StepIn::angle ? angle_residual(r, i) : r.sin_v[i];
+    if (where == StepIn::offsets)
+      b[i] = r.cos_v[i];
+  }
+  double total_a = 0.0, total_b = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    total_a += a[i];
+    total_b += b[i];
+  }
+  // Between-means sum of squares for every split.
+  double best = 0.0, sa = 0.0, sb = 0.0;
+  std::size_t at = 0;
+  const std::size_t margin = std::max<std::size_t>(20, n / 200);
+  for (std::size_t k = 1; k < n; ++k) {
+    sa += a[k - 1];
+    sb += b[k - 1];
+    if (k < margin || k + margin > n)
+      continue;
+    const double share = static_cast<double>(k) / static_cast<double>(n);
+    const double da = sa - share * total_a, db = sb - share * total_b;
+    const double gain = (da * da + db * db) / (share * (1.0 - share));
+    if (gain > best) {
+      best = gain;
+      at = k;
+    }
+  }
+  if (at == 0)
+    return std::nullopt;
+  double before_a = 0.0, before_b = 0.0;
+  for (std::size_t i = 0; i < at; ++i) {
+    before_a += a[i];
+    before_b += b[i];
+  }
+  const double left = static_cast<double>(at), right = static_cast<double>(n - at);
+  return StepGuess{r.time[at], (total_a - before_a) / right - before_a / left,
+                   (total_b - before_b) / right - before_b / left};
+}
+
+std::vector<std::vector<double>> find_tones(const Residual &r) {
+  const std::size_t n = r.time.size();
+  const double span = n > 1 ? r.time.back() - r.time.front() : 0.0;
+  if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0)
+    return {};
+  // Samples that are missing leave zeros: they widen no line that stands clear of the others.
+  std::size_t size = 256;
+  while (static_cast<double>(size) * r.sample_period_s < span && size < (std::size_t{1} << 21))
+    size *= 2;
+  const double grid = std::max(r.sample_period_s, span / static_cast<double>(size - 1));
+  std::vector<std::complex<double>> in(size), out;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(std::lround((r.time[i] - r.time.front()) / grid));
+    if (k < size)
+      in[k] = {r.cos_v[i], r.sin_v[i]};
+  }
+  Eigen::FFT<double> fft;
+  fft.fwd(out, in);
+  const double bin = 1.0 / (static_cast<double>(size) * grid);
+  const double resolution = 1.0 / span;
+  std::vector<std::pair<double, std::size_t>> peaks;
+  std::vector<double> power(size / 2, 0.0);
+  for (std::size_t k = 1; k < size / 2; ++k)
+    power[k] = std::norm(out[k]) + std::norm(out[size - k]);
+  const double floor = quantile(power, 0.5);
+  const auto first = static_cast<std::size_t>(std::ceil(4.0 * resolution / bin));
+  for (std::size_t k = std::max<std::size_t>(first, 2); k + 1 < size / 2; ++k)
+    if (power[k] > 12.0 * floor && power[k] >= power[k - 1] && power[k] >= power[k + 1])
+      peaks.emplace_back(power[k], k);
+  std::sort(peaks.rbegin(), peaks.rend());
+  std::vector<std::vector<double>> tones;
+  std::size_t looked_at = 0;
+  for (const auto &[p, k] : peaks) {
+    if (tones.size() == 2 || ++looked_at > 40)
+      break;
+    if (turns_with_shaft(r, static_cast<double>(k) * bin, resolution))
+      continue;
+    // The bin is coarse for a fit over the whole span: climb to the top of the line.
+    double centre = static_cast<double>(k) * bin, step = 0.25 * bin;
+    Line best = line_at(r, centre);
+    for (int pass = 0; pass < 3; ++pass, step *= 0.25) {
+      const double from = centre;
+      for (int d = -4; d <= 4; ++d) {
+        const Line line = line_at(r, from + d * step);
+        if (line.power > best.power) {
+          best = line;
+          centre = from + d * step;
+        }
+      }
+    }
+    const auto &a = best.amplitudes;
+    tones.push_back({centre, std::hypot(a[0], a[1]), std::hypot(a[2], a[3]),
+                     std::atan2(a[1], a[0]) * kDegPerRad, std::atan2(a[3], a[2]) * kDegPerRad});
+  }
+  return tones;
+}
+
+std::vector<std::vector<double>> find_clipping(const Residual &r) {
+  // Of a sine that stops at 90 to 97 % of its peak about a tenth lies on the stop: the level is
+  // seen at its middle. The channel with the higher peak says it for both.
+  std::vector<double> observed[2];
+  for (std::size_t i = 0; i < r.time.size(); ++i) {
+    observed[0].push_back(r.model_sin_v[i] + r.sin_v[i]);
+    observed[1].push_back(r.model_cos_v[i] + r.cos_v[i]);
+  }
+  const double high[2] = {quantile(observed[0], 0.96), quantile(observed[1], 0.96)};
+  const double low[2] = {quantile(observed[0], 0.04), quantile(observed[1], 0.04)};
+  std::vector<std::vector<double>> out;
+  const auto add = [&](double bottom, double top, double channel) {
+    out.push_back({kAbsentLevel, top, channel});
+    out.push_back({bottom, kAbsentLevel, channel});
+    out.push_back({bottom, top, channel});
+  };
+  add(std::min(low[0], low[1]), std::max(high[0], high[1]), kAbsentLevel);
+  for (int k : {0, 1})
+    add(low[k], high[k], k);
+  return out;
+}
+
+void find_spikes(std::span<const double> residual, double threshold, double floor_v,
+                 std::vector<std::size_t> &places) {
+  const std::size_t n = residual.size();
+  places.clear();
+  if (n < 20)
+    return;
+  std::vector<double> off(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    double window[7];
+    std::size_t m = 0;
+    for (std::size_t k = i > 3 ? i - 3 : 0; k < std::min(n, i + 4); ++k)
+      window[m++] = residual[k];
+    std::nth_element(window, window + m / 2, window + m);
+    off[i] = residual[i] - window[m / 2];
+  }
+  const double sigma = std::max({robust_spread(off), floor_v, 1e-9});
+  for (std::size_t i = 0; i < n; ++i)
+    if (std::abs(off[i]) > threshold * sigma)
+      places.push_back(i);
+  // Structure is not a spike: isolated means rare.
+  if (places.size() > n / 60)
+    places.clear();
+}
+
+} // namespace ada

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/fit.h"
+
+#include <cmath>
+
+#include "base/angle.h"
+#include "model/forward.h"
+
+namespace ada {
+
+namespace {
+
+constexpr std::size_t kBaseline = 4;
+
+double vtemp_on_vcos(const Model &model) {
+  double sum = 0.0;
+  for (const EffectInstance &e : model.effects)
+    sum += e.effect->vtemp_on_vcos(e.values);
+  return sum;
+}
+
+/// Normal equations at one point, and the sum of squares there.
+struct Normal {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd right;
+  double rss = 0.0;
+};
+
+Normal normal_equations(const Observations &data, const Model &model, const std::vector<double> &x,
+                        const std::vector<double> &step) {
+  const auto parameters = static_cast<Eigen::Index>(x.size());
+  std::vector<ForwardModel> models;
+  models.emplace_back(model, AlphaIs::reference);
+  std::vector<double> moved = x;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    moved[k] = x[k] + step[k];
+    models.emplace_back(with_coordinates(model, moved), AlphaIs::reference);
+    moved[k] = x[k];
+  }
+  Normal out{Eigen::MatrixXd::Zero(parameters, parameters), Eigen::VectorXd::Zero(parameters)};
+  const Conditions all = data.conditions();
+  Eigen::MatrixXd rows(parameters, 2 * kWaveBlock);
+  Eigen::VectorXd residual(2 * kWaveBlock);
+  std::array<double, kWaveBlock> s0, c0, s1, c1;
+  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
+    const std::size_t n = std::min(kWaveBlock, data.size() - first);
+    const Conditions at = all.slice(first, n);
+    models[0].evaluate(at, s0.data(), c0.data());
+    const auto columns = static_cast<Eigen::Index>(2 * n);
+    for (std::size_t i = 0; i < n; ++i) {
+      double s = data.vsin[first + i] - s0[i], c = data.vcos[first + i] - c0[i];
+      data.whiten(first + i, s, c);
+      residual[static_cast<Eigen::Index>(2 * i)] = s;
+      residual[static_cast<Eigen::Index>(2 * i + 1)] = c;
+    }
+    for (Eigen::Index k = 0; k < parameters; ++k) {
+      models[static_cast<std::size_t>(k) + 1].evaluate(at, s1.data(), c1.data());
+      const double inverse = 1.0 / step[static_cast<std::size_t>(k)];
+      for (std::size_t i = 0; i < n; ++i) {
+        double s = (s1[i] - s0[i]) * inverse, c = (c1[i] - c0[i]) * inverse;
+        data.whiten(first + i, s, c);
+        rows(k, static_cast<Eigen::Index>(2 * i)) = s;
+        rows(k, static_cast<Eigen::Index>(2 * i + 1)) = c;
+      }
+    }
+    out.matrix.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(columns));
+    out.right.noalias() += rows.leftCols(columns) * residual.head(columns);
+    out.rss += residual.head(columns).squaredNorm();
+  }
+  out.matrix.triangularView<Eigen::StrictlyUpper>() = out.matrix.transpose();
+  if (data.vtemp_on_vcos_error > 0.0) {
+    // One more measurement, weighted by its error against the noise of the samples.
+    const double sigma = std::sqrt(out.rss / (2.0 * static_cast<double>(data.size())));
+    const double weight = sigma / data.vtemp_on_vcos_error;
+    const double now = vtemp_on_vcos(model);
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(parameters);
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      moved[k] = x[k] + step[k];
+      row[static_cast<Eigen::Index>(k)] =
+          weight * (vtemp_on_vcos(with_coordinates(model, moved)) - now) / step[k];
+      moved[k] = x[k];
+    }
+    out.matrix += row * row.transpose();
+    out.right += row * weight * (data.vtemp_on_vcos - now);
+  }
+  return out;
+}
+
+/// Inverse of a symmetric matrix whose columns differ in scale by orders of magnitude.
+struct Scaled {
+  Eigen::VectorXd scale;
+  Eigen::LDLT<Eigen::MatrixXd> solver;
+  bool determined;
+  explicit Scaled(const Eigen::MatrixXd &m) {
+    scale = m.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd unit = scale.asDiagonal() * m * scale.asDiagonal();
+    solver.compute(unit);
+    determined = solver.info() == Eigen::Success && solver.vectorD().minCoeff() > 1e-10;
+  }
+  Eigen::VectorXd solve(const Eigen::VectorXd &b) const {
+    return scale.asDiagonal() * solver.solve(scale.asDiagonal() * b);
+  }
+  Eigen::MatrixXd inverse() const {
+    const Eigen::Index n = scale.size();
+    return scale.asDiagonal() * solver.solve(Eigen::MatrixXd::Identity(n, n)) * scale.asDiagonal();
+  }
+};
+
+} // namespace
+
+std::vector<double> coordinates_of(const Model &model) {
+  const Baseline &b = model.baseline;
+  std::vector<double> x{b.amplitude_v, b.offset_sin_v, b.offset_cos_v, b.angle_zero_deg};
+  for (const EffectInstance &e : model.effects)
+    for (double c : e.effect->to_coordinates(e.values))
+      x.push_back(c);
+  return x;
+}
+
+Model with_coordinates(const Model &model, std::span<const double> x) {
+  Model out = model;
+  out.baseline = {x[0], x[1], x[2], x[3]};
+  std::size_t k = kBaseline;
+  for (EffectInstance &e : out.effects) {
+    const std::size_t n = e.effect->to_coordinates(e.values).size();
+    e.values = e.effect->from_coordinates(e.values, x.subspan(k, n));
+    k += n;
+  }
+  return out;
+}
+
+std::vector<double> coordinate_steps(const Model &model) {
+  std::vector<double> h{1e-4, 1e-4, 1e-4, 1e-3};
+  for (const EffectInstance &e : model.effects)
+    for (double step : e.effect->steps(e.values))
+      h.push_back(step);
+  return h;
+}
+
+double sum_of_squares(const Observations &data, const Model &model) {
+  const ForwardModel forward(model, AlphaIs::reference);
+  const Conditions all = data.conditions();
+  std::array<double, kWaveBlock> s, c;
+  double sum = 0.0;
+  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
+    const std::size_t n = std::min(kWaveBlock, data.size() - first);
+    forward.evaluate(all.slice(first, n), s.data(), c.data());
+    for (std::size_t i = 0; i < n; ++i) {
+      double rs = data.vsin[first + i] - s[i], rc = data.vcos[first + i] - c[i];
+      data.whiten(first + i, rs, rc);
+      sum += rs * rs + rc * rc;
+    }
+  }
+  return sum;
+}
+
+FitResult fit(const Observations &data, const Model &start, int max_iterations) {
+  std::vector<double> x = coordinates_of(start);
+  Model model = start;
+  FitResult out;
+  Normal here = normal_equations(data, model, x, coordinate_steps(model));
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    const Scaled scaled(here.matrix);
+    if (!scaled.determined)
+      break;
+    const Eigen::VectorXd step = scaled.solve(here.right);
+    if (!step.allFinite())
+      break;
+    bool better = false;
+    double expected = step.dot(here.right);
+    for (double part = 1.0; part > 0.05; part *= 0.5) {
+      std::vector<double> next = x;
+      for (std::size_t k = 0; k < x.size(); ++k)
+        next[k] += part * step[static_cast<Eigen::Index>(k)];
+      Model trial = with_coordinates(model, next);
+      const double rss = sum_of_squares(data, trial);
+      if (rss <= here.rss * (1.0 + 1e-12)) {
+        x = std::move(next);
+        model = std::move(trial);
+        better = true;
+        break;
+      }
+    }
+    if (!better)
+      break;
+    here = normal_equations(data, model, x, coordinate_steps(model));
+    if (expected < 1e-7 * here.rss)
+      break;
+  }
+  const Scaled scaled(here.matrix);
+  out.determined = scaled.determined;
+  out.model = std::move(model);
+  out.rss = here.rss;
+  const double freedom =
+      std::max(1.0, 2.0 * static_cast<double>(data.size()) - static_cast<double>(x.size()));
+  out.covariance = scaled.inverse() * (out.rss / freedom);
+  return out;
+}
+
+void attach_errors(FitResult &result) {
+  Model &m = result.model;
+  const auto sd = [&](Eigen::Index k) { return std::sqrt(std::max(0.0, result.covariance(k, k))); };
+  m.baseline_std_error = {sd(0), sd(1), sd(2), sd(3)};
+  std::size_t k = kBaseline;
+  for (EffectInstance &e : m.effects) {
+    std::vector<double> x = e.effect->to_coordinates(e.values);
+    const std::vector<double> h = e.effect->steps(e.values);
+    const auto n = static_cast<Eigen::Index>(x.size());
+    const auto first = static_cast<Eigen::Index>(k);
+    const std::vector<double> centre = e.effect->from_coordinates(e.values, x);
+    Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(centre.size()), n);
+    for (Eigen::Index c = 0; c < n; ++c) {
+      // A small step against the value's own size: amplitude and phase are curved near zero.
+      const auto at = static_cast<std::size_t>(c);
+      const double keep = x[at], step = 1e-3 * std::max(std::abs(keep), 1e-3 * h[at]);
+      x[at] = keep + step;
+      const std::vector<double> moved = e.effect->from_coordinates(e.values, x);
+      x[at] = keep;
+      for (std::size_t r = 0; r < centre.size(); ++r) {
+        double d = moved[r] - centre[r];
+        if (e.effect->info().parameters[r].unit == "deg")
+          d = wrap_centred(d, 180.0);
+        jacobian(static_cast<Eigen::Index>(r), c) = std::isfinite(d) ? d / step : 0.0;
+      }
+    }
+    const Eigen::MatrixXd covariance =
+        jacobian * result.covariance.block(first, first, n, n) * jacobian.transpose();
+    e.std_errors.assign(centre.size(), 0.0);
+    for (std::size_t r = 0; r < centre.size(); ++r)
+      e.std_errors[r] = std::sqrt(
+          std::max(0.0, covariance(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(r))));
+    k += static_cast<std::size_t>(n);
+  }
+}
+
+ResidualColumns residual_columns(const Observations &data, const Model &model) {
+  ResidualColumns out;
+  for (auto *v : {&out.sin, &out.cos, &out.model_sin, &out.model_cos})
+    v->resize(data.size());
+  ForwardModel(model, AlphaIs::reference)
+      .evaluate(data.conditions(), out.model_sin.data(), out.model_cos.data());
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    out.sin[i] = data.vsin[i] - out.model_sin[i];
+    out.cos[i] = data.vcos[i] - out.model_cos[i];
+  }
+  return out;
+}
+
+bool in_range(const Model &model, bool mirrored) {
+  if (!(model.baseline.amplitude_v > 0.0))
+    return false;
+  for (const EffectInstance &e : model.effects) {
+    const auto parameters = e.effect->info().parameters;
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+      if (std::isfinite(e.values[k]) && ((mirrored ? -e.values[k] > parameters[k].maximum
+                                                   : e.values[k] < parameters[k].minimum) ||
+                                         e.values[k] > parameters[k].maximum))
+        return false;
+  }
+  return true;
+}
+
+} // namespace ada

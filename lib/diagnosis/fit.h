@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Joint least squares of the baseline and any set of effects.
+#pragma once
+
+#include <Eigen/Dense>
+#include <span>
+#include <vector>
+
+#include "diagnosis/observations.h"
+#include "model/model.h"
+
+namespace ada {
+
+/// All that is fitted, in one vector: A, O_sin, O_cos (V), zero (deg), then the coordinates of each
+/// effect in turn.
+std::vector<double> coordinates_of(const Model &model);
+Model with_coordinates(const Model &model, std::span<const double> x);
+/// Finite-difference step of each.
+std::vector<double> coordinate_steps(const Model &model);
+
+struct FitResult {
+  Model model;
+  Eigen::MatrixXd covariance; ///< of the coordinates, scaled by the residual's variance
+  double rss = 0.0;           ///< whitened, V^2
+  bool determined = false;    ///< whether every coordinate is
+};
+
+/// Gauss-Newton with step halving from `start`. Residuals are taken as white with one variance,
+/// which the fit itself estimates; that is what makes the covariance right.
+FitResult fit(const Observations &data, const Model &start, int max_iterations = 8);
+
+/// Writes the standard errors of a fit into its model.
+void attach_errors(FitResult &result);
+
+/// Whitened sum of squares of data minus model.
+double sum_of_squares(const Observations &data, const Model &model);
+
+/// Data minus model, and the model, in volts.
+struct ResidualColumns {
+  std::vector<double> sin, cos, model_sin, model_cos;
+};
+ResidualColumns residual_columns(const Observations &data, const Model &model);
+
+/// Whether every parameter lies in its range; `mirrored` takes the range of either sign, for a
+/// rival that has the same shape in the data though its physics has one sign only.
+bool in_range(const Model &model, bool mirrored = false);
+
+} // namespace ada

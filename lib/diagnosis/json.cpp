@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// "ada4571-diagnosis/1". Keys keep their order, so that two runs can be compared as text.
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "diagnosis/diagnose.h"
+
+namespace ada {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+/// JSON knows no infinity and no NaN.
+ordered_json number(double x) {
+  return std::isfinite(x) ? ordered_json(x) : ordered_json(nullptr);
+}
+
+ordered_json parameters_of(const Effect &effect, const std::vector<double> &values,
+                           const std::vector<double> &errors) {
+  ordered_json out = ordered_json::object();
+  const auto parameters = effect.info().parameters;
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    if (std::isnan(values[k]))
+      continue;
+    ordered_json &p = out[std::string(parameters[k].name)];
+    if (parameters[k].unit == "channel")
+      p["value"] = values[k] < 0.5 ? "vsin" : "vcos";
+    else
+      p["value"] = number(values[k]);
+    p["std_error"] = k < errors.size() ? number(errors[k]) : ordered_json(nullptr);
+    p["unit"] = parameters[k].unit == "channel" ? "" : std::string(parameters[k].unit);
+  }
+  return out;
+}
+
+ordered_json value_with_error(double value, double error, const char *unit) {
+  return {{"value", number(value)}, {"std_error", number(error)}, {"unit", unit}};
+}
+
+ordered_json baseline_parameters(const Model &m) {
+  const Baseline &b = m.baseline, &e = m.baseline_std_error;
+  return {{"amplitude_v", value_with_error(b.amplitude_v, e.amplitude_v, "V")},
+          {"offset_sin_v", value_with_error(b.offset_sin_v, e.offset_sin_v, "V")},
+          {"offset_cos_v", value_with_error(b.offset_cos_v, e.offset_cos_v, "V")},
+          {"angle_zero_deg", value_with_error(b.angle_zero_deg, e.angle_zero_deg, "deg")}};
+}
+
+ordered_json quality(const Quality &q) {
+  ordered_json out;
+  out["residual_rms_v"] = number(q.residual_rms_v);
+  if (q.angle_error_rms_deg)
+    out["angle_error_rms_deg"] = number(*q.angle_error_rms_deg);
+  out["log_likelihood_per_sample"] = number(q.log_likelihood);
+  return out;
+}
+
+ordered_json gain(const Finding &f) {
+  const Quality &before = f.before.heldout, &after = f.after.heldout;
+  ordered_json out;
+  out["residual_rms_before_v"] = number(before.residual_rms_v);
+  out["residual_rms_after_v"] = number(after.residual_rms_v);
+  if (before.angle_error_rms_deg && after.angle_error_rms_deg) {
+    out["angle_error_rms_before_deg"] = number(*before.angle_error_rms_deg);
+    out["angle_error_rms_after_deg"] = number(*after.angle_error_rms_deg);
+  }
+  out["log_likelihood_per_sample_before"] = number(before.log_likelihood);
+  out["log_likelihood_per_sample_after"] = number(after.log_likelihood);
+  return out;
+}
+
+} // namespace
+
+std::string to_json(const Diagnosis &d) {
+  ordered_json out;
+  out["schema"] = "ada4571-diagnosis/1";
+  out["capture"] = {{"samples", d.samples},     {"duration_s", number(d.duration_s)},
+                    {"turns", number(d.turns)}, {"periods_per_turn", d.periods_per_turn},
+                    {"channels", d.channels},   {"has_reference", d.has_reference}};
+  const bool judged = d.verdict != Verdict::insufficient_data;
+  if (judged)
+    out["baseline"] = {{"model", d.baseline_name},
+                       {"parameters", baseline_parameters(d.baseline)},
+                       {"heldout", quality(d.baseline_quality.heldout)},
+                       {"in_sample", quality(d.baseline_quality.in_sample)}};
+  else
+    out["baseline"] = {{"model", d.baseline_name}, {"parameters", ordered_json::object()}};
+  out["findings"] = ordered_json::array();
+  for (const Finding &f : d.findings)
+    out["findings"].push_back({{"cause", f.effect->info().id},
+                               {"alternatives", f.alternatives},
+                               {"separate_by", f.separate_by},
+                               {"explanation", f.explanation},
+                               {"parameters", parameters_of(*f.effect, f.values, f.std_errors)},
+                               {"gain", gain(f)},
+                               {"correctable", f.correctable}});
+  if (judged)
+    out["extended"] = {{"heldout", quality(d.extended_quality.heldout)},
+                       {"in_sample", quality(d.extended_quality.in_sample)}};
+  ordered_json structure = ordered_json::array();
+  for (const Structure &s : d.structure)
+    structure.push_back(
+        {{"along", s.along}, {"description", s.description}, {"rms_v", number(s.rms_v)}});
+  out["unexplained"] = {{"present", !d.structure.empty()},
+                        {"residual_rms_v", number(d.unexplained_rms_v)},
+                        {"noise_rms_v", number(d.noise_rms_v)},
+                        {"structure", structure}};
+  ordered_json invisible = ordered_json::array();
+  for (const Invisible &i : d.invisible)
+    invisible.push_back({{"cause", i.cause}, {"reason", i.reason}});
+  out["not_visible"] = invisible;
+  out["verdict"] = verdict_name(d.verdict);
+  if (!d.reason.empty())
+    out["reason"] = d.reason;
+  return out.dump(1);
+}
+
+} // namespace ada

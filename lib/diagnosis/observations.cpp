@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/observations.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/angle.h"
+#include "diagnosis/robust.h"
+#include "diagnosis/screening.h"
+#include "motion/kinematics.h"
+#include "motion/spline.h"
+
+namespace ada {
+
+namespace {
+
+constexpr std::size_t kFewestSamples = 400;
+constexpr double kFewestTurns = 6.0;        ///< so that both parts hold whole turns
+constexpr double kLeastTemperatureV = 0.03; ///< about 2 degrees Celsius at 5 V
+constexpr int kRippleOrders = 20;           ///< clipping alone shows up to order 16
+
+template <class T>
+std::vector<T> pick(const std::vector<T> &from, const std::vector<std::uint32_t> &indices) {
+  std::vector<T> out;
+  if (from.empty())
+    return out;
+  out.reserve(indices.size());
+  for (std::uint32_t i : indices)
+    out.push_back(from[i]);
+  return out;
+}
+
+/// Smooth VTEMP and its rate; says whether the capture shows a range of temperatures.
+void prepare_temperature(const Capture &capture, Scene &scene, std::vector<double> &temp,
+                         std::vector<double> &rate) {
+  if (!capture.has_vtemp()) {
+    scene.why_no_temperature = "no VTEMP channel";
+    return;
+  }
+  const auto &time = capture.time_s;
+  const std::size_t pieces = std::clamp<std::size_t>(capture.size() / 400, 4, 100);
+  CubicSpline spline(CubicSpline::uniform(time.front(), time.back(), pieces));
+  spline.fit(time, capture.vtemp_v, {}, 0, {});
+  temp.resize(capture.size());
+  rate.resize(capture.size());
+  for (std::size_t i = 0; i < capture.size(); ++i) {
+    temp[i] = spline.value(time[i]);
+    rate[i] = spline.slope(time[i]);
+  }
+  scene.vtemp_mean_v = std::accumulate(capture.vtemp_v.begin(), capture.vtemp_v.end(), 0.0) /
+                       static_cast<double>(capture.size());
+  if (quantile(temp, 0.98) - quantile(temp, 0.02) < kLeastTemperatureV)
+    scene.why_no_temperature = "one temperature only";
+
+  // What VTEMP keeps of VCOS, apart from the temperature itself.
+  const double mean_cos = std::accumulate(capture.vcos_v.begin(), capture.vcos_v.end(), 0.0) /
+                          static_cast<double>(capture.size());
+  double cc = 0.0, ct = 0.0, tt = 0.0;
+  for (std::size_t i = 0; i < capture.size(); ++i) {
+    const double c = capture.vcos_v[i] - mean_cos, t = capture.vtemp_v[i] - temp[i];
+    cc += c * c;
+    ct += c * t;
+    tt += t * t;
+  }
+  if (cc > 0.0 && capture.size() > 100) {
+    scene.all.vtemp_on_vcos = ct / cc;
+    const double rest = std::max(tt - ct * ct / cc, 0.0) / static_cast<double>(capture.size());
+    // The floor: a spline cannot be trusted beyond what the converter resolves.
+    scene.all.vtemp_on_vcos_error = std::max(std::sqrt(rest / cc), 2e-5);
+  }
+  scene.all.vtemp_scanned = true;
+}
+
+void prepare_supply(const Capture &capture, Scene &scene, std::vector<double> &supply) {
+  if (!capture.has_vdd())
+    return;
+  const double mean = std::accumulate(capture.vdd_v.begin(), capture.vdd_v.end(), 0.0) /
+                      static_cast<double>(capture.size());
+  if (!(mean > 0.0))
+    return;
+  double sum = 0.0;
+  supply.resize(capture.size());
+  for (std::size_t i = 0; i < capture.size(); ++i) {
+    supply[i] = capture.vdd_v[i] / mean - 1.0;
+    sum += supply[i] * supply[i];
+  }
+  scene.supply_rms = std::sqrt(sum / static_cast<double>(capture.size()));
+  if (scene.supply_rms < 1e-7) {
+    supply.clear();
+    return;
+  }
+  for (double &x : supply)
+    x /= scene.supply_rms;
+}
+
+/// Order-1 ripple of the reference against a smooth motion, with an error from its scatter between
+/// parts of the capture: a rough motion makes it large, which says that it proves nothing.
+void prepare_reference_ripple(const Capture &capture, const std::vector<double> &alpha,
+                              const std::vector<char> &usable, Scene &scene) {
+  constexpr std::size_t kParts = 8;
+  const std::size_t part = capture.size() / kParts;
+  std::vector<double> c, s;
+  for (std::size_t k = 0; k < kParts; ++k) {
+    const std::size_t first = k * part;
+    const std::span<const double> time(capture.time_s.data() + first, part);
+    const std::span<const double> angle(alpha.data() + first, part);
+    std::vector<char> good(usable.begin() + static_cast<std::ptrdiff_t>(first),
+                           usable.begin() + static_cast<std::ptrdiff_t>(first + part));
+    double travel = 0.0;
+    for (std::size_t i = 1; i < part; ++i)
+      travel += std::abs(angle[i] - angle[i - 1]);
+    if (travel < 4.0 * kTwoPi || part < 200)
+      continue;
+    const SmoothMotion m = smooth_motion(time, angle, good, 3);
+    c.push_back(m.cos[0]);
+    s.push_back(m.sin[0]);
+  }
+  if (c.size() < 3)
+    return;
+  const auto median = [](std::vector<double> v) { return quantile(std::move(v), 0.5); };
+  scene.reference_cos = median(c);
+  scene.reference_sin = median(s);
+  std::vector<double> off;
+  for (std::size_t k = 0; k < c.size(); ++k)
+    off.push_back(std::hypot(c[k] - scene.reference_cos, s[k] - scene.reference_sin));
+  scene.reference_ripple_error =
+      std::max(1.5 * median(off) / std::sqrt(static_cast<double>(c.size())), 5e-5);
+}
+
+/// Every third whole turn judges; the others train. Turns are counted by travel, so that every
+/// speed, direction and temperature lends its share to both.
+void split_by_turns(Scene &scene) {
+  const Observations &all = scene.all;
+  double travel = 0.0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i > 0)
+      travel += std::abs(all.alpha[i] - all.alpha[i - 1]);
+    const auto turn = static_cast<long>(travel / kTwoPi);
+    (turn % 3 == 1 ? scene.heldout : scene.train).push_back(static_cast<std::uint32_t>(i));
+  }
+}
+
+/// Where the speed changes within a few samples, speed and sense of each sample are not known.
+void leave_out_kinks(const std::vector<double> &omega, std::vector<char> &usable) {
+  constexpr std::size_t kReach = 6;
+  double top = 0.0;
+  for (double w : omega)
+    top = std::max(top, std::abs(w));
+  for (std::size_t i = kReach; i + kReach < omega.size(); ++i)
+    if (std::abs(omega[i + kReach] - omega[i - kReach]) > 0.2 * top)
+      usable[i] = 0;
+}
+
+void describe_motion(Scene &scene) {
+  const Observations &all = scene.all;
+  double forward = 0.0, backward = 0.0, travel = 0.0;
+  std::vector<double> speed;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    speed.push_back(std::abs(all.omega[i]));
+    const double dt = i > 0 ? all.time[i] - all.time[i - 1] : 0.0;
+    const double step = std::min(std::abs(dt), 10.0 * all.frame_period_s) * all.omega[i];
+    (step > 0.0 ? forward : backward) += std::abs(step);
+    travel += std::abs(step);
+  }
+  scene.turns = travel / kTwoPi;
+  scene.both_directions =
+      std::min(forward, backward) > 0.05 * travel && std::min(forward, backward) > kTwoPi;
+  scene.fastest_omega = quantile(speed, 0.98);
+  scene.several_speeds = quantile(speed, 0.05) < 0.8 * scene.fastest_omega;
+}
+
+} // namespace
+
+Conditions Observations::conditions() const {
+  const auto data = [](const std::vector<double> &v) { return v.empty() ? nullptr : v.data(); };
+  return {.n = size(),
+          .time = data(time),
+          .alpha = data(alpha),
+          .omega = data(omega),
+          .accel = data(accel),
+          .direction = data(direction),
+          .temp = data(temp),
+          .temp_rate = data(temp_rate),
+          .supply = data(supply),
+          .vtemp_scan = vtemp_scanned ? data(temp) : nullptr,
+          .frame_period_s = frame_period_s};
+}
+
+std::array<double, 2> Observations::direction_at(std::size_t i) const {
+  double us = vsin[i], uc = vcos[i];
+  if (disturbed == Direction::motion) {
+    us = vcos[i] - mid_v;
+    uc = mid_v - vsin[i];
+  }
+  const double inverse = 1.0 / std::max(std::hypot(us, uc), 1e-12);
+  return {us * inverse, uc * inverse};
+}
+
+void Observations::whiten(std::size_t i, double &sin, double &cos) const {
+  if (weight_along == 1.0)
+    return;
+  const auto [us, uc] = direction_at(i);
+  const double along = weight_along * (sin * us + cos * uc), across = sin * uc - cos * us;
+  sin = along * us + across * uc;
+  cos = along * uc - across * us;
+}
+
+Observations Observations::select(const std::vector<std::uint32_t> &indices) const {
+  Observations out = *this;
+  std::vector<double> Observations::*const columns[] = {
+      &Observations::time,      &Observations::vsin,  &Observations::vcos,
+      &Observations::alpha,     &Observations::omega, &Observations::accel,
+      &Observations::direction, &Observations::temp,  &Observations::temp_rate,
+      &Observations::supply};
+  for (auto column : columns)
+    out.*column = pick(this->*column, indices);
+  return out;
+}
+
+Scene prepare(const Capture &capture, bool needs_split) {
+  Scene scene;
+  scene.capture = &capture;
+  scene.periods = capture.meta.periods_per_turn;
+  scene.supply_v = capture.meta.supply_v;
+  scene.has_reference = capture.has_reference();
+  if (capture.size() < kFewestSamples) {
+    scene.insufficient = "only " + std::to_string(capture.size()) + " samples; at least " +
+                         std::to_string(kFewestSamples) + " are needed";
+    return scene;
+  }
+  Screened look = screen(capture);
+  scene.screened = look.findings;
+  scene.white_noise_v = look.white_noise_v;
+
+  std::vector<double> temp, rate, supply;
+  prepare_temperature(capture, scene, temp, rate);
+  prepare_supply(capture, scene, supply);
+
+  Kinematics motion;
+  if (scene.has_reference) {
+    std::vector<double> alpha(capture.size());
+    for (std::size_t i = 0; i < alpha.size(); ++i)
+      alpha[i] = capture.reference_deg[i] * kRadPerDeg;
+    unwrap(alpha, kTwoPi);
+    prepare_reference_ripple(capture, alpha, look.usable, scene);
+    motion = differentiate(capture.time_s, std::move(alpha), 4);
+    leave_out_kinks(motion.omega, look.usable);
+  } else {
+    motion = smooth_motion_with_losses(look, kRippleOrders);
+  }
+
+  for (std::size_t i = 0; i < capture.size(); ++i)
+    if (look.usable[i])
+      scene.index.push_back(static_cast<std::uint32_t>(i));
+  Observations &all = scene.all;
+  all.frame_period_s = median_step(capture.time_s);
+  all.mid_v = 0.5 * scene.supply_v;
+  all.time = pick(capture.time_s, scene.index);
+  all.vsin = pick(capture.vsin_v, scene.index);
+  all.vcos = pick(capture.vcos_v, scene.index);
+  all.alpha = pick(motion.alpha, scene.index);
+  all.omega = pick(motion.omega, scene.index);
+  all.accel = pick(motion.accel, scene.index);
+  all.direction = pick(motion.direction, scene.index);
+  all.temp = pick(temp, scene.index);
+  all.temp_rate = pick(rate, scene.index);
+  all.supply = pick(supply, scene.index);
+  if (all.size() < kFewestSamples) {
+    scene.insufficient = "only " + std::to_string(all.size()) + " usable samples";
+    return scene;
+  }
+  describe_motion(scene);
+  if (needs_split) {
+    split_by_turns(scene);
+  } else {
+    scene.train.resize(all.size());
+    std::iota(scene.train.begin(), scene.train.end(), 0u);
+  }
+  const double needed = needs_split ? kFewestTurns : 1.0;
+  if (scene.turns < needed * 0.98)
+    scene.insufficient =
+        "the shaft makes " + std::to_string(scene.turns).substr(0, 4) + " turns; " +
+        (needs_split ? std::string("at least 6 are needed to hold whole revolutions back, or a "
+                                   "second capture")
+                     : std::string("at least one is needed"));
+  return scene;
+}
+
+} // namespace ada

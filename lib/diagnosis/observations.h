@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// A capture made ready for fits: usable samples only, with the conditions under which each was
+// taken, and split by whole revolutions into what fits may see and what only judges them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "model/residual.h"
+#include "model/wave.h"
+#include "recording/capture.h"
+
+namespace ada {
+
+enum class Direction { none, supply, motion };
+
+/// Columns of one length, in time order.
+struct Observations {
+  std::vector<double> time, vsin, vcos;
+  std::vector<double> alpha, omega, accel, direction;
+  std::vector<double> temp, temp_rate; ///< empty without VTEMP
+  std::vector<double> supply;          ///< empty without VDD
+  double frame_period_s = 0.0;
+  bool vtemp_scanned = false;
+  /// Slope of VTEMP on VCOS: what a multiplexer would carry over. Standard error 0: not measured.
+  double vtemp_on_vcos = 0.0, vtemp_on_vcos_error = 0.0;
+  /// A disturbance that is not recorded moves the pair in a known direction: a supply along the
+  /// absolute voltages, a rough motion without reference along the circle. Residuals in that
+  /// direction weigh less, by this factor.
+  Direction disturbed = Direction::none;
+  double weight_along = 1.0;
+  double mid_v = 2.5; ///< supply/2: the middle of the circle, near enough for a direction
+
+  std::size_t size() const { return time.size(); }
+  /// Unit vector (VSIN, VCOS) of the disturbance at sample i.
+  std::array<double, 2> direction_at(std::size_t i) const;
+  /// Makes a pair of residuals of sample i white: identity unless weight_along says otherwise.
+  void whiten(std::size_t i, double &sin, double &cos) const;
+  Conditions conditions() const;
+  Observations select(const std::vector<std::uint32_t> &indices) const;
+};
+
+/// What a capture as a whole can show.
+struct Scene {
+  const Capture *capture = nullptr;
+  int periods = 2;
+  double supply_v = 5.0;
+  bool has_reference = false, both_directions = false, several_speeds = false;
+  std::string why_no_temperature;
+  double turns = 0.0, fastest_omega = 0.0;
+  double vtemp_mean_v = 0.0, supply_rms = 0.0;
+  double white_noise_v = 0.0; ///< from sample to sample, one channel
+  /// Order-1 ripple of the reference against smooth time, rad, and its standard error; the error
+  /// is 0 without a reference.
+  double reference_cos = 0.0, reference_sin = 0.0, reference_ripple_error = 0.0;
+
+  Observations all;                          ///< usable samples
+  std::vector<std::uint32_t> index;          ///< their places in the capture
+  std::vector<std::uint32_t> train, heldout; ///< places in `all`
+  std::vector<ScreenFinding> screened;
+  std::string insufficient; ///< why nothing can be said; empty when something can
+};
+
+/// Screens a capture and prepares it. `needs_split` false: everything trains (a second capture
+/// judges). Throws nothing for poor data: that is `insufficient`.
+Scene prepare(const Capture &capture, bool needs_split);
+
+} // namespace ada

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What a diagnosis gives back, as plain data; json.cpp, text.cpp and the report only read it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/effect.h"
+#include "model/model.h"
+
+namespace ada {
+
+/// How well a model describes data. Angle errors only with a reference.
+struct Quality {
+  double residual_rms_v = 0.0; ///< of one channel
+  double log_likelihood = 0.0; ///< per sample (both channels), natural logarithm
+  std::optional<double> angle_error_rms_deg;
+};
+
+struct Rung {
+  Quality in_sample, heldout;
+};
+
+struct Finding {
+  const Effect *effect = nullptr;
+  std::vector<double> values, std_errors;
+  std::vector<std::string> alternatives;
+  std::string separate_by, explanation;
+  Rung before, after;
+  bool correctable = false;
+};
+
+/// Where structure is left over.
+struct Structure {
+  std::string along; ///< angle, time, temperature, speed or frequency
+  std::string description;
+  double rms_v = 0.0;
+};
+
+struct Invisible {
+  std::string cause, reason;
+};
+
+enum class Verdict { no_discrepancy, explained, partly_explained, unexplained, insufficient_data };
+
+std::string_view verdict_name(Verdict verdict);
+
+struct Diagnosis {
+  // the capture
+  std::size_t samples = 0;
+  double duration_s = 0.0, turns = 0.0;
+  int periods_per_turn = 2;
+  std::vector<std::string> channels;
+  bool has_reference = false;
+  // the models
+  std::string baseline_name = "application note";
+  Model baseline, extended;
+  Rung baseline_quality, extended_quality;
+  // what was found
+  std::vector<Finding> findings;
+  std::vector<Model> ladder; ///< baseline first, then the model after each finding
+  std::vector<Structure> structure;
+  std::vector<Invisible> invisible;
+  double unexplained_rms_v = 0.0, noise_rms_v = 0.0;
+  Verdict verdict = Verdict::insufficient_data;
+  std::string reason; ///< of insufficient data
+};
+
+} // namespace ada

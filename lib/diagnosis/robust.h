@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Statistics that a few wild values do not move.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+namespace ada {
+
+/// Quantile q in [0, 1]; takes its own copy. 0 for an empty vector.
+inline double quantile(std::vector<double> v, double q) {
+  if (v.empty())
+    return 0.0;
+  const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(v.size() - 1));
+  std::nth_element(v.begin(), v.begin() + k, v.end());
+  return v[static_cast<std::size_t>(k)];
+}
+
+/// Standard deviation of a normal distribution with the same median absolute deviation.
+inline double robust_spread(std::span<const double> x) {
+  std::vector<double> v(x.begin(), x.end());
+  const double middle = quantile(v, 0.5);
+  for (double &e : v)
+    e = std::abs(e - middle);
+  return 1.4826 * quantile(std::move(v), 0.5);
+}
+
+/// Median of the positive steps of an ascending column.
+inline double median_step(std::span<const double> time) {
+  std::vector<double> dt;
+  for (std::size_t i = 1; i < time.size(); ++i)
+    if (time[i] > time[i - 1])
+      dt.push_back(time[i] - time[i - 1]);
+  return quantile(std::move(dt), 0.5);
+}
+
+} // namespace ada

@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/screening.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "base/angle.h"
+#include "diagnosis/robust.h"
+
+namespace ada {
+
+namespace {
+
+/// Middle and half range of a channel, by quantiles so that spikes do not count.
+struct Range {
+  double middle, half;
+};
+
+Range range_of(const std::vector<double> &v, const std::vector<char> &usable) {
+  std::vector<double> good;
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (usable[i])
+      good.push_back(v[i]);
+  if (good.empty())
+    return {0.0, 1.0};
+  const double low = quantile(good, 0.005), high = quantile(good, 0.995);
+  return {0.5 * (low + high), std::max(0.5 * (high - low), 1e-9)};
+}
+
+/// Unwrapped mechanical angle from the pair, good to about a degree.
+void rough_angle(Screened &look) {
+  const Capture &c = look.capture;
+  const Range sin = range_of(c.vsin_v, look.usable), cos = range_of(c.vcos_v, look.usable);
+  look.angle.resize(c.size());
+  for (std::size_t i = 0; i < c.size(); ++i)
+    look.angle[i] =
+        std::atan2((c.vsin_v[i] - sin.middle) / sin.half, (c.vcos_v[i] - cos.middle) / cos.half);
+  unwrap(look.angle, kTwoPi);
+  for (double &a : look.angle)
+    a /= c.meta.periods_per_turn;
+}
+
+/// Sample-to-sample noise from third differences, in which slow signals vanish.
+double white_noise(const Screened &look) {
+  std::vector<double> d;
+  for (const auto *v : {&look.capture.vsin_v, &look.capture.vcos_v})
+    for (std::size_t i = 3; i < v->size(); ++i)
+      if (look.usable[i] && look.usable[i - 3])
+        d.push_back(std::abs((*v)[i] - 3.0 * (*v)[i - 1] + 3.0 * (*v)[i - 2] - (*v)[i - 3]));
+  return d.empty() ? 0.0 : 1.4826 * quantile(std::move(d), 0.5) / std::sqrt(20.0);
+}
+
+std::vector<double> reference_angle(const Capture &c) {
+  std::vector<double> a(c.size());
+  for (std::size_t i = 0; i < a.size(); ++i)
+    a[i] = c.reference_deg[i] * kRadPerDeg;
+  unwrap(a, kTwoPi);
+  return a;
+}
+
+/// A jump of the angle over time: straight lines over `side` samples before and after meet there
+/// with a gap.
+struct Jump {
+  std::size_t at;   ///< first sample after
+  double gap;       ///< rad, mechanical
+  double per_frame; ///< rad that the shaft turns from sample to sample
+  double error;
+};
+
+/// Samples of half a turn at this rotation from sample to sample.
+std::size_t reach_of(double per_frame, std::size_t side) {
+  const double half_turn = per_frame != 0.0 ? 0.5 * kTwoPi / std::abs(per_frame) : 1e9;
+  return static_cast<std::size_t>(std::clamp(half_turn, 3.0 * static_cast<double>(side), 1e5));
+}
+
+/// Whether the speed is about the same a little before and after a place: where it is not, a curved
+/// motion looks like a gap between two straight lines.
+bool steady(const std::vector<double> &speeds, std::size_t at, std::size_t reach) {
+  const double here = speeds[at];
+  const double before = speeds[at > reach ? at - reach : 0];
+  const double after = speeds[std::min(at + reach, speeds.size() - 1)];
+  return std::abs(before - here) < 0.15 * std::abs(here) &&
+         std::abs(after - here) < 0.15 * std::abs(here);
+}
+
+std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &angle,
+                             std::size_t side, double floor_rad) {
+  const std::vector<double> &t = look.capture.time_s;
+  const std::size_t n = angle.size();
+  std::vector<Jump> all;
+  if (n < 4 * side)
+    return all;
+  std::vector<double> gaps(n, 0.0), speeds(n, 0.0), size;
+  for (std::size_t i = side; i + side <= n; ++i) {
+    if (!look.usable[i] || !look.usable[i - 1])
+      continue;
+    const double middle = 0.5 * (t[i] + t[i - 1]);
+    double value[2], slope[2];
+    for (int s = 0; s < 2; ++s) {
+      const std::size_t from = s == 0 ? i - side : i;
+      double su = 0, sv = 0, suu = 0, suv = 0;
+      double m = 0.0;
+      for (std::size_t k = from; k < from + side; ++k) {
+        if (!look.usable[k])
+          continue;
+        m += 1.0;
+        const double u = t[k] - middle, v = angle[k] - angle[i];
+        su += u;
+        sv += v;
+        suu += u * u;
+        suv += u * v;
+      }
+      m = std::max(m, 1.0);
+      const double d = m * suu - su * su;
+      slope[s] = d > 0.0 ? (m * suv - su * sv) / d : 0.0;
+      value[s] = (sv - slope[s] * su) / m;
+    }
+    speeds[i] = 0.5 * (slope[0] + slope[1]);
+    // A kink, such as a sudden reversal, is a change of speed and no jump.
+    if (std::abs(slope[1] - slope[0]) > 0.3 * std::abs(slope[0] + slope[1]) * 0.5)
+      continue;
+    gaps[i] = value[1] - value[0];
+    size.push_back(std::abs(gaps[i]));
+  }
+  if (size.empty())
+    return all;
+  const double sigma = std::max(1.4826 * quantile(std::move(size), 0.5), floor_rad);
+  const double frame = median_step(t);
+  for (std::size_t i = side; i + side <= n; ++i) {
+    if (std::abs(gaps[i]) < 8.0 * sigma || !steady(speeds, i, reach_of(speeds[i] * frame, side)))
+      continue;
+    const auto from = gaps.begin() + static_cast<std::ptrdiff_t>(i - side);
+    const auto to = gaps.begin() + static_cast<std::ptrdiff_t>(std::min(n, i + side + 1));
+    const auto largest =
+        std::max_element(from, to, [](double a, double b) { return std::abs(a) < std::abs(b); });
+    if (largest - gaps.begin() == static_cast<std::ptrdiff_t>(i))
+      all.push_back({i, gaps[i], speeds[i] * frame, sigma});
+  }
+  return all;
+}
+
+/// Samples lost at a jump, or 0 when it is no whole number of them in the sense of the rotation.
+double samples_lost(const Jump &jump) {
+  if (jump.per_frame == 0.0)
+    return 0.0;
+  const double lost = jump.gap / jump.per_frame;
+  const double error = std::abs(jump.error / jump.per_frame);
+  if (lost < 2.5 || lost < 6.0 * error)
+    return 0.0;
+  // Within its error a whole number; where the error is above a quarter this proves nothing.
+  return std::abs(lost - std::round(lost)) < std::max(4.0 * error, 0.15) ? lost : 0.0;
+}
+
+std::vector<Jump> jumps_of(const Screened &look) {
+  if (!look.capture.has_reference())
+    return find_jumps(look, look.angle, 12, 1e-5);
+  return find_jumps(look, reference_angle(look.capture), 6, 4e-6);
+}
+
+void mark(Screened &look, std::size_t centre, std::size_t half) {
+  const std::size_t from = centre > half ? centre - half : 0;
+  for (std::size_t i = from; i < std::min(look.usable.size(), centre + half); ++i)
+    look.usable[i] = 0;
+}
+
+/// Residual of a channel against harmonics of the angle: what a first look can take for granted.
+std::vector<double> against_harmonics(const std::vector<double> &v,
+                                      const std::vector<double> &angle,
+                                      const std::vector<char> &usable, int periods) {
+  constexpr int kOrders = 8;
+  const int columns = 1 + 2 * kOrders;
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(columns, columns);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(columns), x(columns);
+  const auto row = [&](std::size_t i) {
+    x[0] = 1.0;
+    for (int k = 1; k <= kOrders; ++k) {
+      x[2 * k - 1] = std::cos(k * periods * angle[i]);
+      x[2 * k] = std::sin(k * periods * angle[i]);
+    }
+  };
+  const std::size_t stride = std::max<std::size_t>(1, v.size() / 20000);
+  for (std::size_t i = 0; i < v.size(); i += stride)
+    if (usable[i]) {
+      row(i);
+      normal.selfadjointView<Eigen::Lower>().rankUpdate(x);
+      right += v[i] * x;
+    }
+  normal.diagonal().array() += 1e-9;
+  const Eigen::VectorXd c = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+  std::vector<double> out(v.size());
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    row(i);
+    out[i] = v[i] - c.dot(x);
+  }
+  return out;
+}
+
+/// Residual of a channel against its four nearest neighbours: a spike stands out without any model
+/// of the angle. Where a spike hits a neighbour the wrong sample may seem to stand out; the larger
+/// one wins.
+std::vector<double> against_neighbours(const std::vector<double> &v) {
+  std::vector<double> out(v.size(), 0.0);
+  for (std::size_t i = 2; i + 2 < v.size(); ++i)
+    out[i] = v[i] - (4.0 * (v[i - 1] + v[i + 1]) - v[i - 2] - v[i + 2]) / 6.0;
+  std::vector<double> peaks = out;
+  for (std::size_t i = 2; i + 2 < v.size(); ++i)
+    for (std::size_t k : {i - 2, i - 1, i + 1, i + 2})
+      if (std::abs(out[k]) > std::abs(out[i]))
+        peaks[i] = 0.0;
+  return peaks;
+}
+
+} // namespace
+
+bool screen_stuck(Screened &look, const Effect &effect) {
+  const Capture &c = look.capture;
+  const std::size_t n = c.size();
+  const std::size_t tail = std::max<std::size_t>(50, n / 50);
+  const std::vector<double> *channels[2] = {&c.vsin_v, &c.vcos_v};
+  double spread[2];
+  for (int k = 0; k < 2; ++k)
+    spread[k] = robust_spread({channels[k]->data() + (n - tail), tail});
+  for (int k = 0; k < 2; ++k) {
+    const double whole = range_of(*channels[1 - k], look.usable).half;
+    if (spread[k] > 0.01 * whole || spread[1 - k] < 0.1 * whole)
+      continue;
+    const double held =
+        quantile({channels[k]->end() - static_cast<std::ptrdiff_t>(tail), channels[k]->end()}, 0.5);
+    const double band = std::max(8.0 * spread[k], 1e-4 * whole);
+    std::size_t first = n;
+    while (first > 0 && std::abs((*channels[k])[first - 1] - held) <= band)
+      --first;
+    if (n - first < tail)
+      continue;
+    std::fill(look.usable.begin() + static_cast<std::ptrdiff_t>(first), look.usable.end(), char{0});
+    const double step = median_step(c.time_s);
+    look.findings.push_back(
+        {&effect, {static_cast<double>(k), c.time_s[std::min(first, n - 1)]}, {0.0, step}, {}, {}});
+    return true;
+  }
+  return false;
+}
+
+bool screen_orientation(Screened &look, const Effect &effect) {
+  const Capture &c = look.capture;
+  if (!c.has_reference())
+    return false;
+  std::complex<double> along, against;
+  double count = 0.0;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    if (!look.usable[i])
+      continue;
+    const double psi = c.meta.periods_per_turn * look.angle[i];
+    const double alpha = c.meta.periods_per_turn * c.reference_deg[i] * kRadPerDeg;
+    along += std::polar(1.0, psi - alpha);
+    against += std::polar(1.0, psi + alpha);
+    count += 1.0;
+  }
+  if (count == 0.0 || std::abs(against) < 0.5 * count || std::abs(against) < std::abs(along))
+    return false;
+  look.findings.push_back({&effect, {}, {}, {"channel-inverted"}, {}});
+  return true;
+}
+
+bool screen_losses(Screened &look, const Effect &effect) {
+  double events = 0.0, samples = 0.0;
+  for (const Jump &jump : jumps_of(look)) {
+    const double lost = samples_lost(jump);
+    if (lost == 0.0)
+      continue;
+    events += 1.0;
+    samples += std::round(lost);
+    look.jumps.push_back(jump.at);
+    look.jump_rad.push_back(jump.gap);
+    mark(look, jump.at, 10);
+  }
+  if (events == 0.0)
+    return false;
+  std::vector<std::string> alternatives;
+  if (!look.capture.has_reference() && events == 1.0)
+    alternatives.push_back("angle-slip");
+  look.findings.push_back({&effect, {events, samples}, {0.0, std::sqrt(events)}, alternatives, {}});
+  return true;
+}
+
+bool screen_slip(Screened &look, const Effect &effect) {
+  if (look.capture.has_reference())
+    return false;
+  const Jump *largest = nullptr;
+  const auto jumps = jumps_of(look);
+  for (const Jump &jump : jumps)
+    if (samples_lost(jump) == 0.0 && (!largest || std::abs(jump.gap) > std::abs(largest->gap)))
+      largest = &jump;
+  // A kink of a rough motion is no jump, nor is what comes again with the angle: one slip stands
+  // clear of everything else.
+  if (!largest || std::abs(largest->gap) < 12.0 * largest->error)
+    return false;
+  for (const Jump &jump : jumps)
+    if (&jump != largest && std::abs(jump.gap) > 0.5 * std::abs(largest->gap))
+      return false;
+  look.jumps.push_back(largest->at);
+  look.jump_rad.push_back(largest->gap);
+  mark(look, largest->at, 10);
+  look.findings.push_back({&effect,
+                           {look.capture.time_s[largest->at], largest->gap * kDegPerRad},
+                           {median_step(look.capture.time_s), largest->error * kDegPerRad},
+                           {"sample-loss"},
+                           {}});
+  return true;
+}
+
+bool screen_spikes(Screened &look, const Effect &effect) {
+  const Capture &c = look.capture;
+  const std::vector<double> angle = c.has_reference() ? reference_angle(c) : std::vector<double>();
+  std::vector<char> hit(c.size(), 0);
+  double sum = 0.0, values = 0.0, samples = 0.0;
+  for (const auto *v : {&c.vsin_v, &c.vcos_v}) {
+    const auto beside = against_neighbours(*v);
+    const auto residual = c.has_reference()
+                              ? against_harmonics(*v, angle, look.usable, c.meta.periods_per_turn)
+                              : beside;
+    std::vector<std::size_t> places, standing;
+    find_spikes(residual, 8.0, look.white_noise_v, places);
+    find_spikes(beside, 6.0, 1.4 * look.white_noise_v, standing);
+    std::erase_if(places, [&](std::size_t i) {
+      return !std::binary_search(standing.begin(), standing.end(), i);
+    });
+    for (std::size_t i : places) {
+      if (!look.usable[i])
+        continue;
+      hit[i] = 1;
+      sum += residual[i] * residual[i];
+      values += 1.0;
+    }
+  }
+  for (std::size_t i = 0; i < hit.size(); ++i)
+    if (hit[i]) {
+      look.usable[i] = 0;
+      samples += 1.0;
+    }
+  if (samples < 8.0) // a few may be the edges of something else
+    return false;
+  const double n = static_cast<double>(c.size());
+  look.findings.push_back({&effect,
+                           {samples / n, std::sqrt(sum / values)},
+                           {std::sqrt(samples) / n, std::sqrt(sum / values / (2.0 * values))},
+                           {},
+                           {}});
+  return true;
+}
+
+Screened screen(const Capture &capture) {
+  Screened look{capture, std::vector<char>(capture.size(), 1), {}, {}, {}, {}, 0.0};
+  for (std::size_t i = 0; i < capture.size(); ++i)
+    look.usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
+  // A dead channel would spoil every other look, spikes those for jumps: they go first.
+  const auto look_for = [&](std::string_view id) { find_effect(id)->screen(look); };
+  look_for("stuck-channel");
+  rough_angle(look);
+  look.white_noise_v = white_noise(look);
+  look_for("impulse-noise");
+  for (const Effect *effect : catalogue())
+    if (effect->info().id != "stuck-channel" && effect->info().id != "impulse-noise")
+      effect->screen(look);
+  look.white_noise_v = white_noise(look);
+  return look;
+}
+
+Kinematics smooth_motion_with_losses(Screened &look, int orders) {
+  std::vector<double> angle = look.angle;
+  for (std::size_t k = 0; k < look.jumps.size(); ++k)
+    for (std::size_t i = look.jumps[k]; i < angle.size(); ++i)
+      angle[i] -= look.jump_rad[k];
+  SmoothMotion smooth = smooth_motion(look.capture.time_s, angle, look.usable, orders);
+  for (std::size_t k = 0; k < look.jumps.size(); ++k)
+    for (std::size_t i = look.jumps[k]; i < angle.size(); ++i)
+      smooth.motion.alpha[i] += look.jump_rad[k];
+  return std::move(smooth.motion);
+}
+
+} // namespace ada

@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/angle.h"
+#include "diagnosis/candidates.h"
+#include "diagnosis/robust.h"
+
+namespace ada {
+
+namespace {
+
+constexpr std::size_t kQuick = 16000; ///< samples for looking around
+constexpr std::size_t kShortlist = 5; ///< candidates that get a joint fit
+constexpr int kMostEffects = 10;
+/// A cause must be worth this many nats on held-out data, and more for each coordinate.
+constexpr double kLeastNats = 12.0, kNatsPerCoordinate = 3.0;
+/// ... and explain at least this part of the noise: below it nobody would care.
+constexpr double kLeastOfNoise = 0.06;
+/// A rival that comes this close cannot be rejected.
+constexpr double kRivalNats = 8.0;
+/// Prior cost of a motion whose own ripple happens to look like an error of the reference, nats.
+constexpr double kCoincidence = 14.0;
+
+std::size_t coordinates(const EffectInstance &e) {
+  return e.effect->to_coordinates(e.values).size();
+}
+
+/// Log likelihood of what stands beside the pair: VTEMP and the motion of the reference.
+double side_evidence(const SearchData &data, const Model &model) {
+  double sum = 0.0;
+  double leak = 0.0;
+  std::array<double, 2> ripple{0.0, 0.0};
+  for (const EffectInstance &e : model.effects) {
+    leak += e.effect->vtemp_on_vcos(e.values);
+    const auto part = e.effect->reference_ripple(e.values);
+    ripple[0] += part[0];
+    ripple[1] += part[1];
+  }
+  const Observations &train = data.train;
+  if (train.vtemp_on_vcos_error > 0.0) {
+    const double z = (train.vtemp_on_vcos - leak) / train.vtemp_on_vcos_error;
+    sum -= 0.5 * z * z;
+  }
+  if (data.scene->reference_ripple_error > 0.0) {
+    // The reference's own error must show against a smooth motion, unless the motion ripples so.
+    const double dc = data.scene->reference_cos - ripple[0];
+    const double ds = data.scene->reference_sin - ripple[1];
+    const double z2 = (dc * dc + ds * ds) /
+                      (data.scene->reference_ripple_error * data.scene->reference_ripple_error);
+    sum -= std::min(0.5 * z2, kCoincidence);
+  }
+  return sum;
+}
+
+/// Whether an effect is a function of the angle alone, so that stages blur its higher terms.
+bool is_static(const Effect &effect) {
+  const Stage stage = effect.info().stage;
+  for (const ParameterInfo &p : effect.info().parameters)
+    if (p.unit == "s" || p.unit == "Hz" || p.unit.substr(0, 2) == "V/" || p.unit == "1/V")
+      return false;
+  return stage == Stage::field || stage == Stage::bridge || stage == Stage::chain;
+}
+
+} // namespace
+
+std::vector<std::uint32_t> thin(const std::vector<std::uint32_t> &indices, std::size_t most) {
+  if (indices.size() <= most)
+    return indices;
+  const std::size_t runs = std::max<std::size_t>(1, most / 400);
+  const std::size_t length = most / runs;
+  std::vector<std::uint32_t> out;
+  for (std::size_t r = 0; r < runs; ++r) {
+    const std::size_t from = r * indices.size() / runs;
+    for (std::size_t k = from; k < std::min(from + length, indices.size()); ++k)
+      out.push_back(indices[k]);
+  }
+  return out;
+}
+
+Search::Search(SearchData data, Model baseline, double noise_v, Report report)
+    : data_(std::move(data)), baseline_(std::move(baseline)), given_(baseline_.effects.size()),
+      noise_v_(noise_v), report_(std::move(report)) {
+  std::vector<std::uint32_t> indices(data_.train.size());
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    indices[i] = static_cast<std::uint32_t>(i);
+  quick_ = data_.train.select(thin(indices, kQuick));
+}
+
+double Search::log_likelihood(const FitResult &fit, double heldout) const {
+  const double n = static_cast<double>(data_.heldout.size());
+  const double variance = fit.rss / (2.0 * static_cast<double>(data_.train.size()));
+  return n * (std::log(data_.heldout.weight_along) - std::log(kTwoPi * variance)) -
+         0.5 * heldout / variance + side_evidence(data_, fit.model);
+}
+
+Search::State Search::evaluate(const Model &start, int iterations) const {
+  State out;
+  out.fit = fit(data_.train, start, iterations);
+  out.heldout = sum_of_squares(data_.heldout, out.fit.model);
+  out.score = log_likelihood(out.fit, out.heldout);
+  return out;
+}
+
+double Search::contribution(const State &with, const State &less) const {
+  return std::sqrt(std::max(0.0, less.heldout - with.heldout) /
+                   (2.0 * static_cast<double>(data_.heldout.size())));
+}
+
+Search::State Search::without(const State &now, std::size_t effect) const {
+  Model model = now.fit.model;
+  model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  return evaluate(model, 4);
+}
+
+/// What products of the effects so far may leave over: the order in which two stages really act
+/// is not known to second order, so nothing of that size is evidence of a further cause.
+double Search::second_order(const State &now) const {
+  const Model &m = now.fit.model;
+  std::vector<double> sizes{std::hypot(m.baseline.offset_sin_v, m.baseline.offset_cos_v)};
+  for (std::size_t k = 0; k < m.effects.size(); ++k) {
+    const Stage stage = m.effects[k].effect->info().stage;
+    const bool shapes = stage == Stage::field || stage == Stage::bridge || stage == Stage::chain ||
+                        stage == Stage::converter;
+    if (!shapes || m.effects[k].effect->info().evidence != Evidence::signal)
+      continue;
+    Model less = m;
+    less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(k));
+    const double rss = sum_of_squares(quick_, less) - sum_of_squares(quick_, m);
+    sizes.push_back(std::sqrt(std::max(0.0, rss) / static_cast<double>(quick_.size())));
+  }
+  double sum = 0.0;
+  for (std::size_t a = 0; a < sizes.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      sum += sizes[a] * sizes[b];
+  const double amplitude = m.baseline.amplitude_v;
+  return std::min(0.35 * sum / amplitude, 6e-4 * amplitude);
+}
+
+bool Search::forward(State &now) {
+  const double allowance = second_order(now);
+  const std::vector<Candidate> list = candidates(*data_.scene, quick_, now.fit.model, false);
+  const double scale = static_cast<double>(data_.train.size()) / static_cast<double>(quick_.size());
+  const double variance = now.fit.rss / (2.0 * static_cast<double>(data_.train.size()));
+  struct Option {
+    State state;
+    const Effect *effect;
+    double worth;
+  };
+  std::vector<Option> options;
+  std::size_t physical = 0, signatures = 0;
+  for (const Candidate &c : list) {
+    if (scale * c.gain / (2.0 * variance) < kLeastNats)
+      break;
+    std::size_t &count = c.effect->info().signature ? signatures : physical;
+    if (count >= (c.effect->info().signature ? 2 : kShortlist))
+      continue;
+    ++count;
+    State state = evaluate(c.start);
+    if (!state.fit.determined || !in_range(state.fit.model))
+      continue;
+    const double nats = state.score - now.score;
+    const double freedom = static_cast<double>(c.freedom);
+    if (nats < kLeastNats + kNatsPerCoordinate * freedom)
+      continue;
+    const double size = contribution(state, now);
+    if (size < kLeastOfNoise * noise_v_ || size < allowance)
+      continue;
+    options.push_back({std::move(state), c.effect, nats - kNatsPerCoordinate * freedom});
+  }
+  if (options.empty())
+    return false;
+  std::stable_sort(options.begin(), options.end(),
+                   [](const Option &a, const Option &b) { return a.worth > b.worth; });
+  const Option *chosen = &options.front();
+  if (chosen->effect->info().signature) // a physical cause that does as well goes first
+    for (const Option &o : options)
+      if (!o.effect->info().signature && o.worth > 0.98 * chosen->worth - kRivalNats) {
+        chosen = &o;
+        break;
+      }
+  now = chosen->state;
+  return true;
+}
+
+bool Search::backward(State &now) {
+  bool changed = false;
+  for (std::size_t k = now.fit.model.effects.size(); k-- > given_;) {
+    State less = without(now, k);
+    const double freedom = static_cast<double>(coordinates(now.fit.model.effects[k]));
+    const bool worth = now.score - less.score > kLeastNats + kNatsPerCoordinate * freedom &&
+                       contribution(now, less) > kLeastOfNoise * noise_v_;
+    if (worth)
+      continue;
+    now = std::move(less);
+    changed = true;
+  }
+  return changed;
+}
+
+std::vector<std::string> Search::rivals(const State &now, std::size_t effect, State *better) const {
+  std::vector<std::string> out;
+  const State less = without(now, effect);
+  const Effect *self = now.fit.model.effects[effect].effect;
+  const double part = contribution(now, less);
+  // A rival of the same leading shape differs in its higher terms only, which the order of the
+  // stages blurs: what those can leave over is no reason to reject it.
+  const double n = static_cast<double>(data_.heldout.size());
+  const Baseline &base = now.fit.model.baseline;
+  const double offset = std::hypot(base.offset_sin_v, base.offset_cos_v);
+  const std::vector<Candidate> list =
+      candidates(*data_.scene, quick_, less.fit.model, !data_.scene->has_reference);
+  const double my_side = side_evidence(data_, now.fit.model);
+  double highest = 0.0;
+  for (const Candidate &c : list)
+    if (c.effect == self)
+      highest = c.gain;
+  if (highest == 0.0 && !list.empty())
+    highest = list.front().gain;
+  for (const Candidate &c : list) {
+    if (c.effect == self || c.gain < 0.8 * highest)
+      continue;
+    // A signature is no rival of a physical cause; without a reference nothing tells them apart.
+    if (c.effect->info().signature && !self->info().signature && data_.scene->has_reference)
+      continue;
+    State rival = evaluate(c.start);
+    const bool at_rest = is_static(*self) && is_static(*c.effect);
+    if (!rival.fit.determined || !in_range(rival.fit.model, at_rest))
+      continue;
+    const double side = side_evidence(data_, rival.fit.model) - my_side;
+    const double blurred =
+        std::min(4.0 * part * (part + (at_rest ? offset : 0.0)) / base.amplitude_v,
+                 (at_rest ? 0.3 : 0.1) * part);
+    const double left = std::sqrt(std::max(0.0, rival.heldout - now.heldout) / (2.0 * n));
+    if (side < -kRivalNats || (rival.score - side < now.score - kRivalNats && left > blurred))
+      continue;
+    out.emplace_back(c.effect->info().id);
+    if (better && in_range(rival.fit.model) && rival.score > now.score + kRivalNats &&
+        c.freedom <= coordinates(now.fit.model.effects[effect]) &&
+        (!c.effect->info().signature || self->info().signature) &&
+        (better->score == 0.0 || rival.score > better->score))
+      *better = std::move(rival);
+  }
+  return out;
+}
+
+bool Search::sideways(State &now) {
+  for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k) {
+    State better{};
+    rivals(now, k, &better);
+    if (better.score != 0.0) {
+      now = std::move(better);
+      return true;
+    }
+  }
+  return false;
+}
+
+/// A supply that is not recorded moves both outputs along the pair of absolute voltages. It shows
+/// as a residual that is white across that direction and not along it.
+bool Search::notice_supply(State &now) {
+  if (supply_rms_fraction_ > 0.0 || !data_.train.supply.empty())
+    return false;
+  if (!data_.scene->has_reference)
+    return notice_supply_in_radius(now);
+  const ResidualColumns r = residual_columns(data_.train, now.fit.model);
+  double along = 0.0, across = 0.0, length2 = 0.0;
+  for (std::size_t i = 0; i < r.sin.size(); ++i) {
+    const double vs = data_.train.vsin[i], vc = data_.train.vcos[i];
+    const double l2 = vs * vs + vc * vc;
+    const double a = (r.sin[i] * vs + r.cos[i] * vc), b = (r.sin[i] * vc - r.cos[i] * vs);
+    along += a * a / l2;
+    across += b * b / l2;
+    length2 += l2;
+  }
+  const double n = static_cast<double>(r.sin.size());
+  along /= n;
+  across /= n;
+  const double noise2 = noise_v_ * noise_v_;
+  if (across > 1.6 * noise2 || along < 1.5 * noise2 || along - across < 0.5 * noise2)
+    return false;
+  supply_rms_fraction_ = std::sqrt((along - across) * n / length2);
+  weigh(now, Direction::supply, std::sqrt(across / along));
+  return true;
+}
+
+/// Without a reference only the radius tells: its variance then follows the square of the part of
+/// the absolute voltages that lies along the radius, which no other cause does.
+bool Search::notice_supply_in_radius(State &now) {
+  const ResidualColumns r = residual_columns(data_.train, now.fit.model);
+  double n = 0.0, g1 = 0.0, g2 = 0.0, v1 = 0.0, gv = 0.0, v2 = 0.0;
+  for (std::size_t i = 0; i < r.sin.size(); ++i) {
+    const double s = r.model_sin[i] - data_.train.mid_v, c = r.model_cos[i] - data_.train.mid_v;
+    const double inverse = 1.0 / std::hypot(s, c);
+    const double radial = (r.sin[i] * s + r.cos[i] * c) * inverse;
+    const double reach = (data_.train.vsin[i] * s + data_.train.vcos[i] * c) * inverse;
+    const double v = radial * radial, g = reach * reach;
+    n += 1.0;
+    g1 += g;
+    g2 += g * g;
+    v1 += v;
+    v2 += v * v;
+    gv += g * v;
+  }
+  const double slope = (n * gv - g1 * v1) / (n * g2 - g1 * g1);
+  const double intercept = (v1 - slope * g1) / n;
+  const double noise2 = noise_v_ * noise_v_;
+  if (slope * g1 / n < 0.5 * noise2 || intercept > 2.0 * noise2 ||
+      intercept < -0.3 * slope * g1 / n)
+    return false;
+  supply_rms_fraction_ = std::sqrt(slope);
+  return true;
+}
+
+void Search::weigh(State &now, Direction direction, double weight) {
+  for (Observations *o : {&data_.train, &data_.heldout, &quick_}) {
+    o->disturbed = direction;
+    o->weight_along = weight;
+  }
+  now = evaluate(now.fit.model, 4);
+}
+
+/// Without a reference the smooth motion is itself an estimate. What the true motion does beyond it
+/// lies along the circle, so that direction weighs as much as its own scatter allows.
+void Search::weigh_motion(State &now) {
+  if (data_.scene->has_reference || data_.train.disturbed == Direction::supply)
+    return;
+  data_.train.disturbed = Direction::motion;
+  const ResidualColumns r = residual_columns(data_.train, now.fit.model);
+  double along = 0.0, across = 0.0;
+  for (std::size_t i = 0; i < r.sin.size(); ++i) {
+    const auto [us, uc] = data_.train.direction_at(i);
+    const double a = r.sin[i] * us + r.cos[i] * uc, b = r.sin[i] * uc - r.cos[i] * us;
+    along += a * a;
+    across += b * b;
+  }
+  weigh(now, Direction::motion, std::min(1.0, std::sqrt(across / along)));
+}
+
+SearchResult Search::run() {
+  const auto progress = [&](const char *what) {
+    ++steps_;
+    if (report_)
+      report_(1.0 - 1.0 / (1.0 + 0.25 * steps_), what);
+  };
+  progress("fitting the baseline");
+  State now = evaluate(baseline_, 12);
+  weigh_motion(now);
+  for (int round = 0; round < 4; ++round) {
+    while (now.fit.model.effects.size() < given_ + kMostEffects) {
+      progress("searching for a cause");
+      if (notice_supply(now))
+        continue;
+      if (!forward(now))
+        break;
+      weigh_motion(now);
+    }
+    progress("dropping what is not needed");
+    const bool dropped = backward(now);
+    progress("comparing rivals");
+    const bool swapped = sideways(now);
+    if (!dropped && !swapped)
+      break;
+  }
+  SearchResult out;
+  const std::size_t n = now.fit.model.effects.size();
+  std::vector<std::pair<double, std::size_t>> size;
+  for (std::size_t k = given_; k < n; ++k) {
+    progress("weighing a finding");
+    const State less = without(now, k);
+    size.emplace_back(contribution(now, less), k);
+  }
+  std::sort(size.rbegin(), size.rend());
+  for (const auto &[part, k] : size) {
+    out.order.push_back(k);
+    out.contribution.push_back(part);
+    out.alternatives.push_back(rivals(now, k, nullptr));
+  }
+  out.fit = std::move(now.fit);
+  out.supply_rms_fraction = supply_rms_fraction_;
+  out.disturbed = data_.train.disturbed;
+  out.weight_along = data_.train.weight_along;
+  return out;
+}
+
+} // namespace ada

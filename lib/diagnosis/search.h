@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The search for causes: forward by the candidate that held-out data confirm best, backward by
+// what they can do without, sideways by rivals. Nothing here knows an effect by name.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/fit.h"
+#include "diagnosis/observations.h"
+
+namespace ada {
+
+/// Data that the search works on. Two captures may stand behind it: one trains, one judges.
+struct SearchData {
+  const Scene *scene; ///< of the training data
+  Observations train, heldout;
+  const Scene *judge; ///< of the held-out data; the same scene unless a second capture judges
+};
+
+struct SearchResult {
+  FitResult fit;
+  std::vector<std::size_t> order; ///< indices of the found effects in the order of their gain
+  std::vector<double> contribution;
+  std::vector<std::vector<std::string>> alternatives;
+  double supply_rms_fraction = 0.0;      ///< of a supply variation seen without a VDD channel
+  Direction disturbed = Direction::none; ///< and how residuals were weighed in the end
+  double weight_along = 1.0;
+};
+
+using Report = std::function<void(double, const char *)>;
+
+class Search {
+public:
+  Search(SearchData data, Model baseline, double noise_v, Report report);
+
+  SearchResult run();
+
+private:
+  struct State {
+    FitResult fit;
+    double score;   ///< log likelihood of the held-out data under the training fit
+    double heldout; ///< whitened sum of squares of the held-out data
+  };
+
+  State evaluate(const Model &start, int iterations = 6) const;
+  double log_likelihood(const FitResult &fit, double heldout) const;
+  bool forward(State &now);
+  bool backward(State &now);
+  bool sideways(State &now);
+  bool notice_supply(State &now);
+  bool notice_supply_in_radius(State &now);
+  void weigh_motion(State &now);
+  void weigh(State &now, Direction direction, double weight);
+  State without(const State &now, std::size_t effect) const;
+  std::vector<std::string> rivals(const State &now, std::size_t effect, State *better) const;
+  double contribution(const State &with, const State &less) const;
+  double second_order(const State &now) const;
+
+  SearchData data_;
+  Observations quick_; ///< a thinned part of the training data, for looking around
+  Model baseline_;
+  std::size_t given_; ///< effects that the baseline brought along
+  double noise_v_;
+  Report report_;
+  double supply_rms_fraction_ = 0.0;
+  int steps_ = 0;
+};
+
+/// Keeps runs of samples spread evenly over the whole, at most about `most`.
+std::vector<std::uint32_t> thin(const std::vector<std::uint32_t> &indices, std::size_t most);
+
+} // namespace ada

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include <fmt/format.h>
+
+#include "diagnosis/diagnose.h"
+#include "diagnosis/explain.h"
+
+namespace ada {
+
+namespace {
+
+std::string verdict_sentence(const Diagnosis &d) {
+  switch (d.verdict) {
+  case Verdict::no_discrepancy:
+    return "The model describes this capture down to its noise: no discrepancy.";
+  case Verdict::explained:
+    return "What the model got wrong is explained by the causes above.";
+  case Verdict::partly_explained:
+    return "The causes above explain a part; something else is left that nothing known explains.";
+  case Verdict::unexplained:
+    return "The model is wrong here, and nothing known explains how.";
+  case Verdict::insufficient_data:
+    break;
+  }
+  return "Not enough data: " + d.reason + ".";
+}
+
+std::string error_of(const Quality &q) {
+  return q.angle_error_rms_deg ? fmt::format(", angle error {:.4f} deg rms", *q.angle_error_rms_deg)
+                               : std::string();
+}
+
+} // namespace
+
+std::string to_text(const Diagnosis &d) {
+  std::string out = fmt::format("{} samples, {:.4g} s, {:.4g} turns, {}\n", d.samples, d.duration_s,
+                                d.turns, d.has_reference ? "with a reference" : "no reference");
+  if (d.verdict == Verdict::insufficient_data)
+    return out + verdict_sentence(d) + "\n";
+  const Quality &base = d.baseline_quality.heldout;
+  out += fmt::format("model: {}: residual {:.4g} mV rms on held-out data{}\n", d.baseline_name,
+                     1e3 * base.residual_rms_v, error_of(base));
+  int n = 0;
+  for (const Finding &f : d.findings) {
+    const Quality &before = f.before.heldout, &after = f.after.heldout;
+    out += fmt::format("\n{}. {}\n   {}\n", ++n, f.effect->info().id, f.explanation);
+    if (before.residual_rms_v != after.residual_rms_v)
+      out += fmt::format("   held-out residual {:.4g} -> {:.4g} mV rms",
+                         1e3 * before.residual_rms_v, 1e3 * after.residual_rms_v);
+    else
+      out += fmt::format("   held-out log likelihood {:.4f} -> {:.4f} a sample",
+                         before.log_likelihood, after.log_likelihood);
+    if (before.angle_error_rms_deg && after.angle_error_rms_deg)
+      out += fmt::format(", angle error {:.4f} -> {:.4f} deg rms", *before.angle_error_rms_deg,
+                         *after.angle_error_rms_deg);
+    out += f.correctable ? "\n" : "\n   not a matter for the angle: it is never corrected there\n";
+    if (!f.alternatives.empty())
+      out += fmt::format("   this data cannot tell it from: {}\n   what would: {}\n",
+                         fmt::join(f.alternatives, ", "), f.separate_by);
+  }
+  const Quality &rest = d.extended_quality.heldout;
+  out +=
+      fmt::format("\nextended model: residual {:.4g} mV rms on held-out data{}; noise {:.4g} mV\n",
+                  1e3 * rest.residual_rms_v, error_of(rest), 1e3 * d.noise_rms_v);
+  for (const Structure &s : d.structure)
+    out += fmt::format("left over along {}: {}\n", s.along, s.description);
+  out += verdict_sentence(d) + "\n";
+  if (!d.invisible.empty()) {
+    out += "\nThis capture cannot show:\n";
+    for (const Invisible &i : d.invisible)
+      out += fmt::format("  {} ({})\n", i.cause, i.reason);
+  }
+  return out;
+}
+
+} // namespace ada

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/whiteness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <fmt/format.h>
+#include <numeric>
+#include <unsupported/Eigen/FFT>
+
+#include "base/angle.h"
+#include "diagnosis/robust.h"
+
+namespace ada {
+
+namespace {
+
+/// Components of the residual: VSIN, VCOS, radial, tangential.
+struct Components {
+  std::vector<double> of[4];
+  std::vector<int> judged; ///< without a reference only the radius is no matter of the motion
+};
+
+Components components(const Scene &scene, const ResidualColumns &r) {
+  Components out;
+  out.judged = scene.has_reference ? std::vector<int>{0, 1, 2, 3} : std::vector<int>{2};
+  for (auto &v : out.of)
+    v.resize(r.sin.size());
+  for (std::size_t i = 0; i < r.sin.size(); ++i) {
+    const double c = r.model_cos[i] - 0.5 * scene.supply_v,
+                 s = r.model_sin[i] - 0.5 * scene.supply_v;
+    const double inverse = 1.0 / std::max(std::hypot(c, s), 1e-9);
+    out.of[0][i] = r.sin[i];
+    out.of[1][i] = r.cos[i];
+    out.of[2][i] = (r.cos[i] * c + r.sin[i] * s) * inverse;
+    out.of[3][i] = (r.sin[i] * c - r.cos[i] * s) * inverse;
+  }
+  return out;
+}
+
+/// Means of a component over the bins of a key against what white noise would give.
+struct BinTest {
+  double z;     ///< excess of chi square in its standard deviations
+  double rms_v; ///< structure in the component, noise taken off
+};
+
+BinTest test_bins(const std::vector<double> &component, const std::vector<int> &bin, int bins,
+                  double sigma) {
+  std::vector<double> sum(static_cast<std::size_t>(bins), 0.0), count = sum;
+  for (std::size_t i = 0; i < component.size(); ++i) {
+    if (bin[i] < 0)
+      continue;
+    sum[static_cast<std::size_t>(bin[i])] += component[i];
+    count[static_cast<std::size_t>(bin[i])] += 1.0;
+  }
+  double chi2 = 0.0, used = 0.0, n = 0.0;
+  for (std::size_t b = 0; b < sum.size(); ++b) {
+    if (count[b] < 8.0)
+      continue;
+    chi2 += sum[b] * sum[b] / (count[b] * sigma * sigma);
+    used += 1.0;
+    n += count[b];
+  }
+  if (used < 2.0)
+    return {0.0, 0.0};
+  return {(chi2 - used) / std::sqrt(2.0 * used), sigma * std::sqrt(std::max(0.0, chi2 - used) / n)};
+}
+
+std::vector<int> bins_of(const std::vector<double> &key, int bins) {
+  std::vector<double> sorted = key;
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<double> edges;
+  for (int b = 1; b < bins; ++b)
+    edges.push_back(
+        sorted[sorted.size() * static_cast<std::size_t>(b) / static_cast<std::size_t>(bins)]);
+  std::vector<int> out;
+  out.reserve(key.size());
+  for (double x : key)
+    out.push_back(
+        static_cast<int>(std::upper_bound(edges.begin(), edges.end(), x) - edges.begin()));
+  return out;
+}
+
+constexpr const char *kComponent[] = {"VSIN", "VCOS", "the radius", "the angle"};
+
+/// The component that shows most of it, when any does.
+void report_bins(const Components &parts, const std::vector<int> &bin, int bins, double sigma,
+                 double least, const char *along, const char *where, std::vector<Structure> &out) {
+  int best = -1;
+  BinTest strongest{0.0, 0.0};
+  for (int k : parts.judged) {
+    const BinTest t = test_bins(parts.of[k], bin, bins, sigma);
+    if (t.z > 8.0 && t.rms_v > least && t.rms_v > strongest.rms_v) {
+      strongest = t;
+      best = k;
+    }
+  }
+  if (best >= 0)
+    out.push_back({along,
+                   fmt::format("{} changes with {}: {:.3g} mV rms that no cause explains",
+                               kComponent[best], where, 1e3 * strongest.rms_v),
+                   strongest.rms_v});
+}
+
+/// Noise that comes and goes.
+void report_variance(const Components &parts, const std::vector<int> &bin, int bins, double sigma,
+                     double least, std::vector<Structure> &out) {
+  std::vector<double> sum(static_cast<std::size_t>(bins), 0.0), count = sum;
+  for (std::size_t i = 0; i < bin.size(); ++i) {
+    const auto b = static_cast<std::size_t>(bin[i]);
+    sum[b] += parts.of[2][i] * parts.of[2][i];
+    count[b] += 1.0;
+    if (parts.judged.size() > 1) {
+      sum[b] += parts.of[3][i] * parts.of[3][i];
+      count[b] += 1.0;
+    }
+  }
+  const double whole = std::accumulate(sum.begin(), sum.end(), 0.0) /
+                       std::accumulate(count.begin(), count.end(), 0.0);
+  double chi2 = 0.0, worst = 0.0, above = 0.0, total = 0.0;
+  for (std::size_t b = 0; b < sum.size(); ++b) {
+    const double ratio = sum[b] / count[b] / whole - 1.0;
+    above += std::max(0.0, ratio) * count[b];
+    total += count[b];
+    chi2 += ratio * ratio * count[b] / 2.0;
+    worst = std::max(worst, ratio);
+  }
+  const double z = (chi2 - bins) / std::sqrt(2.0 * bins);
+  const double rms = sigma * std::sqrt(above / total);
+  if (z > 12.0 && worst > 0.25 && rms > least)
+    out.push_back(
+        {"time",
+         fmt::format("the noise is not constant: up to {:.2g} times its mean power", 1.0 + worst),
+         rms});
+}
+
+void report_spectrum(const Observations &data, const Components &parts, double sigma, double least,
+                     std::vector<Structure> &out) {
+  const bool pair = parts.judged.size() > 1;
+  const double span = data.time.back() - data.time.front();
+  if (!(data.frame_period_s > 0.0) || span <= 0.0)
+    return;
+  std::size_t size = 256;
+  while (static_cast<double>(size) * data.frame_period_s < span && size < (std::size_t{1} << 21))
+    size *= 2;
+  const double grid = std::max(data.frame_period_s, span / static_cast<double>(size - 1));
+  std::vector<std::complex<double>> in(size), spectrum;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const auto k = static_cast<std::size_t>(std::lround((data.time[i] - data.time.front()) / grid));
+    if (k < size)
+      in[k] = pair ? std::complex(parts.of[1][i], parts.of[0][i]) : std::complex(parts.of[2][i]);
+  }
+  Eigen::FFT<double> fft;
+  fft.fwd(spectrum, in);
+  const double n = static_cast<double>(data.size());
+  const double white = (pair ? 2.0 : 1.0) * sigma * sigma * n; // expected |.|^2 of each line
+  const double bin = 1.0 / (static_cast<double>(size) * grid);
+  // Bands over both signs of frequency: the pair turns, so the two differ. The record fills only a
+  // part of the transform, so neighbouring lines are not independent.
+  const double independent = n / static_cast<double>(size);
+  constexpr std::size_t kBands = 64;
+  double worst_z = 0.0, worst_excess = 0.0, worst_frequency = 0.0;
+  for (std::size_t b = 0; b < kBands; ++b) {
+    const std::size_t from = std::max<std::size_t>(1, b * size / kBands);
+    const std::size_t to = (b + 1) * size / kBands;
+    double sum = 0.0;
+    for (std::size_t k = from; k < to; ++k)
+      sum += std::norm(spectrum[k]);
+    const double lines = static_cast<double>(to - from);
+    const double ratio = sum / (white * lines);
+    const double z = (ratio - 1.0) * std::sqrt(lines * independent * (pair ? 1.0 : 0.5));
+    const double excess = (ratio - 1.0) * lines / static_cast<double>(size);
+    if (z > worst_z && excess > worst_excess) {
+      worst_z = z;
+      worst_excess = excess;
+      const double middle = 0.5 * static_cast<double>(from + to);
+      worst_frequency =
+          (middle < 0.5 * static_cast<double>(size) ? middle : middle - static_cast<double>(size)) *
+          bin;
+    }
+  }
+  const double rms = sigma * std::sqrt(worst_excess);
+  if (worst_z > 10.0 && rms > least)
+    out.push_back({"frequency",
+                   fmt::format("{:.3g} mV rms above white noise near {:.3g} Hz", 1e3 * rms,
+                               std::abs(worst_frequency)),
+                   rms});
+  std::size_t peak = 1;
+  for (std::size_t k = 1; k < size; ++k)
+    if (std::norm(spectrum[k]) > std::norm(spectrum[peak]))
+      peak = k;
+  const double line = std::sqrt(std::norm(spectrum[peak])) / n / std::sqrt(2.0);
+  if (std::norm(spectrum[peak]) > white * (std::log(n) + 25.0) && line > least)
+    out.push_back({"frequency",
+                   fmt::format("a line of {:.3g} mV rms at {:.5g} Hz", 1e3 * line,
+                               bin * static_cast<double>(std::min(peak, size - peak))),
+                   line});
+}
+
+} // namespace
+
+std::vector<Structure> find_structure(const Scene &scene, const Observations &data,
+                                      const ResidualColumns &residual, double sigma_v,
+                                      double least_rms_v) {
+  std::vector<Structure> out;
+  const std::size_t n = data.size();
+  if (n < 400 || !(sigma_v > 0.0))
+    return out;
+  const Components parts = components(scene, residual);
+
+  std::vector<int> angle(n);
+  for (std::size_t i = 0; i < n; ++i)
+    angle[i] = std::min(71, static_cast<int>(wrap(data.alpha[i], kTwoPi) / kTwoPi * 72.0));
+  report_bins(parts, angle, 72, sigma_v, least_rms_v, "angle", "the angle within the turn", out);
+
+  const int time_bins = static_cast<int>(std::clamp<std::size_t>(n / 300, 8, 100));
+  const std::vector<int> time = bins_of(data.time, time_bins);
+  report_bins(parts, time, time_bins, sigma_v, least_rms_v, "time", "time", out);
+  report_variance(parts, time, time_bins, sigma_v, least_rms_v, out);
+
+  if (scene.why_no_temperature.empty())
+    report_bins(parts, bins_of(data.temp, 20), 20, sigma_v, least_rms_v, "temperature", "VTEMP",
+                out);
+  if (scene.several_speeds || scene.both_directions)
+    report_bins(parts, bins_of(data.omega, 20), 20, sigma_v, least_rms_v, "speed",
+                "the signed speed", out);
+  report_spectrum(data, parts, sigma_v, least_rms_v, out);
+  return out;
+}
+
+} // namespace ada

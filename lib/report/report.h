@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The diagnosis as one self-contained HTML page.
+#pragma once
+
+#include <string>
+
+#include "diagnosis/result.h"
+#include "recording/capture.h"
+
+namespace ada {
+
+/// Writes the page whole or not at all. Throws Error when gnuplot is missing or the file cannot be
+/// written.
+void write_report(const Diagnosis &diagnosis, const Capture &capture, const std::string &path);
+
+} // namespace ada
