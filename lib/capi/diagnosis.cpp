@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include <memory>
+
+#include "capi/guard.h"
+#include "capi/handles.h"
+#include "diagnosis/diagnose.h"
+#include "report/report.h"
+
+using namespace ada;
+using namespace ada::capi;
+
+struct ada4571_diagnosis {
+  Diagnosis impl;
+  std::shared_ptr<const Capture> capture;
+  std::string json, text;
+};
+
+extern "C" {
+
+void ada4571_diagnosis_options_init(ada4571_diagnosis_options *options) {
+  if (!options)
+    return;
+  *options = {};
+  options->struct_size = sizeof *options;
+}
+
+ada4571_status ada4571_diagnose(const ada4571_recording *recording,
+                                const ada4571_diagnosis_options *options,
+                                ada4571_diagnosis **diagnosis) {
+  return guard([&] {
+    require(recording, "recording");
+    require(diagnosis, "diagnosis");
+    DiagnosisOptions o;
+    if (options) {
+      require_struct(options, "options");
+      if (options->baseline)
+        o.baseline = &options->baseline->impl;
+      if (options->baseline_name)
+        o.baseline_name = options->baseline_name;
+      if (options->heldout)
+        o.heldout = options->heldout->impl.get();
+      if (options->progress)
+        o.progress = [options](double fraction, const char *what) {
+          if (options->progress(fraction, what, options->user) != 0)
+            throw Error(ADA4571_ERROR_STATE, "the diagnosis was stopped");
+        };
+    }
+    auto out = std::make_unique<ada4571_diagnosis>();
+    out->impl = diagnose(*recording->impl, o);
+    out->capture = recording->impl;
+    out->json = to_json(out->impl);
+    out->text = to_text(out->impl);
+    *diagnosis = out.release();
+  });
+}
+
+ada4571_verdict ada4571_diagnosis_verdict(const ada4571_diagnosis *diagnosis) {
+  return diagnosis ? static_cast<ada4571_verdict>(diagnosis->impl.verdict)
+                   : ADA4571_INSUFFICIENT_DATA;
+}
+
+const char *ada4571_diagnosis_json(const ada4571_diagnosis *diagnosis) {
+  return diagnosis ? diagnosis->json.c_str() : "";
+}
+
+const char *ada4571_diagnosis_text(const ada4571_diagnosis *diagnosis) {
+  return diagnosis ? diagnosis->text.c_str() : "";
+}
+
+ada4571_status ada4571_diagnosis_model(const ada4571_diagnosis *diagnosis, ada4571_model **model) {
+  return guard([&] {
+    require(diagnosis, "diagnosis");
+    require(model, "model");
+    if (diagnosis->impl.verdict == Verdict::insufficient_data)
+      throw Error(ADA4571_ERROR_UNUSABLE_DATA, "no model: " + diagnosis->impl.reason);
+    *model = new ada4571_model{diagnosis->impl.extended};
+  });
+}
+
+ada4571_status ada4571_diagnosis_report(const ada4571_diagnosis *diagnosis, const char *path) {
+  return guard([&] {
+    require(diagnosis, "diagnosis");
+    require(path, "path");
+    write_report(diagnosis->impl, *diagnosis->capture, path);
+  });
+}
+
+void ada4571_diagnosis_free(ada4571_diagnosis *diagnosis) {
+  delete diagnosis;
+}
+
+} // extern "C"

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The handles that more than one section of the C API needs; all others are private to their file.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "acquisition/source.h"
+#include "model/model.h"
+#include "recording/capture.h"
+
+namespace ada {
+class Simulation;
+}
+
+struct ada4571_model {
+  ada::Model impl;
+};
+
+/// Captures are immutable once read, so a handle shares them.
+struct ada4571_recording {
+  std::shared_ptr<const ada::Capture> impl;
+  mutable std::string metadata_value{}; ///< what ada4571_recording_metadata gave last
+};
+
+struct ada4571_simulation {
+  std::shared_ptr<const ada::Simulation> impl;
+};

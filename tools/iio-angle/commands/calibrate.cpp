@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "common/handles.h"
+#include "common/verb.h"
+
+namespace cli {
+
+namespace {
+
+struct Options {
+  ada4571_calibration_method method = ADA4571_CALIBRATE_FIT;
+  std::string capture, cold, hot, output;
+};
+
+void print_effect(const Model &model, std::size_t index) {
+  auto effect = initialised(ada4571_effect_info_init);
+  check(ada4571_model_effect(model.get(), index, &effect));
+  fmt::print("{}", effect.id);
+  for (std::size_t i = 0; i < effect.parameters; ++i) {
+    auto p = initialised(ada4571_parameter_init);
+    check(ada4571_model_parameter(model.get(), index, i, &p));
+    if (std::isnan(p.value))
+      continue;
+    fmt::print("  {} = {:.6g}", p.name, p.value);
+    if (p.std_error > 0)
+      fmt::print(" +/- {:.2g}", p.std_error);
+    if (std::string_view(p.unit) != "1")
+      fmt::print(" {}", p.unit);
+  }
+  fmt::print("\n");
+}
+
+int finish(const Model &model, const std::string &path) {
+  check(ada4571_model_save(model.get(), path.c_str()));
+  auto baseline = initialised(ada4571_baseline_init);
+  check(ada4571_model_get_baseline(model.get(), &baseline));
+  fmt::print("amplitude  {:.6f} V\noffset_sin {:+.6f} V\noffset_cos {:+.6f} V\n",
+             baseline.amplitude_v, baseline.offset_sin_v, baseline.offset_cos_v);
+  for (std::size_t i = 0; i < ada4571_model_effect_count(model.get()); ++i)
+    print_effect(model, i);
+  fmt::print(stderr, "written: {}\n", path);
+  return kDone;
+}
+
+int single(const Options &options) {
+  const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
+  return finish(make<Model>(ada4571_calibrate_single, capture.get(), options.method),
+                options.output);
+}
+
+int dual(const Options &options) {
+  const auto cold = make<Recording>(ada4571_recording_open, options.cold.c_str());
+  const auto hot = make<Recording>(ada4571_recording_open, options.hot.c_str());
+  return finish(make<Model>(ada4571_calibrate_dual, cold.get(), hot.get(), options.method),
+                options.output);
+}
+
+void add_common(CLI::App &verb, Options &options) {
+  const std::map<std::string, ada4571_calibration_method> methods{
+      {"fit", ADA4571_CALIBRATE_FIT},
+      {"mean", ADA4571_CALIBRATE_MEAN},
+      {"extrema", ADA4571_CALIBRATE_EXTREMA}};
+  verb.add_option("--method", options.method,
+                  "fit: best, needs no whole turn; mean: whole turns; extrema: (max + min)/2 "
+                  "(default fit)")
+      ->transform(CLI::Transformer(methods).description("fit|mean|extrema"))
+      ->type_name("");
+  verb.add_option("-o,--output", options.output, "calibration file to write (.toml)")
+      ->required()
+      ->type_name("FILE");
+}
+
+} // namespace
+
+void add_calibrate(CLI::App &app, Action &action) {
+  auto *verb = app.add_subcommand("calibrate", "offsets, amplitudes and phase from captures");
+  verb->require_subcommand(1);
+  auto options = std::make_shared<Options>();
+
+  auto *one = verb->add_subcommand("single", "from a capture at one temperature");
+  one->add_option("CAPTURE", options->capture, "the magnet turning, or - for standard input")
+      ->type_name("")
+      ->required();
+  add_common(*one, *options);
+  example(*one, "  iio-angle record --duration 10 -o capture.csv     # turn the magnet meanwhile\n"
+                "  iio-angle calibrate single capture.csv -o sensor.toml");
+  one->callback([options, &action] { action = [options] { return single(*options); }; });
+
+  auto *two = verb->add_subcommand("dual", "from captures at two temperatures, over VTEMP");
+  two->add_option("COLD", options->cold, "capture at the lower temperature")
+      ->type_name("")
+      ->required();
+  two->add_option("HOT", options->hot, "capture at the higher temperature")
+      ->type_name("")
+      ->required();
+  add_common(*two, *options);
+  example(*two, "  iio-angle calibrate dual 0C.csv 110C.csv -o sensor.toml");
+  two->callback([options, &action] { action = [options] { return dual(*options); }; });
+
+  example(*verb, "  iio-angle calibrate single capture.csv -o sensor.toml\n"
+                 "  iio-angle calibrate dual cold.csv hot.csv -o sensor.toml");
+}
+
+} // namespace cli

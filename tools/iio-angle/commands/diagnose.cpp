@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "common/handles.h"
+#include "common/progress.h"
+#include "common/verb.h"
+
+namespace cli {
+
+namespace {
+
+struct Options {
+  std::string model, heldout, extend, report, capture;
+  bool json = false;
+};
+
+int on_progress(double fraction, const char *what, void *user) {
+  static_cast<Progress *>(user)->show(fraction, what);
+  return 0;
+}
+
+Diagnosis diagnose(const Options &options) {
+  const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
+  Recording heldout;
+  Model baseline;
+  if (!options.heldout.empty())
+    heldout = make<Recording>(ada4571_recording_open, options.heldout.c_str());
+  if (!options.model.empty())
+    baseline = make<Model>(ada4571_model_load, options.model.c_str());
+  Progress progress;
+  auto wanted = initialised(ada4571_diagnosis_options_init);
+  wanted.baseline = baseline.get();
+  if (baseline)
+    wanted.baseline_name = options.model.c_str();
+  wanted.heldout = heldout.get();
+  wanted.progress = on_progress;
+  wanted.user = &progress;
+  return make<Diagnosis>(ada4571_diagnose, capture.get(),
+                         static_cast<const ada4571_diagnosis_options *>(&wanted));
+}
+
+int run(const Options &options) {
+  const Diagnosis diagnosis = diagnose(options);
+  if (!options.extend.empty()) {
+    const auto model = make<Model>(ada4571_diagnosis_model, diagnosis.get());
+    check(ada4571_model_save(model.get(), options.extend.c_str()));
+  }
+  if (!options.report.empty())
+    check(ada4571_diagnosis_report(diagnosis.get(), options.report.c_str()));
+  const std::string_view result = options.json ? ada4571_diagnosis_json(diagnosis.get())
+                                               : ada4571_diagnosis_text(diagnosis.get());
+  fmt::print("{}{}", result, result.ends_with('\n') ? "" : "\n");
+  return kDone;
+}
+
+} // namespace
+
+void add_diagnose(CLI::App &app, Action &action) {
+  auto *verb =
+      app.add_subcommand("diagnose", "what the simulation gets wrong, why, and what is gained");
+  auto options = std::make_shared<Options>();
+  verb->add_option("--model", options->model,
+                   "model to test (default: the application note's, fitted to the capture)")
+      ->type_name("FILE");
+  verb->add_option("--heldout", options->heldout,
+                   "capture to measure the gain on (default: whole turns of CAPTURE)")
+      ->type_name("CAPTURE");
+  verb->add_option("--extend", options->extend, "write the extended model, ready for convert")
+      ->type_name("FILE");
+  verb->add_flag("--json", options->json, "print JSON (ada4571-diagnosis/1) instead of text");
+  verb->add_option("--report", options->report, "write one self-contained HTML page")
+      ->type_name("FILE.html");
+  verb->add_option("CAPTURE", options->capture, "capture file, or - for standard input")
+      ->type_name("")
+      ->required();
+  example(*verb, "  iio-angle diagnose --report report.html capture.csv\n"
+                 "  iio-angle diagnose --json --extend sensor.toml capture.csv\n"
+                 "  iio-angle convert --calibration sensor.toml capture.csv -o angles.csv");
+  verb->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+} // namespace cli

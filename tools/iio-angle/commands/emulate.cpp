@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "common/simulation_options.h"
+#include "common/stop.h"
+#include "common/verb.h"
+
+namespace cli {
+
+namespace {
+
+struct Options {
+  SimulationOptions simulation;
+  int port = 0;
+};
+
+int run(const Options &options) {
+  const Simulation simulation = make_simulation(options.simulation);
+  const auto emulator =
+      make<Emulator>(ada4571_emulator_new,
+                     static_cast<const ada4571_simulation *>(simulation.get()), options.port);
+  const StopSignal stop([&emulator] { ada4571_emulator_stop(emulator.get()); });
+  // The address is the result: a script reads it from the first line.
+  fmt::print("ip:127.0.0.1:{}\n", ada4571_emulator_port(emulator.get()));
+  std::fflush(stdout);
+  fmt::print(stderr, "serving; Ctrl-C ends it. Try: iio_info -u ip:127.0.0.1:{}\n",
+             ada4571_emulator_port(emulator.get()));
+  check(ada4571_emulator_run(emulator.get()));
+  return kDone;
+}
+
+} // namespace
+
+void add_emulate(CLI::App &app, Action &action) {
+  auto *verb =
+      app.add_subcommand("emulate", "the simulated sensor as a network IIO device, for any client");
+  auto options = std::make_shared<Options>();
+  options->simulation.numbers.duration_s = 0; // without end
+  add_simulation_options(*verb, options->simulation);
+  verb->add_option("--port", options->port, "TCP port on 127.0.0.1, 0 picks a free one")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 65535))
+      ->type_name("N");
+  example(*verb, "  iio-angle emulate --port 30431 --motion constant:rpm=60 &\n"
+                 "  iio-angle read -u ip:127.0.0.1:30431\n"
+                 "The first line of standard output is the URI.");
+  verb->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+} // namespace cli

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+#include <cstdint>
+#include <memory>
+
+#include "common/angle_text.h"
+#include "common/live.h"
+#include "common/output_file.h"
+#include "common/source_options.h"
+#include "common/verb.h"
+
+namespace cli {
+
+namespace {
+
+struct Options {
+  SourceOptions source;
+  std::string calibration, format = "text";
+  bool dynamic = false;
+  std::uint64_t samples = 0;
+};
+
+AngleFormat format_of(const std::string &name) {
+  return name == "csv" ? AngleFormat::csv : name == "json" ? AngleFormat::json : AngleFormat::text;
+}
+
+int run(const Options &options) {
+  const Source source = open_source(options.source);
+  const Model model = live_model(source, options.calibration);
+  LiveAngles angles(model, options.dynamic);
+  AngleText text(format_of(options.format), angles.range_deg());
+  OutputFile out("-");
+  std::uint64_t left = options.samples;
+  std::string lines;
+  read_blocks(source, [&](std::span<const ada4571_frame> frames) {
+    if (options.samples > 0 && frames.size() > left)
+      frames = frames.first(static_cast<std::size_t>(left));
+    left -= frames.size();
+    lines.clear();
+    text.append(lines, angles.convert(frames));
+    out.write(lines);
+    return options.samples == 0 || left > 0;
+  });
+  report_losses(source);
+  return kDone;
+}
+
+} // namespace
+
+void add_read(CLI::App &app, Action &action) {
+  auto *verb = app.add_subcommand("read", "angles, live, until stopped");
+  auto options = std::make_shared<Options>();
+  add_source_options(*verb, options->source);
+  verb->add_option("--calibration", options->calibration,
+                   "calibration or model file (default: what -s or the driver has)")
+      ->type_name("FILE");
+  verb->add_flag("--dynamic", options->dynamic, "follow drifting offsets while it turns");
+  verb->add_option("--format", options->format,
+                   "text: ten lines a second; csv, json: a line a sample")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"text", "csv", "json"}))
+      ->type_name("");
+  verb->add_option("--samples", options->samples, "stop after so many samples")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N");
+  example(*verb, "  iio-angle read --calibration sensor.toml\n"
+                 "  iio-angle read -s wheel --dynamic --format json | jq .angle_deg");
+  verb->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+} // namespace cli

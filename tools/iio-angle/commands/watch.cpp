@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "common/angle_text.h"
+#include "common/live.h"
+#include "common/output_file.h"
+#include "common/source_options.h"
+#include "common/verb.h"
+#include "common/watch_picture.h"
+
+namespace cli {
+
+namespace {
+
+struct Options {
+  SourceOptions source;
+  std::string calibration;
+  bool dynamic = false;
+};
+
+bool is_terminal() {
+  const char *term = getenv("TERM");
+  return isatty(STDOUT_FILENO) && term != nullptr && std::string_view(term) != "dumb";
+}
+
+int terminal_columns() {
+  winsize size{};
+  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+std::uint64_t lost(const Source &source) {
+  auto statistics = initialised(ada4571_source_statistics_init);
+  check(ada4571_source_get_statistics(source.get(), &statistics));
+  return statistics.lost;
+}
+
+/// Redraws the picture in place, at most twenty times a second of sample time.
+void draw_live(const Source &source, LiveAngles &angles) {
+  Picture picture(source_info(source).description, angles.range_deg());
+  OutputFile out("-");
+  bool drawn = false;
+  read_blocks(source, [&](std::span<const ada4571_frame> frames) {
+    picture.add(angles.convert(frames));
+    if (picture.due()) {
+      picture.set_lost(lost(source));
+      out.write((drawn ? picture.back_to_top() : std::string()) + picture.draw(terminal_columns()));
+      drawn = true;
+    }
+    return true;
+  });
+}
+
+/// Not a terminal: the same as `read`, lines that a log can hold.
+void print_live(const Source &source, LiveAngles &angles) {
+  AngleText text(AngleFormat::text, angles.range_deg());
+  OutputFile out("-");
+  read_blocks(source, [&](std::span<const ada4571_frame> frames) {
+    std::string lines;
+    text.append(lines, angles.convert(frames));
+    out.write(lines);
+    return true;
+  });
+}
+
+int run(const Options &options) {
+  const Source source = open_source(options.source);
+  LiveAngles angles(live_model(source, options.calibration), options.dynamic);
+  if (is_terminal())
+    draw_live(source, angles);
+  else
+    print_live(source, angles);
+  report_losses(source);
+  return kDone;
+}
+
+} // namespace
+
+void add_watch(CLI::App &app, Action &action) {
+  auto *verb = app.add_subcommand("watch", "angles as a live picture in the terminal");
+  auto options = std::make_shared<Options>();
+  add_source_options(*verb, options->source);
+  verb->add_option("--calibration", options->calibration,
+                   "calibration or model file (default: what -s or the driver has)")
+      ->type_name("FILE");
+  verb->add_flag("--dynamic", options->dynamic, "follow drifting offsets while it turns");
+  example(*verb, "  iio-angle watch --calibration sensor.toml");
+  verb->callback([options, &action] { action = [options] { return run(*options); }; });
+}
+
+} // namespace cli

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+#include "common/source_options.h"
+
+#include <fmt/format.h>
+
+namespace cli {
+
+namespace {
+
+/// An option that was not given is NULL for the library.
+const char *given(const std::string &text) {
+  return text.empty() ? nullptr : text.c_str();
+}
+
+/// A stored configuration says all of it.
+void refuse_both_ways(const CLI::App &verb) {
+  if (verb.count("--stored") == 0)
+    return;
+  for (const char *name : {"--uri", "--device", "--sin", "--cos", "--temp", "--vdd", "--trigger",
+                           "--rate", "--supply", "--periods"})
+    if (verb.count(name) > 0)
+      throw CLI::ExcludesError("--stored", name);
+}
+
+} // namespace
+
+void add_uri_option(CLI::App &verb, SourceOptions &options) {
+  verb.add_option("-u,--uri", options.uri,
+                  "libiio context: local:, ip:HOST, ip:HOST:PORT, usb:... (default local:)")
+      ->type_name("URI");
+}
+
+void add_source_options(CLI::App &verb, SourceOptions &options) {
+  verb.add_option("-s,--stored", options.stored,
+                  "stored configuration, made by `list --save NAME`, instead of the options below")
+      ->type_name("NAME");
+  add_uri_option(verb, options);
+  verb.add_option("-d,--device", options.device,
+                  "name, label or id of the IIO device (default: the only usable one)")
+      ->type_name("DEVICE");
+  const auto channel = [&verb](const char *name, std::string &value, const char *help) {
+    verb.add_option(name, value, help)->type_name("CHANNEL");
+  };
+  channel("--sin", options.sin, "channel of VSIN (default: the one labelled vsin)");
+  channel("--cos", options.cos, "channel of VCOS (default: the one labelled vcos)");
+  channel("--temp", options.temp, "channel of VTEMP (default: labelled vtemp, or none)");
+  channel("--vdd", options.vdd, "channel of VDD (default: labelled vdd, or none)");
+  verb.add_option("--trigger", options.trigger, "IIO trigger to use (default: what is set)")
+      ->type_name("NAME");
+  verb.add_option("--rate", options.rate_hz, "sample rate to set (default: what is set)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("HZ");
+  verb.add_option("--supply", options.supply_v, "supply of the sensor (default 5)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("V");
+  verb.add_option("--periods", options.periods_per_turn,
+                  "electrical periods a turn: 2 for AMR, 1 for GMR, TMR and Hall (default 2)")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("N");
+  verb.parse_complete_callback([&verb] { refuse_both_ways(verb); });
+}
+
+Source open_source(const SourceOptions &options) {
+  if (!options.stored.empty())
+    return make<Source>(ada4571_open, options.stored.c_str());
+  auto wanted = initialised(ada4571_source_options_init);
+  wanted.uri = given(options.uri);
+  wanted.device = given(options.device);
+  wanted.sin_channel = given(options.sin);
+  wanted.cos_channel = given(options.cos);
+  wanted.temp_channel = given(options.temp);
+  wanted.vdd_channel = given(options.vdd);
+  wanted.trigger = given(options.trigger);
+  wanted.sample_rate_hz = options.rate_hz;
+  wanted.supply_v = options.supply_v;
+  wanted.periods_per_turn = options.periods_per_turn;
+  return make<Source>(ada4571_source_open, &wanted);
+}
+
+ada4571_source_info source_info(const Source &source) {
+  auto info = initialised(ada4571_source_info_init);
+  check(ada4571_source_get_info(source.get(), &info));
+  return info;
+}
+
+void report_losses(const Source &source) {
+  auto statistics = initialised(ada4571_source_statistics_init);
+  check(ada4571_source_get_statistics(source.get(), &statistics));
+  if (statistics.lost > 0)
+    fmt::print(stderr, "{} samples were lost in {} places: lower the rate, or free the machine\n",
+               statistics.lost, statistics.gaps);
+}
+
+} // namespace cli
