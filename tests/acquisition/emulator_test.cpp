@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Debian's own libiio programs against the emulated device.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <thread>
+
+#include "acquisition/iio_source.h"
+#include "base/error.h"
+#include "run_program.h"
+#include "served.h"
+#include "simulation/emulator.h"
+
+using namespace ada;
+using namespace ada::test;
+using namespace std::chrono_literals;
+
+namespace {
+
+SimulationOptions options(int bits = 16) {
+  SimulationOptions o;
+  o.sample_rate_hz = 20000.0;
+  o.duration_s = 0.5;
+  o.adc_bits = bits;
+  return o;
+}
+
+class EmulatorTest : public ::testing::Test {
+protected:
+  void serve(const SimulationOptions &o) {
+    simulation_ = std::make_shared<const Simulation>(std::nullopt, o, 42);
+    served_ = std::make_unique<Served>(emulated_context(simulation_));
+  }
+  std::string u() const { return " -u " + served_->uri() + " "; }
+
+  std::shared_ptr<const Simulation> simulation_;
+  std::unique_ptr<Served> served_;
+};
+
+TEST_F(EmulatorTest, IioInfoShowsTheDeviceItsChannelsLabelsAndTrigger) {
+  serve(options());
+  const ProgramResult r = run_program("iio_info" + u() + "2>&1");
+  EXPECT_EQ(r.status, 0) << r.output;
+  for (const char *expected :
+       {"Backend version: 0.24", "ada4571-sim", "voltage0:", "voltage3:", "value: vsin",
+        "value: vcos", "value: vtemp", "value: vdd", "timestamp:", "format: le:U16/16>>0",
+        "sampling_frequency", "trigger0", "hw_serial: simulated-42"})
+    EXPECT_NE(r.output.find(expected), std::string::npos) << expected << "\n" << r.output;
+  EXPECT_EQ(r.output.find("ERROR"), std::string::npos) << r.output;
+}
+
+TEST_F(EmulatorTest, IioAttrReadsAndWritesAttributes) {
+  serve(options());
+  EXPECT_EQ(run_program("iio_attr" + u() + "-c ada4571-sim voltage1 label").output, "vcos\n");
+  EXPECT_EQ(run_program("iio_attr" + u() + "-c ada4571-sim voltage0 scale").output,
+            "0.0762939453125\n");
+  EXPECT_EQ(run_program("iio_attr" + u() + "-d ada4571-sim sampling_frequency").output, "20000\n");
+  EXPECT_EQ(run_program("iio_attr" + u() + "-c ada4571-sim voltage0 calibbias 17 >&2").status, 0);
+  EXPECT_EQ(run_program("iio_attr" + u() + "-c ada4571-sim voltage0 calibbias").output, "17\n");
+  // Wrong values and read-only attributes are refused and keep what they hold.
+  run_program("iio_attr" + u() + "-c ada4571-sim voltage0 calibbias rubbish 2>&1");
+  EXPECT_EQ(run_program("iio_attr" + u() + "-c ada4571-sim voltage0 calibbias").output, "17\n");
+  run_program("iio_attr" + u() + "-c ada4571-sim voltage0 scale 1 2>&1");
+  EXPECT_EQ(run_program("iio_attr" + u() + "-c ada4571-sim voltage0 scale").output,
+            "0.0762939453125\n");
+}
+
+TEST_F(EmulatorTest, RawReadingsFollowTheSimulation) {
+  serve(options());
+  const Capture capture = simulation_->run();
+  const double lsb = 5.0 / 65536.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto sin = run_program("iio_attr" + u() + "-c ada4571-sim voltage0 raw").output;
+    const auto cos = run_program("iio_attr" + u() + "-c ada4571-sim voltage1 raw").output;
+    EXPECT_EQ(sin, std::to_string(std::lround(capture.vsin_v[i] / lsb)) + "\n");
+    EXPECT_EQ(cos, std::to_string(std::lround(capture.vcos_v[i] / lsb)) + "\n");
+  }
+}
+
+/// Little-endian word at p.
+std::uint64_t word(const char *p, unsigned bytes) {
+  std::uint64_t value = 0;
+  for (unsigned i = 0; i < bytes; ++i)
+    value |= std::uint64_t{static_cast<unsigned char>(p[i])} << (8 * i);
+  return value;
+}
+
+TEST_F(EmulatorTest, IioReaddevGetsEverySampleBitForBit) {
+  for (const int bits : {12, 16, 24}) {
+    serve(options(bits));
+    const Capture capture = simulation_->run();
+    const ProgramResult r =
+        run_program("iio_readdev" + u() + "-b 500 -s 4000 ada4571-sim 2>/dev/null");
+    const unsigned w = bits <= 16 ? 2 : 4;
+    const std::size_t frame = 4 * w + 8;
+    ASSERT_EQ(r.output.size(), 4000 * frame) << bits;
+    const double lsb = 5.0 / std::ldexp(1.0, bits);
+    std::int64_t first_ns = 0;
+    for (std::size_t i = 0; i < 4000; ++i) {
+      const char *p = r.output.data() + i * frame;
+      ASSERT_EQ(word(p, w), std::llround(capture.vsin_v[i] / lsb)) << i;
+      ASSERT_EQ(word(p + w, w), std::llround(capture.vcos_v[i] / lsb)) << i;
+      const auto ns = static_cast<std::int64_t>(word(p + 4 * w, 8));
+      first_ns = i == 0 ? ns : first_ns;
+      ASSERT_EQ(ns - first_ns, static_cast<std::int64_t>(i) * 50000) << i;
+    }
+  }
+}
+
+TEST_F(EmulatorTest, ASubsetOfChannelsIsLaidOutAsTheKernelDoes) {
+  serve(options());
+  const Capture capture = simulation_->run();
+  const ProgramResult r = run_program("iio_readdev" + u() +
+                                      "-b 500 -s 1000 ada4571-sim voltage1 timestamp 2>/dev/null");
+  ASSERT_EQ(r.output.size(), 1000u * 16u); // u16, six bytes of padding, s64
+  for (std::size_t i = 0; i < 1000; ++i)
+    ASSERT_EQ(word(r.output.data() + 16 * i, 2), std::llround(capture.vcos_v[i] / (5.0 / 65536.0)));
+}
+
+TEST_F(EmulatorTest, ServesSeveralClientsAtOnceEachFromTheBeginning) {
+  serve(options());
+  const std::string command =
+      "iio_readdev" + u() + "-b 400 -s 4000 ada4571-sim voltage0 2>/dev/null";
+  ProgramResult other;
+  std::thread parallel([&] { other = run_program(command); });
+  const ProgramResult one = run_program(command);
+  parallel.join();
+  EXPECT_EQ(one.output.size(), 8000u);
+  EXPECT_EQ(one.output, other.output);
+}
+
+TEST_F(EmulatorTest, PacesTheStreamByTheSampleRate) {
+  serve(options());
+  const auto began = std::chrono::steady_clock::now();
+  run_program("iio_readdev" + u() + "-b 1000 -s 8000 ada4571-sim voltage0 2>/dev/null");
+  const auto took = std::chrono::steady_clock::now() - began;
+  EXPECT_GE(took, 400ms); // 8000 frames at 20 kS/s
+  EXPECT_LT(took, 20s);
+}
+
+TEST_F(EmulatorTest, OurOwnSourceReadsTheSimulatedVolts) {
+  serve(options());
+  const Capture capture = simulation_->run();
+  IioSourceOptions o;
+  o.uri = served_->uri();
+  const auto source = open_iio_source(o);
+  EXPECT_EQ(source->info().serial, "simulated-42");
+  EXPECT_EQ(source->info().sample_rate_hz, 20000.0);
+  EXPECT_TRUE(source->info().has_vtemp);
+  EXPECT_TRUE(source->info().has_vdd);
+  source->start();
+  std::vector<Frame> frames(4000);
+  std::size_t got = 0;
+  while (got < frames.size()) {
+    const ReadResult r = source->read(std::span(frames).subspan(got), 2s);
+    ASSERT_EQ(r.outcome, ReadOutcome::frames);
+    got += r.count;
+  }
+  for (std::size_t i = 0; i < got; ++i) {
+    ASSERT_DOUBLE_EQ(frames[i].vsin_v, capture.vsin_v[i]);
+    ASSERT_DOUBLE_EQ(frames[i].vcos_v, capture.vcos_v[i]);
+    ASSERT_NEAR(frames[i].vdd_v, capture.vdd_v[i], 5.0 / 65536.0 + 1e-12); // half a count of 2 lsb
+    ASSERT_NEAR(frames[i].time_s, static_cast<double>(i) / 20000.0, 1e-9);
+  }
+  EXPECT_EQ(source->statistics().lost, 0u);
+}
+
+TEST_F(EmulatorTest, APortInUseIsRefusedWithAReason) {
+  serve(options());
+  try {
+    Emulator second(simulation_, served_->port());
+    FAIL() << "no error";
+  } catch (const Error &e) {
+    EXPECT_EQ(e.status(), ADA4571_ERROR_BUSY);
+    EXPECT_NE(std::string(e.what()).find("in use"), std::string::npos);
+  }
+}
+
+TEST_F(EmulatorTest, StopEndsTheServerWhileAClientStreams) {
+  serve(options());
+  IioSourceOptions o;
+  o.uri = served_->uri();
+  const auto source = open_iio_source(o);
+  source->start();
+  Frame frame;
+  ASSERT_EQ(source->read({&frame, 1}, 2s).outcome, ReadOutcome::frames);
+  const auto began = std::chrono::steady_clock::now();
+  served_->die();
+  EXPECT_LT(std::chrono::steady_clock::now() - began, 3s);
+}
+
+} // namespace

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "acquisition/sample_clock.h"
+#include "support/seed.h"
+
+using ada::SampleClock;
+
+namespace {
+
+constexpr std::int64_t kStart = 1'700'000'000'000'000'000; // realtime, now: needs all 64 bits
+
+/// Timestamps of a device of `period_ns` whose frames in `missing` are lost, each stamp off by a
+/// jitter of standard deviation `sigma` periods (at most 0.45 periods).
+struct Stream {
+  double period_ns = 100'000.0;
+  double sigma = 0.0;
+  std::set<int> missing{};
+
+  template <class Accept> void run(int frames, std::mt19937_64 &random, Accept &&accept) const {
+    std::normal_distribution<double> jitter(0.0, sigma > 0 ? sigma : 1.0);
+    for (int i = 0; i < frames; ++i) {
+      if (missing.count(i))
+        continue;
+      const double late = sigma > 0 ? std::clamp(jitter(random), -0.2, 0.2) : 0.0;
+      accept(kStart + static_cast<std::int64_t>((i + late) * period_ns));
+    }
+  }
+};
+
+TEST(SampleClock, TimesAreSecondsSinceTheFirstFrame) {
+  SampleClock clock(10000.0);
+  EXPECT_EQ(clock.accept(kStart), 0.0);
+  EXPECT_DOUBLE_EQ(clock.accept(kStart + 100'000), 1e-4);
+  EXPECT_DOUBLE_EQ(clock.accept(kStart + 1'000'000'000), 1.0);
+}
+
+TEST(SampleClock, WithoutTimestampsTimesFollowTheRate) {
+  SampleClock clock(1000.0);
+  for (int i = 0; i < 5; ++i)
+    EXPECT_DOUBLE_EQ(clock.accept_untimed(), i * 1e-3);
+  EXPECT_EQ(clock.statistics().frames, 5u);
+  EXPECT_EQ(clock.statistics().lost, 0u);
+}
+
+TEST(SampleClock, CountsEveryLostFrameExactlyWithAnyNominalRate) {
+  std::mt19937_64 random(ada::test::fresh_seed());
+  // Right, wrong by 3 %, unknown.
+  for (const double nominal : {10000.0, 9700.0, 0.0})
+    for (int trial = 0; trial < 50; ++trial) {
+      Stream stream;
+      stream.sigma = 0.05;
+      std::uint64_t gaps = 0;
+      for (int at = 100; at < 4900; at += 60 + static_cast<int>(random() % 200)) {
+        const int length = 1 + static_cast<int>(random() % 20);
+        for (int k = 0; k < length; ++k)
+          stream.missing.insert(at + k);
+        ++gaps;
+      }
+      SampleClock clock(nominal);
+      stream.run(5000, random, [&](std::int64_t t) { clock.accept(t); });
+      ASSERT_EQ(clock.statistics().frames, 5000 - stream.missing.size());
+      ASSERT_EQ(clock.statistics().lost, stream.missing.size()) << nominal;
+      ASSERT_EQ(clock.statistics().gaps, gaps);
+    }
+}
+
+TEST(SampleClock, AHugeGapIsCountedExactly) {
+  SampleClock clock(10000.0);
+  for (int i = 0; i < 500; ++i)
+    clock.accept(kStart + i * 100'000);
+  for (int i = 0; i < 500; ++i)
+    clock.accept(kStart + (i + 500 + 100'000) * std::int64_t{100'000});
+  EXPECT_EQ(clock.statistics().lost, 100'000u);
+  EXPECT_EQ(clock.statistics().gaps, 1u);
+}
+
+TEST(SampleClock, LossesAmongTheFirstFramesAreCountedToo) {
+  SampleClock clock(10000.0);
+  for (const int i : {0, 1, 2, 5, 6, 7, 8, 12, 13, 14})
+    clock.accept(kStart + i * 100'000);
+  EXPECT_EQ(clock.statistics().lost, 5u); // with fewer frames than the period is learned from
+  EXPECT_EQ(clock.statistics().gaps, 2u);
+  for (int i = 15; i < 200; ++i)
+    clock.accept(kStart + i * 100'000);
+  EXPECT_EQ(clock.statistics().lost, 5u);
+}
+
+TEST(SampleClock, ALateTimestampIsNoLoss) {
+  SampleClock clock(10000.0);
+  for (int i = 0; i < 405; ++i) {   // the last ones in time again
+    const bool late = i % 50 == 49; // 1.7 and 0.3 periods
+    clock.accept(kStart + i * 100'000 + (late ? 70'000 : 0));
+  }
+  EXPECT_EQ(clock.statistics().lost, 0u);
+  EXPECT_EQ(clock.statistics().gaps, 0u);
+}
+
+TEST(SampleClock, WhenEverySecondFrameIsMissingTheNominalRateTells) {
+  SampleClock clock(10000.0);
+  for (int i = 0; i < 1000; ++i)
+    clock.accept(kStart + i * 200'000);
+  EXPECT_EQ(clock.statistics().lost, 999u);
+}
+
+TEST(SampleClock, ARateThatFitsNoMultipleIsNotBelieved) {
+  SampleClock clock(10000.0);
+  for (int i = 0; i < 1000; ++i)
+    clock.accept(kStart + i * 137'000);
+  EXPECT_EQ(clock.statistics().lost, 0u);
+}
+
+TEST(SampleClock, OneStampForAWholeHardwareFifoIsNoLoss) {
+  SampleClock clock(10000.0);
+  for (int i = 0; i < 1000; ++i)
+    clock.accept(kStart + (i / 4) * 400'000);
+  EXPECT_EQ(clock.statistics().lost, 0u);
+}
+
+TEST(SampleClock, FollowsAClockThatDriftsByOnePerCent) {
+  SampleClock clock(10000.0);
+  double t = 0, period = 100'000;
+  for (int i = 0; i < 100'000; ++i) {
+    clock.accept(kStart + static_cast<std::int64_t>(t));
+    t += period;
+    period *= 1.0 + 1e-7;
+  }
+  EXPECT_EQ(clock.statistics().lost, 0u);
+  EXPECT_NEAR(clock.period_s(), period * 1e-9, period * 1e-9 * 1e-4);
+}
+
+TEST(SampleClock, AClockThatIsSetBackIsBridgedAndCountedAsAGap) {
+  SampleClock clock(10000.0);
+  for (int i = 0; i < 100; ++i)
+    clock.accept(kStart + i * 100'000);
+  double last = 99e-4;
+  for (int i = 0; i < 100; ++i) {
+    const double t = clock.accept(kStart - 3'600'000'000'000 + i * 100'000);
+    EXPECT_NEAR(t - last, 1e-4, 1e-7);
+    last = t;
+  }
+  EXPECT_EQ(clock.statistics().lost, 0u);
+  EXPECT_EQ(clock.statistics().gaps, 1u);
+}
+
+TEST(SampleClock, ResetForgetsAllButTheRate) {
+  SampleClock clock(10000.0);
+  for (int i = 0; i < 100; ++i)
+    clock.accept(kStart + i * 300'000);
+  clock.reset();
+  EXPECT_EQ(clock.statistics().frames, 0u);
+  EXPECT_EQ(clock.statistics().lost, 0u);
+  EXPECT_EQ(clock.accept(kStart), 0.0);
+}
+
+TEST(SampleClock, AnyTimestampsGiveFiniteTimesThatNeverGoBack) {
+  std::mt19937_64 random(ada::test::fresh_seed());
+  for (int trial = 0; trial < 200; ++trial) {
+    SampleClock clock(trial % 2 ? 1000.0 : 0.0);
+    double last = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      const double t = clock.accept(static_cast<std::int64_t>(random()) >> (random() % 60));
+      ASSERT_TRUE(std::isfinite(t));
+      ASSERT_GE(t, last);
+      last = t;
+    }
+  }
+}
+
+} // namespace

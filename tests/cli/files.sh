@@ -1,0 +1,260 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: The libada4571 authors
+#
+# files.sh BUILD [PATTERN]: iio-angle as a user runs it, on files.
+set -u
+BUILD=$(cd "$1" && pwd)
+PATH=$BUILD/tools:$BUILD/tools/examples:$PATH
+# shellcheck source=tests/cli/words.sh
+. "$(dirname "$0")/words.sh"
+
+capture() { # capture FILE [OPTIONS]: a second of the simulated sensor
+  local file=$1
+  shift
+  status 0 iio-angle simulate --seed 4571 --duration 1 "$@" -o "$file"
+}
+
+check_help_teaches_every_verb() {
+  status 0 iio-angle --help
+  empty err
+  local verb
+  for verb in list record read watch convert simulate emulate diagnose check pins catalogue figures \
+    "calibrate single" "calibrate dual"; do
+    says out "^  ${verb%% *} "
+  done
+  for verb in list record read watch convert simulate emulate diagnose check pins catalogue figures \
+    "calibrate single" "calibrate dual"; do
+    # shellcheck disable=SC2086
+    status 0 iio-angle $verb --help
+    empty err
+    says out '^Example:'
+    says out "iio-angle $verb"
+  done
+  status 0 iio-angle --version
+  says out '^iio-angle 1\.0\.0$'
+}
+
+check_wrong_usage_ends_with_2_and_says_so_on_standard_error() {
+  local arguments
+  for arguments in "" "nonsense" "record" "record --duration 1" "record -o x.csv" \
+    "record --duration 1 --samples 2 -o x.csv" "record --duration -1 -o x.csv" "simulate" \
+    "simulate -o x.csv --no-such-option" "simulate --rate nonsense -o x.csv" \
+    "simulate --effect no-such-effect -o x.csv" "simulate --effect weak-field:z=1 -o x.csv" \
+    "simulate --motion no-such-motion -o x.csv" "convert x.csv -o y.csv" "calibrate" \
+    "calibrate single" "calibrate single x.csv -o y.toml --method guess" "read --format xml" \
+    "list -s name -u local:" "emulate --port 70000" "pins gc sideways" "pins xx on" "check" \
+    "diagnose" "figures no-such-figure"; do
+    # shellcheck disable=SC2086
+    status 2 iio-angle $arguments
+    empty out
+    [[ -s err ]] || fail "'$arguments' is refused without a word"
+  done
+  absent x.csv y.csv y.toml
+}
+
+check_unusable_files_end_with_1_name_the_place_and_leave_nothing() {
+  printf '# ada4571-capture/1\ntime_s,vsin_v,vcos_v\n0,1,2\n0.1,x,2\n' >bad.csv
+  printf 'nonsense\n' >model.toml
+  local verb
+  for verb in "check" "diagnose" "calibrate single -o out.toml"; do
+    # shellcheck disable=SC2086
+    status 1 iio-angle $verb bad.csv
+    empty out
+    says err 'bad\.csv:4:[0-9]+'
+    same "lines of '$verb'" "$(lines err)" 1
+  done
+  capture good.csv
+  status 1 iio-angle convert --calibration model.toml good.csv -o out.csv
+  says err 'model\.toml'
+  status 1 iio-angle convert --calibration nowhere.toml good.csv -o out.csv
+  status 1 iio-angle check nowhere.csv
+  says err 'nowhere\.csv'
+  status 1 iio-angle simulate -o /nowhere/x.csv
+  absent out.csv out.toml
+  same "files left" "$(find . -type f -name '*.??????' | wc -l)" 0
+}
+
+check_simulate_is_the_same_for_a_seed_and_another_for_another() {
+  capture a.csv
+  capture b.csv
+  cmp -s a.csv b.csv || fail "one seed, two captures"
+  status 0 iio-angle simulate --seed 1 --duration 1 -o c.csv
+  ! cmp -s <(tail -n +20 a.csv) <(tail -n +20 c.csv) || fail "two seeds, one capture"
+  same rows "$(column a.csv vsin_v | wc -l)" 10000
+  capture d.csv --no-vtemp --no-vdd --no-reference --rate 1000
+  same header "$(grep -v '^#' d.csv | head -1)" time_s,vsin_v,vcos_v
+  same rows "$(column d.csv vsin_v | wc -l)" 1000
+}
+
+check_every_effect_of_the_catalogue_can_be_simulated() {
+  status 0 iio-angle catalogue
+  local effect count=0
+  local effects
+  mapfile -t effects < <(sed -n 's/^\([a-z-]*\)  (.*/\1/p' out)
+  for effect in "${effects[@]}"; do
+    status 0 iio-angle simulate --duration 1 --rate 2000 --effect "$effect" -o "$effect.csv"
+    count=$((count + 1))
+    rm "$effect.csv"
+  done
+  ((count >= 20)) || fail "only $count effects in the catalogue"
+}
+
+# Largest difference of the angles from the reference, which `simulate` records without error: the
+# noise of 0.5 mV rms is 0.01 deg rms, so 0.06 deg is six times that.
+worst_error() {
+  paste -d, <(column "$1" angle_deg) <(column "$2" reference_deg) |
+    awk -F, '{ d = $1 - $2; d -= 180 * int(d / 180 + (d > 0 ? 0.5 : -0.5)); d = d < 0 ? -d : d
+               if (d > worst) worst = d } END { print (NR > 0 && worst < 0.06) ? "small" : worst }'
+}
+
+check_convert_gives_the_angle_of_every_sample() {
+  capture a.csv --temperature constant:deg_c=25
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  says out '^amplitude +1\.4'
+  status 0 iio-angle convert --calibration a.toml a.csv -o angles.csv
+  empty out
+  same header "$(head -1 angles.csv)" time_s,angle_deg,radius,status
+  same rows "$(column angles.csv angle_deg | wc -l)" 10000
+  same error "$(worst_error angles.csv a.csv)" small
+  same "unsound samples" "$(column angles.csv status | grep -cv '^0$')" 0
+  awk -F, 'NR > 1 && ($2 < 0 || $2 >= 180 || $3 < 0.99 || $3 > 1.01) { exit 1 }' angles.csv ||
+    fail "an angle or a radius is out of its range"
+  status 0 iio-angle convert --dynamic --calibration a.toml a.csv -o dynamic.csv
+  same error "$(worst_error dynamic.csv a.csv)" small
+}
+
+check_every_method_calibrates() {
+  capture a.csv --motion constant:rpm=600 --temperature constant:deg_c=25
+  local method
+  for method in fit mean extrema; do
+    status 0 iio-angle calibrate single --method "$method" a.csv -o "$method.toml"
+    status 0 iio-angle convert --calibration "$method.toml" a.csv -o "$method.csv"
+    same "$method" "$(worst_error "$method.csv" a.csv)" small
+  done
+}
+
+check_two_temperatures_calibrate_and_one_is_refused() {
+  capture cold.csv --temperature constant:deg_c=0
+  capture hot.csv --temperature constant:deg_c=110
+  capture warm.csv --temperature constant:deg_c=60
+  status 0 iio-angle calibrate dual cold.csv hot.csv -o dual.toml
+  says out offset-temperature-drift
+  status 0 iio-angle convert --calibration dual.toml warm.csv -o warm-angles.csv
+  same error "$(worst_error warm-angles.csv warm.csv)" small
+  status 1 iio-angle calibrate dual cold.csv cold.csv -o same.toml
+  [[ -s err ]] || fail "no reason given"
+  absent same.toml
+}
+
+check_a_dash_is_standard_input_and_output() {
+  capture a.csv
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  status 0 iio-angle convert --calibration a.toml a.csv -o file.csv
+  iio-angle simulate --seed 4571 --duration 1 -o - | cmp -s - a.csv ||
+    fail "simulate -o - is not what a file gets"
+  iio-angle convert --calibration a.toml - -o - <a.csv | cmp -s - file.csv ||
+    fail "convert - -o - is not what files get"
+  iio-angle simulate --seed 4571 --duration 1 -o - | iio-angle check - >out || fail "check -"
+  says out '^sound$'
+}
+
+check_sigmf_is_taken_wherever_text_is() {
+  capture a.csv
+  capture a.sigmf-meta
+  [[ -s a.sigmf-data ]] || fail "no data file"
+  status 0 iio-angle calibrate single a.sigmf-meta -o a.toml
+  status 0 iio-angle convert --calibration a.toml a.csv -o from-text.csv
+  status 0 iio-angle convert --calibration a.toml a.sigmf-meta -o from-sigmf.csv
+  same rows "$(lines from-sigmf.csv)" "$(lines from-text.csv)"
+  # Text holds volts to a millionth, which is 1e-5 deg at most.
+  paste -d, <(column from-text.csv angle_deg) <(column from-sigmf.csv angle_deg) |
+    awk -F, '{ d = $1 - $2; if (d < 0) d = -d; if (d > 1e-4 && d < 179.9999) exit 1 }' ||
+    fail "the two forms give two angles"
+}
+
+check_results_replace_a_file_whole_or_not_at_all() {
+  capture a.csv
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  echo precious >angles.csv
+  status 1 iio-angle convert --calibration a.toml nowhere.csv -o angles.csv
+  same "old file" "$(cat angles.csv)" precious
+  ln -s angles.csv link.csv
+  status 0 iio-angle convert --calibration a.toml a.csv -o link.csv
+  [[ -L link.csv ]] || fail "the link was replaced"
+  same header "$(head -1 angles.csv)" time_s,angle_deg,radius,status
+  if [[ -w /dev/full ]]; then
+    status 1 iio-angle convert --calibration a.toml a.csv -o /dev/full
+    says err 'No space left'
+  fi
+}
+
+check_check_tells_a_healthy_sensor_from_faults() {
+  capture good.csv
+  status 0 iio-angle check good.csv
+  says out '^sound$'
+  status 0 iio-angle check --json good.csv
+  says out '"schema": "ada4571-check/1"'
+  says out '"sound": true'
+  status 0 iio-angle calibrate single good.csv -o good.toml
+  fault() { # fault CHECK FILE: this check fails, and the exit status says so
+    status 1 iio-angle check --calibration good.toml "$2"
+    says out "^$1 +failed"
+    says out '^NOT sound'
+  }
+  local edit='BEGIN { FS = OFS = "," } /^#/ || /time_s/ { print; next } { n++ }'
+  awk "$edit n > 5000 { \$2 = 2.5 } { print }" good.csv >mid.csv
+  fault stuck mid.csv
+  fault radius mid.csv
+  awk "$edit n > 5000 { \$2 = 0.001 } { print }" good.csv >ground.csv
+  fault rails ground.csv
+  awk "$edit { \$3 = \$2 } { print }" good.csv >short.csv
+  fault short short.csv
+  awk "$edit n <= 5000 || n > 5050 { print }" good.csv >gap.csv
+  fault gaps gap.csv
+  awk "$edit { \$2 = \$2 > 3.6 ? 3.6 : \$2; print }" good.csv >clipped.csv
+  fault clipping clipped.csv
+  capture noisy.csv --noise 0.002
+  sed -i 's/^# noise_rms_v.*/# noise_rms_v = 0.0005/' noisy.csv
+  fault noise noisy.csv
+  awk "$edit { \$2 = \$3 = 2.5; print }" good.csv >unpowered.csv
+  fault radius unpowered.csv
+}
+
+check_diagnose_finds_names_and_models() {
+  status 0 iio-angle simulate --seed 4571 --duration 4 --effect amplitude-mismatch:k=0.02 -o a.csv
+  status 0 iio-angle diagnose a.csv
+  says out amplitude-mismatch
+  empty err
+  status 0 iio-angle diagnose --json --extend a.toml --report a.html a.csv
+  says out '"schema": *"ada4571-diagnosis/1"'
+  says out '"cause": *"amplitude-mismatch"'
+  says a.html '</html>'
+  status 0 iio-angle convert --calibration a.toml a.csv -o angles.csv
+  same error "$(worst_error angles.csv a.csv)" small
+}
+
+check_a_saved_model_simulates_the_same_sensor() {
+  status 0 iio-angle simulate --duration 1 --seed 4571 --effect weak-field:q=0.01 \
+    --save-model a.toml -o a.csv
+  status 0 iio-angle simulate --duration 1 --seed 4571 --model a.toml -o b.csv
+  cmp -s <(column a.csv vsin_v) <(column b.csv vsin_v) || fail "the model file changes the sensor"
+}
+
+check_examples_run() {
+  capture a.csv
+  status 0 calibrate_recording a.csv a.toml
+  says out '^offsets .* amplitude 1\.4'
+  status 0 diagnose_recording a.csv
+  [[ -s out ]] || fail "nothing said"
+  status 1 diagnose_recording nowhere.csv
+  status 2 calibrate_recording
+}
+
+check_figures_are_written() {
+  status 0 iio-angle figures mismatch -o .
+  [[ -s mismatch.csv ]] || fail "no data"
+  status 2 iio-angle figures mismatch -o /nowhere
+}
+
+run_checks "${2:-}"

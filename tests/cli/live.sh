@@ -1,0 +1,145 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: The libada4571 authors
+#
+# live.sh BUILD [PATTERN]: iio-angle as a user runs it, on the simulated sensor that another
+# iio-angle serves over the network.
+set -u
+BUILD=$(cd "$1" && pwd)
+PATH=$BUILD/tools:$BUILD/tools/examples:$PATH
+# shellcheck source=tests/cli/words.sh
+. "$(dirname "$0")/words.sh"
+
+# What libiio itself prints on standard error is no word of ours.
+quiet() {
+  grep -v '^ERROR: ' err >ours || true
+  empty ours
+}
+
+# interrupted SECONDS SIGNAL COMMAND...: like status 0, but with a signal after so long.
+interrupted() {
+  local seconds=$1 signal=$2 got=0
+  shift 2
+  timeout --foreground -k 10 -s "$signal" "$seconds" "$@" >out 2>err </dev/null || got=$?
+  # 124: timeout had to signal; the command's own status is only seen through --preserve-status.
+  [[ $got == 124 ]] || fail "'$*' ended with $got before the signal: $(head -c 500 err)"
+  got=0
+  timeout --foreground --preserve-status -k 10 -s "$signal" "$seconds" "$@" >out 2>err </dev/null ||
+    got=$?
+  [[ $got == 0 ]] || fail "'$*' ended with $got after the signal: $(head -c 500 err)"
+}
+
+check_list_names_the_device_and_its_channels() {
+  emulate
+  status 0 iio-angle list -u "$URI"
+  says out 'vsin.*vcos'
+  says out "iio-angle read -u $URI"
+}
+
+check_no_device_and_no_server_end_with_1() {
+  status 1 iio-angle list -u ip:127.0.0.1:1
+  empty out
+  [[ -s err ]] || fail "no reason given"
+  status 1 iio-angle read -u ip:127.0.0.1:1
+  emulate
+  status 1 iio-angle read -u "$URI" -d no-such-device
+  says err no-such-device
+  status 1 iio-angle record -u "$URI" -d ada4571-sim --sin no-such-channel --cos voltage1 --samples 1 -o x.csv
+  says err no-such-channel
+  absent x.csv
+}
+
+check_record_takes_as_many_or_as_long_as_asked() {
+  emulate --temperature constant:deg_c=25
+  status 0 iio-angle record -u "$URI" --samples 1234 -o a.csv
+  same rows "$(column a.csv vsin_v | wc -l)" 1234
+  empty out
+  status 0 iio-angle record -u "$URI" --duration 0.5 -o b.csv
+  same rows "$(column b.csv vsin_v | wc -l)" 5000
+  status 0 iio-angle record -u "$URI" --samples 1000 -o c.sigmf-meta
+  status 0 iio-angle check c.sigmf-meta
+  iio-angle record -u "$URI" --samples 100 -o - 2>/dev/null >d.csv || fail "record -o -"
+  same rows "$(column d.csv vsin_v | wc -l)" 100
+}
+
+check_read_gives_calibrated_angles_in_every_format() {
+  emulate --temperature constant:deg_c=25
+  status 0 iio-angle record -u "$URI" --duration 1 -o a.csv
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  status 0 iio-angle read -u "$URI" --calibration a.toml --samples 500 --format csv
+  quiet
+  same header "$(head -1 out)" time_s,angle_deg,radius,status
+  same rows "$(lines out)" 501
+  status 0 iio-angle read -u "$URI" --calibration a.toml --samples 500 --format json
+  same rows "$(lines out)" 500
+  python3 -c 'import json, sys
+for line in sys.stdin:
+    a = json.loads(line)
+    assert 0 <= a["angle_deg"] < 180 and abs(a["radius"] - 1) < 0.01 and a["status"] == 0, a' \
+    <out 2>json.err || fail "$(tail -1 json.err)"
+  status 0 iio-angle read -u "$URI" --calibration a.toml --samples 5000 --dynamic
+  says out ' deg  radius 1\.0'
+  same rows "$(lines out)" 5
+  status 0 iio-angle read -u "$URI" --samples 10
+  says err 'no calibration'
+}
+
+check_signals_end_live_verbs_cleanly() {
+  emulate
+  interrupted 1 INT iio-angle record -u "$URI" --duration 60 -o a.csv
+  [[ -s a.csv ]] || fail "what was captured is lost"
+  status 0 iio-angle check a.csv
+  interrupted 1 TERM iio-angle read -u "$URI" --format csv
+  same "columns of the last line" "$(tail -1 out | awk -F, '{ print NF }')" 4
+  interrupted 1 INT iio-angle watch -u "$URI"
+  says out ' deg  radius '
+  interrupted 1 INT iio-angle emulate
+  says out '^ip:127\.0\.0\.1:[0-9]+$'
+}
+
+check_a_server_that_dies_ends_with_1_and_keeps_what_came() {
+  emulate
+  iio-angle record -u "$URI" --duration 60 -o a.csv >out 2>err </dev/null &
+  local recorder=$! got=0
+  sleep 1
+  stop_emulator
+  wait "$recorder" || got=$?
+  same "exit status" "$got" 1
+  says err .
+  [[ -s a.csv ]] || fail "what was captured is lost"
+  status 0 iio-angle check a.csv
+}
+
+check_a_stored_configuration_opens_the_device() {
+  emulate --temperature constant:deg_c=25
+  export XDG_CONFIG_HOME=$PWD/config
+  status 0 iio-angle record -u "$URI" --duration 1 -o a.csv
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  status 0 iio-angle list -u "$URI" --save wheel --calibration "$PWD/a.toml"
+  [[ -s config/ada4571/wheel.toml ]] || fail "nothing stored"
+  status 0 iio-angle read -s wheel --samples 100 --format csv
+  quiet
+  same rows "$(lines out)" 101
+  status 0 read_angle wheel
+  says out ' deg$'
+  status 1 iio-angle read -s no-such-name --samples 100
+  says err no-such-name
+}
+
+check_a_closed_pipe_ends_read() {
+  emulate
+  local got
+  got=$(timeout 20 bash -c "iio-angle read -u $URI --format csv 2>/dev/null | head -3 | wc -l")
+  same "lines" "$got" 3
+}
+
+check_watch_draws_on_a_terminal() {
+  emulate
+  command -v script >/dev/null || return 0
+  timeout -s INT 2 script -qec "stty cols 100; TERM=xterm timeout -s INT 1 iio-angle watch -u $URI" \
+    screen </dev/null >/dev/null 2>&1 || true
+  says screen 'rpm'
+  says screen '@'
+}
+
+run_checks "${2:-}"
