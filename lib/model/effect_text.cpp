@@ -37,6 +37,18 @@ bool marks_place(const ParameterInfo &parameter) {
   return parameter.role == Role::chosen || parameter.name == "frequency_hz";
 }
 
+/// Who names one of the parameters that may be absent means the others to be absent: a clipping at
+/// low_v alone has no level above.
+void leave_out_what_was_not_given(const EffectInfo &info, const std::vector<bool> &given,
+                                  std::vector<double> &values) {
+  bool any = false;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    any |= given[i] && may_be_absent(info.parameters[i]);
+  for (std::size_t i = 0; any && i < values.size(); ++i)
+    if (!given[i] && may_be_absent(info.parameters[i]))
+      values[i] = std::nan("");
+}
+
 template <class Range, class Name> std::string join(const Range &range, Name name) {
   std::string out;
   for (const auto &item : range)
@@ -47,17 +59,20 @@ template <class Range, class Name> std::string join(const Range &range, Name nam
 } // namespace
 
 bool may_be_absent(const ParameterInfo &parameter) {
-  return std::isinf(parameter.minimum) && std::isinf(parameter.maximum);
+  if (parameter.unit == "channel")
+    return std::isnan(parameter.fallback);
+  return parameter.role == Role::fitted && std::isinf(parameter.minimum) &&
+         std::isinf(parameter.maximum);
 }
 
 std::string check_parameter(const ParameterInfo &parameter, double value) {
-  if (parameter.unit == "channel")
-    return value == 0.0 || value == 1.0 ? "" : "must be vsin or vcos";
   if (std::isnan(value) && may_be_absent(parameter))
     return {};
+  if (parameter.unit == "channel")
+    return value == 0.0 || value == 1.0 ? "" : "must be vsin or vcos";
   if (value >= parameter.minimum && value <= parameter.maximum && std::isfinite(value))
     return {};
-  if (may_be_absent(parameter))
+  if (std::isinf(parameter.minimum) && std::isinf(parameter.maximum))
     return "must be a finite number";
   return "must be from " + shortest(parameter.minimum) + " to " + shortest(parameter.maximum);
 }
@@ -67,7 +82,8 @@ bool repeats(const EffectInstance &a, const EffectInstance &b) {
     return false;
   const auto parameters = a.effect->info().parameters;
   for (std::size_t i = 0; i < parameters.size(); ++i)
-    if (marks_place(parameters[i]) && a.values[i] != b.values[i])
+    if (marks_place(parameters[i]) && a.values[i] != b.values[i] &&
+        !(std::isnan(a.values[i]) && std::isnan(b.values[i])))
       return false;
   return true;
 }
@@ -122,9 +138,11 @@ EffectInstance parse_effect(std::string_view text) {
       fail(std::string(name) + ": " + e.what());
     }
     if (comma == rest.npos)
-      return instance;
+      break;
     rest.remove_prefix(comma + 1);
   }
+  leave_out_what_was_not_given(info, given, instance.values);
+  return instance;
 }
 
 void add_effect(Model &model, EffectInstance instance) {

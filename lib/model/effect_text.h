@@ -23,7 +23,8 @@ EffectInstance parse_effect(std::string_view text);
 /// already at the same place.
 void add_effect(Model &model, EffectInstance instance);
 
-/// Whether the parameter may be missing (NaN): only one without bounds, such as a clipping level.
+/// Whether the parameter may be missing (NaN): a level without bounds, such as a clipping level, or
+/// a channel where the effect may be on both.
 bool may_be_absent(const ParameterInfo &parameter);
 
 /// What is wrong with a value, "must be from -1 to 1"; empty when nothing is.

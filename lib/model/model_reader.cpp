@@ -203,6 +203,8 @@ void read_baseline(StrictTable table, Model &model) {
 double read_parameter(StrictTable &table, const ParameterInfo &parameter) {
   if (parameter.unit == "channel") {
     const auto channel = table.words(parameter.name);
+    if (!channel && may_be_absent(parameter))
+      return std::nan("");
     if (!channel)
       table.fail_missing(parameter.name);
     if (*channel != "vsin" && *channel != "vcos")

@@ -28,8 +28,11 @@ TEST(EffectText, NameAloneTakesTheFallbacksOfEveryEffect) {
     const EffectInstance instance = parse_effect(effect->info().id);
     EXPECT_EQ(instance.effect, effect);
     ASSERT_EQ(instance.values.size(), effect->info().parameters.size());
-    for (std::size_t i = 0; i < instance.values.size(); ++i)
-      EXPECT_EQ(instance.values[i], effect->info().parameters[i].fallback);
+    for (std::size_t i = 0; i < instance.values.size(); ++i) {
+      const double fallback = effect->info().parameters[i].fallback;
+      EXPECT_TRUE(instance.values[i] == fallback || std::isnan(fallback)) << effect->info().id;
+      EXPECT_EQ(std::isnan(instance.values[i]), std::isnan(fallback)) << effect->info().id;
+    }
   }
 }
 
@@ -53,6 +56,10 @@ TEST(EffectText, TakesNoneForALevelThatIsNotThere) {
   const EffectInstance clipping = parse_effect("clipping:low_v=1.2,high_v=none");
   EXPECT_EQ(clipping.values[0], 1.2);
   EXPECT_TRUE(std::isnan(clipping.values[1]));
+  const EffectInstance low = parse_effect("clipping:low_v=1.2,channel=vcos");
+  EXPECT_TRUE(std::isnan(low.values[1])) << "a level that was not given";
+  EXPECT_EQ(low.values[2], 1.0);
+  EXPECT_EQ(refusal("offset-step:time_s=none"), "offset-step: time_s is not a number: 'none'");
   EXPECT_EQ(refusal("stray-field:b=none"), "stray-field: b is not a number: 'none'");
 }
 

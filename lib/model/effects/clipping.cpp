@@ -9,7 +9,8 @@ namespace ada {
 namespace {
 
 constexpr std::array<ParameterInfo, 3> kParameters{
-    ParameterInfo{"low_v", "V", -kInf, -kInf, kInf, Role::fitted, 1e-3},
+    ParameterInfo{"low_v", "V", std::numeric_limits<double>::quiet_NaN(), -kInf, kInf, Role::fitted,
+                  1e-3},
     ParameterInfo{"high_v", "V", 3.8, -kInf, kInf, Role::fitted, 1e-3},
     // Absent where both channels stop at the same levels.
     ParameterInfo{"channel", "channel", std::numeric_limits<double>::quiet_NaN(), 0.0, 1.0,
