@@ -196,7 +196,7 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
         added[static_cast<std::size_t>(k)] = y[k] * scale[here + k] * size;
     if (!v.linear && y[0] < 0.0)
       continue;
-    Candidate candidate{v.effect, model, gain, added.size()};
+    Candidate candidate{v.effect, model, gain, added.size(), v.effect->invisible(residual).empty()};
     candidate.start.effects.push_back({v.effect, v.values, {}});
     x.insert(x.end(), added.begin(), added.end());
     candidate.start = with_coordinates(candidate.start, x);

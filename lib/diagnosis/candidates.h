@@ -17,6 +17,7 @@ struct Candidate {
   Model start;         ///< the model with the effect added, moved by the linear solution
   double gain;         ///< expected fall of the sum of squares, V^2
   std::size_t freedom; ///< coordinates that it adds
+  bool visible;        ///< whether this capture can show it as such
 };
 
 /// What effects are shown: the residual of `data` against `model` with the facts of the scene. The

@@ -13,6 +13,8 @@
 #include "conversion/angle_solver.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/explain.h"
+#include "diagnosis/moments.h"
+#include "diagnosis/noise_causes.h"
 #include "diagnosis/robust.h"
 #include "diagnosis/search.h"
 #include "diagnosis/whiteness.h"
@@ -174,7 +176,8 @@ public:
     heldout_ = options_.heldout ? judge.all : scene_.all.select(scene_.heldout);
     Model start = first_model(scene_, options_.baseline);
     // Without a reference the angle is the pair's own, lag and all: a common delay is free.
-    free_lag_ = !scene_.has_reference && scene_.several_speeds && !has(start, "propagation-delay");
+    free_lag_ = !scene_.has_reference && (scene_.several_speeds || scene_.both_directions) &&
+                !has(start, "propagation-delay");
     if (free_lag_)
       start.effects.push_back({find_effect("propagation-delay"), {0.0}, {}});
     SearchData data{&scene_, scene_.all.select(thin(scene_.train, kSearchTrain)),
@@ -222,6 +225,8 @@ private:
 
   void add_screened(const Rung &at) {
     for (const ScreenFinding &f : scene_.screened) {
+      if (f.effect == find_effect("impulse-noise")) // measured against the final model
+        continue;
       const bool given =
           options_.baseline &&
           std::any_of(options_.baseline->effects.begin(), options_.baseline->effects.end(),
@@ -249,32 +254,10 @@ private:
     out_.findings.push_back(std::move(finding));
   }
 
-  /// The search saw thinned revolutions only: the moment of a step is looked for once more in all
-  /// samples, held out or not, since an event belongs to the capture and not to a part of it.
-  Model with_exact_moments(Model model) const {
-    for (std::size_t k = 0; k < model.effects.size(); ++k) {
-      EffectInstance &e = model.effects[k];
-      const auto parameters = e.effect->info().parameters;
-      if (e.effect->info().evidence != Evidence::signal || parameters.empty() ||
-          parameters[0].name != "time_s" || parameters[0].role != Role::chosen)
-        continue;
-      Model less = model;
-      less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(k));
-      const ResidualColumns columns = residual_columns(scene_.all, less);
-      const Residual residual =
-          residual_view(scene_, scene_.all, columns, noise_, model.baseline.amplitude_v);
-      const auto guesses = e.effect->guesses(residual);
-      if (!guesses.empty())
-        e.values[0] = guesses.front()[0];
-      e.std_errors.assign(e.values.size(), 0.0);
-    }
-    return model;
-  }
-
   /// From the baseline up, one finding at a time in the order of their size, each rung fitted to
   /// the training part and judged on the rest.
   void ladder() {
-    FitResult final_fit = fit(train_, with_exact_moments(found_.fit.model), 5);
+    FitResult final_fit = fit(train_, with_exact_moments(scene_, found_.fit.model, 0), 5);
     attach_errors(final_fit);
     Model model = final_fit.model;
     Model bare = model;
@@ -321,43 +304,49 @@ private:
     excess_noise();
   }
 
-  /// Spikes that only show against the model.
   void spikes() {
-    const bool known =
-        std::any_of(out_.findings.begin(), out_.findings.end(),
-                    [](const Finding &f) { return f.effect->info().id == "impulse-noise"; });
-    if (known || (options_.baseline && has(*options_.baseline, "impulse-noise")))
+    const double floor = std::max(noise_, scene_.white_noise_v);
+    const Spikes spikes = spikes_against(scene_, out_.extended, scene_.heldout, floor);
+    if (!spikes.found)
       return;
-    ResidualColumns r = residual_columns(scene_.all, out_.extended);
-    for (std::size_t i = 0; i < scene_.all.size(); ++i)
-      scene_.all.whiten(i, r.sin[i], r.cos[i]);
-    std::vector<std::size_t> places, both;
-    double sum = 0.0, count = 0.0;
-    for (const auto *v : {&r.sin, &r.cos}) {
-      find_spikes(*v, 7.0, std::max(noise_, scene_.white_noise_v), places);
-      for (std::size_t i : places) {
-        sum += (*v)[i] * (*v)[i];
-        count += 1.0;
-        both.push_back(i);
-      }
-    }
-    std::sort(both.begin(), both.end());
-    both.erase(std::unique(both.begin(), both.end()), both.end());
-    if (both.size() < 8)
-      return;
-    const double n = static_cast<double>(scene_.all.size()),
-                 hits = static_cast<double>(both.size());
+    leave_out(spikes.hit);
+    const Rung clean = rung(out_.extended);
     Finding finding{find_effect("impulse-noise"),
-                    {hits / n, std::sqrt(sum / count)},
-                    {std::sqrt(hits) / n, std::sqrt(sum / count / (2.0 * count))},
+                    {spikes.rate, spikes.amplitude_v},
+                    {spikes.rate_error, spikes.amplitude_error_v},
                     {},
                     {},
                     {},
                     last_,
-                    last_,
+                    clean,
                     false};
+    last_ = clean;
+    if (options_.baseline && has(*options_.baseline, "impulse-noise"))
+      return;
+    finding.before.heldout.log_likelihood = spikes.before;
+    finding.after.heldout.log_likelihood = spikes.after;
     recorded_.push_back({finding.effect, finding.values, finding.std_errors});
     finish(finding);
+  }
+
+  /// Takes samples out of everything that is judged from here on.
+  void leave_out(const std::vector<char> &hit) {
+    const auto rest = [&](const std::vector<std::uint32_t> &from) {
+      std::vector<std::uint32_t> keep;
+      for (std::uint32_t i : from)
+        if (!hit[i])
+          keep.push_back(i);
+      return keep;
+    };
+    const auto select = [&](const Observations &old, const std::vector<std::uint32_t> &keep) {
+      Observations out = scene_.all.select(keep);
+      out.disturbed = old.disturbed;
+      out.weight_along = old.weight_along;
+      return out;
+    };
+    train_ = select(train_, rest(scene_.train));
+    if (!judge_)
+      heldout_ = select(heldout_, rest(scene_.heldout));
   }
 
   static bool has(const Model &model, std::string_view id) {
@@ -367,7 +356,7 @@ private:
 
   /// Only white noise on both channels alike is called so.
   void excess_noise() {
-    sigma_ = last_.in_sample.residual_rms_v;
+    sigma_ = rms_in_any_direction(train_, out_.extended, scene_.has_reference);
     if (!noise_stated_)
       return;
     const double white = scene_.white_noise_v;
@@ -433,7 +422,9 @@ private:
         last_.heldout.residual_rms_v * last_.heldout.residual_rms_v - floor * floor;
     out_.unexplained_rms_v = rest2 > 0.0 ? std::sqrt(rest2) : 0.0;
     if (out_.structure.empty() && found_.supply_rms_fraction <= 0.0 && noise_stated_ &&
-        last_.heldout.residual_rms_v > 1.15 * floor)
+        (scene_.has_reference
+             ? last_.heldout.residual_rms_v
+             : rms_in_any_direction(heldout_, out_.extended, false)) > 1.15 * floor)
       out_.structure.push_back({"time",
                                 "the residual is larger than the stated noise, yet not white "
                                 "noise of both channels",

@@ -30,11 +30,11 @@ struct Line {
   std::array<double, 4> amplitudes; ///< sine, cosine of VSIN; sine, cosine of VCOS
 };
 
-Line line_at(const Residual &r, double frequency) {
+/// `phase` gives rad for sample i.
+template <class Phase> Line line_along(const Residual &r, Phase phase) {
   std::array<double, 4> sum{};
   for (std::size_t i = 0; i < r.time.size(); ++i) {
-    const double phase = kTwoPi * frequency * r.time[i];
-    const double s = std::sin(phase), c = std::cos(phase);
+    const double s = std::sin(phase(i)), c = std::cos(phase(i));
     sum[0] += r.sin_v[i] * s;
     sum[1] += r.sin_v[i] * c;
     sum[2] += r.cos_v[i] * s;
@@ -48,24 +48,36 @@ Line line_at(const Residual &r, double frequency) {
   return line;
 }
 
-/// Whether a frequency belongs to the turning shaft: a line at an order of a steady rotation is no
-/// tone.
-bool turns_with_shaft(const Residual &r, double frequency, double resolution) {
+Line line_at(const Residual &r, double frequency) {
+  return line_along(r, [&](std::size_t i) { return kTwoPi * frequency * r.time[i]; });
+}
+
+/// The order of the turn that a frequency is near at a speed at which the capture dwells; 0: none.
+int order_near(const Residual &r, double frequency, double resolution) {
   // Speeds at which the capture dwells, each with the width of its orders.
   std::vector<double> speed;
   for (double w : r.omega)
     speed.push_back(std::abs(w) / kTwoPi);
   std::sort(speed.begin(), speed.end());
   for (double q : {0.05, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95}) {
-    const double f = speed[static_cast<std::size_t>(q * static_cast<double>(speed.size() - 1))];
-    if (f < resolution)
+    const auto at = [&](double share) {
+      return speed[static_cast<std::size_t>(share * static_cast<double>(speed.size() - 1))];
+    };
+    const double f = at(q);
+    if (f < resolution || at(q + 0.04) - at(q - 0.04) > 0.02 * f) // only passed through
       continue;
     const double order = std::round(frequency / f);
     if (order >= 1.0 && order <= 24.0 &&
         std::abs(frequency - order * f) < 3.0 * resolution + 2e-3 * order * f)
-      return true;
+      return static_cast<int>(order);
   }
-  return false;
+  return 0;
+}
+
+/// A line at an order of a steady rotation is no tone when the residual follows the angle as well.
+bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
+  return order != 0 &&
+         line_along(r, [&](std::size_t i) { return order * r.alpha[i]; }).power > 0.2 * tone.power;
 }
 
 } // namespace
@@ -149,8 +161,6 @@ std::vector<std::vector<double>> find_tones(const Residual &r) {
   for (const auto &[p, k] : peaks) {
     if (tones.size() == 2 || ++looked_at > 40)
       break;
-    if (turns_with_shaft(r, static_cast<double>(k) * bin, resolution))
-      continue;
     // The bin is coarse for a fit over the whole span: climb to the top of the line.
     double centre = static_cast<double>(k) * bin, step = 0.25 * bin;
     Line best = line_at(r, centre);
@@ -164,6 +174,8 @@ std::vector<std::vector<double>> find_tones(const Residual &r) {
         }
       }
     }
+    if (turns_with_shaft(r, order_near(r, centre, resolution), best))
+      continue;
     const auto &a = best.amplitudes;
     tones.push_back({centre, std::hypot(a[0], a[1]), std::hypot(a[2], a[3]),
                      std::atan2(a[1], a[0]) * kDegPerRad, std::atan2(a[3], a[2]) * kDegPerRad});

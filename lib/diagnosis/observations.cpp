@@ -33,6 +33,30 @@ std::vector<T> pick(const std::vector<T> &from, const std::vector<std::uint32_t>
   return out;
 }
 
+/// How VTEMP follows a supply that moves: 1 for a ratiometric output, 0 for one that stands on its
+/// own feet. Fitted beside a slow spline, which takes the temperature's own motion.
+double vtemp_follows_supply(const Capture &capture, double vdd_mean) {
+  CubicSpline spline(CubicSpline::uniform(capture.time_s.front(), capture.time_s.back(), 12));
+  spline.fit(capture.time_s, capture.vtemp_v, {}, 1,
+             [&](std::size_t i, double *term) { *term = capture.vdd_v[i] / vdd_mean - 1.0; });
+  const double vtemp_mean = std::accumulate(capture.vtemp_v.begin(), capture.vtemp_v.end(), 0.0) /
+                            static_cast<double>(capture.size());
+  return spline.term_coefficients()[0] / vtemp_mean > 0.5 ? 1.0 : 0.0;
+}
+
+/// VTEMP as it would be at the mean supply.
+std::vector<double> vtemp_of_temperature(const Capture &capture, const Scene &scene) {
+  std::vector<double> out = capture.vtemp_v;
+  if (scene.supply_rms < 1e-5)
+    return out;
+  const double mean = std::accumulate(capture.vdd_v.begin(), capture.vdd_v.end(), 0.0) /
+                      static_cast<double>(capture.size());
+  const double follows = vtemp_follows_supply(capture, mean);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] /= 1.0 + follows * (capture.vdd_v[i] / mean - 1.0);
+  return out;
+}
+
 /// Smooth VTEMP and its rate; says whether the capture shows a range of temperatures.
 void prepare_temperature(const Capture &capture, Scene &scene, std::vector<double> &temp,
                          std::vector<double> &rate) {
@@ -43,7 +67,7 @@ void prepare_temperature(const Capture &capture, Scene &scene, std::vector<doubl
   const auto &time = capture.time_s;
   const std::size_t pieces = std::clamp<std::size_t>(capture.size() / 400, 4, 100);
   CubicSpline spline(CubicSpline::uniform(time.front(), time.back(), pieces));
-  spline.fit(time, capture.vtemp_v, {}, 0, {});
+  spline.fit(time, vtemp_of_temperature(capture, scene), {}, 0, {});
   temp.resize(capture.size());
   rate.resize(capture.size());
   for (std::size_t i = 0; i < capture.size(); ++i) {
@@ -154,6 +178,33 @@ void leave_out_kinks(const std::vector<double> &omega, std::vector<char> &usable
       usable[i] = 0;
 }
 
+/// Just after a reversal the sense of rotation is known and yet a hysteresis has not crossed its
+/// loop. A few samples about each reversal are not used, unless the shaft does little else.
+void leave_out_reversals(const Kinematics &motion, std::vector<char> &usable) {
+  constexpr std::size_t kReach = 6;
+  constexpr double kLoop = 0.6 * kRadPerDeg; // wider than the loop of any usable sensor
+  constexpr double kMost = 0.02;
+  const std::size_t n = usable.size();
+  std::vector<char> out(n, 0);
+  for (std::size_t i = 1; i < n; ++i) {
+    if (motion.direction[i] == motion.direction[i - 1])
+      continue;
+    const auto near = [&](std::size_t k, std::size_t distance) {
+      return distance <= kReach || std::abs(motion.alpha[k] - motion.alpha[i]) < kLoop;
+    };
+    for (std::size_t k = i; k < n && near(k, k - i); ++k)
+      out[k] = 1;
+    for (std::size_t k = i; k-- > 0 && near(k, i - k);)
+      out[k] = 1;
+  }
+  const auto count = static_cast<double>(std::count(out.begin(), out.end(), char{1}));
+  if (count > kMost * static_cast<double>(n))
+    return;
+  for (std::size_t i = 0; i < n; ++i)
+    if (out[i])
+      usable[i] = 0;
+}
+
 void describe_motion(Scene &scene) {
   const Observations &all = scene.all;
   double forward = 0.0, backward = 0.0, travel = 0.0;
@@ -236,8 +287,8 @@ Scene prepare(const Capture &capture, bool needs_split) {
   scene.white_noise_v = look.white_noise_v;
 
   std::vector<double> temp, rate, supply;
-  prepare_temperature(capture, scene, temp, rate);
   prepare_supply(capture, scene, supply);
+  prepare_temperature(capture, scene, temp, rate);
 
   Kinematics motion;
   if (scene.has_reference) {
@@ -248,6 +299,7 @@ Scene prepare(const Capture &capture, bool needs_split) {
     prepare_reference_ripple(capture, alpha, look.usable, scene);
     motion = differentiate(capture.time_s, std::move(alpha), 4);
     leave_out_kinks(motion.omega, look.usable);
+    leave_out_reversals(motion, look.usable);
   } else {
     motion = smooth_motion_with_losses(look, kRippleOrders);
   }
@@ -255,19 +307,23 @@ Scene prepare(const Capture &capture, bool needs_split) {
   for (std::size_t i = 0; i < capture.size(); ++i)
     if (look.usable[i])
       scene.index.push_back(static_cast<std::uint32_t>(i));
+  scene.spiked_index = look.spikes;
   Observations &all = scene.all;
   all.frame_period_s = median_step(capture.time_s);
   all.mid_v = 0.5 * scene.supply_v;
-  all.time = pick(capture.time_s, scene.index);
-  all.vsin = pick(capture.vsin_v, scene.index);
-  all.vcos = pick(capture.vcos_v, scene.index);
-  all.alpha = pick(motion.alpha, scene.index);
-  all.omega = pick(motion.omega, scene.index);
-  all.accel = pick(motion.accel, scene.index);
-  all.direction = pick(motion.direction, scene.index);
-  all.temp = pick(temp, scene.index);
-  all.temp_rate = pick(rate, scene.index);
-  all.supply = pick(supply, scene.index);
+  Observations every = all;
+  every.time = capture.time_s;
+  every.vsin = capture.vsin_v;
+  every.vcos = capture.vcos_v;
+  every.alpha = std::move(motion.alpha);
+  every.omega = std::move(motion.omega);
+  every.accel = std::move(motion.accel);
+  every.direction = std::move(motion.direction);
+  every.temp = std::move(temp);
+  every.temp_rate = std::move(rate);
+  every.supply = std::move(supply);
+  all = every.select(scene.index);
+  scene.spiked = every.select(scene.spiked_index);
   if (all.size() < kFewestSamples) {
     scene.insufficient = "only " + std::to_string(all.size()) + " usable samples";
     return scene;

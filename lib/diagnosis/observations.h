@@ -60,6 +60,8 @@ struct Scene {
 
   Observations all;                          ///< usable samples
   std::vector<std::uint32_t> index;          ///< their places in the capture
+  Observations spiked;                       ///< samples left out because of a spike
+  std::vector<std::uint32_t> spiked_index;   ///< their places in the capture
   std::vector<std::uint32_t> train, heldout; ///< places in `all`
   std::vector<ScreenFinding> screened;
   std::string insufficient; ///< why nothing can be said; empty when something can

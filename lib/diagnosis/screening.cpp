@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 
 #include "base/angle.h"
 #include "diagnosis/robust.h"
@@ -14,6 +15,8 @@
 namespace ada {
 
 namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// Middle and half range of a channel, by quantiles so that spikes do not count.
 struct Range {
@@ -31,27 +34,77 @@ Range range_of(const std::vector<double> &v, const std::vector<char> &usable) {
   return {0.5 * (low + high), std::max(0.5 * (high - low), 1e-9)};
 }
 
-/// Unwrapped mechanical angle from the pair, good to about a degree.
+/// The pair as angle and radius, each channel scaled to its range.
+struct Polar {
+  std::vector<double> angle;
+  double radius_spread; ///< relative, robust
+};
+
+Polar polar(const std::vector<double> &vsin, const std::vector<double> &vcos,
+            const std::vector<char> &usable) {
+  const Range sin = range_of(vsin, usable), cos = range_of(vcos, usable);
+  Polar out;
+  std::vector<double> radius;
+  for (std::size_t i = 0; i < vsin.size(); ++i) {
+    const double s = (vsin[i] - sin.middle) / sin.half, c = (vcos[i] - cos.middle) / cos.half;
+    out.angle.push_back(std::atan2(s, c));
+    if (usable[i])
+      radius.push_back(std::hypot(s, c));
+  }
+  out.radius_spread = radius.empty() ? 0.0 : robust_spread(radius);
+  return out;
+}
+
+/// Unwrapped mechanical angle from the pair, good to about a degree. Where a recorded supply moves
+/// the outputs, their ratio to it is what turns with the shaft.
 void rough_angle(Screened &look) {
   const Capture &c = look.capture;
-  const Range sin = range_of(c.vsin_v, look.usable), cos = range_of(c.vcos_v, look.usable);
-  look.angle.resize(c.size());
-  for (std::size_t i = 0; i < c.size(); ++i)
-    look.angle[i] =
-        std::atan2((c.vsin_v[i] - sin.middle) / sin.half, (c.vcos_v[i] - cos.middle) / cos.half);
+  Polar best = polar(c.vsin_v, c.vcos_v, look.usable);
+  if (c.has_vdd()) {
+    double mean = 0.0;
+    for (double v : c.vdd_v)
+      mean += v / static_cast<double>(c.size());
+    std::vector<double> vsin(c.size()), vcos(c.size());
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      const double ratio = c.vdd_v[i] > 0.5 * mean ? mean / c.vdd_v[i] : 1.0;
+      vsin[i] = c.vsin_v[i] * ratio;
+      vcos[i] = c.vcos_v[i] * ratio;
+    }
+    Polar ratiometric = polar(vsin, vcos, look.usable);
+    if (ratiometric.radius_spread < 0.9 * best.radius_spread)
+      best = std::move(ratiometric);
+  }
+  look.angle = std::move(best.angle);
   unwrap(look.angle, kTwoPi);
   for (double &a : look.angle)
     a /= c.meta.periods_per_turn;
 }
 
-/// Sample-to-sample noise from third differences, in which slow signals vanish.
+/// Sample-to-sample noise from differences, in which slow signals vanish: the higher their order
+/// the better, while white noise is the same in all. The least of three orders.
 double white_noise(const Screened &look) {
-  std::vector<double> d;
-  for (const auto *v : {&look.capture.vsin_v, &look.capture.vcos_v})
-    for (std::size_t i = 3; i < v->size(); ++i)
-      if (look.usable[i] && look.usable[i - 3])
-        d.push_back(std::abs((*v)[i] - 3.0 * (*v)[i - 1] + 3.0 * (*v)[i - 2] - (*v)[i - 3]));
-  return d.empty() ? 0.0 : 1.4826 * quantile(std::move(d), 0.5) / std::sqrt(20.0);
+  double least = kInfinite;
+  for (const std::vector<double> &weights :
+       {std::vector<double>{1, -3, 3, -1}, std::vector<double>{1, -5, 10, -10, 5, -1},
+        std::vector<double>{1, -7, 21, -35, 35, -21, 7, -1}}) {
+    const std::size_t reach = weights.size() - 1;
+    double norm2 = 0.0;
+    for (double w : weights)
+      norm2 += w * w;
+    std::vector<double> d;
+    for (const auto *v : {&look.capture.vsin_v, &look.capture.vcos_v})
+      for (std::size_t i = reach; i < v->size(); ++i) {
+        if (!look.usable[i] || !look.usable[i - reach])
+          continue;
+        double sum = 0.0;
+        for (std::size_t k = 0; k <= reach; ++k)
+          sum += weights[k] * (*v)[i - k];
+        d.push_back(std::abs(sum));
+      }
+    if (!d.empty())
+      least = std::min(least, 1.4826 * quantile(std::move(d), 0.5) / std::sqrt(norm2));
+  }
+  return least < kInfinite ? least : 0.0;
 }
 
 std::vector<double> reference_angle(const Capture &c) {
@@ -170,16 +223,16 @@ void mark(Screened &look, std::size_t centre, std::size_t half) {
 /// Residual of a channel against harmonics of the angle: what a first look can take for granted.
 std::vector<double> against_harmonics(const std::vector<double> &v,
                                       const std::vector<double> &angle,
-                                      const std::vector<char> &usable, int periods) {
-  constexpr int kOrders = 8;
+                                      const std::vector<char> &usable) {
+  constexpr int kOrders = 16; // of the mechanical turn
   const int columns = 1 + 2 * kOrders;
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(columns, columns);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(columns), x(columns);
   const auto row = [&](std::size_t i) {
     x[0] = 1.0;
     for (int k = 1; k <= kOrders; ++k) {
-      x[2 * k - 1] = std::cos(k * periods * angle[i]);
-      x[2 * k] = std::sin(k * periods * angle[i]);
+      x[2 * k - 1] = std::cos(k * angle[i]);
+      x[2 * k] = std::sin(k * angle[i]);
     }
   };
   const std::size_t stride = std::max<std::size_t>(1, v.size() / 20000);
@@ -320,9 +373,7 @@ bool screen_spikes(Screened &look, const Effect &effect) {
   double sum = 0.0, values = 0.0, samples = 0.0;
   for (const auto *v : {&c.vsin_v, &c.vcos_v}) {
     const auto beside = against_neighbours(*v);
-    const auto residual = c.has_reference()
-                              ? against_harmonics(*v, angle, look.usable, c.meta.periods_per_turn)
-                              : beside;
+    const auto residual = c.has_reference() ? against_harmonics(*v, angle, look.usable) : beside;
     std::vector<std::size_t> places, standing;
     find_spikes(residual, 8.0, look.white_noise_v, places);
     find_spikes(beside, 6.0, 1.4 * look.white_noise_v, standing);
@@ -340,6 +391,7 @@ bool screen_spikes(Screened &look, const Effect &effect) {
   for (std::size_t i = 0; i < hit.size(); ++i)
     if (hit[i]) {
       look.usable[i] = 0;
+      look.spikes.push_back(static_cast<std::uint32_t>(i));
       samples += 1.0;
     }
   if (samples < 8.0) // a few may be the edges of something else
@@ -354,7 +406,7 @@ bool screen_spikes(Screened &look, const Effect &effect) {
 }
 
 Screened screen(const Capture &capture) {
-  Screened look{capture, std::vector<char>(capture.size(), 1), {}, {}, {}, {}, 0.0};
+  Screened look{capture, std::vector<char>(capture.size(), 1), {}, {}, {}, {}, {}, 0.0};
   for (std::size_t i = 0; i < capture.size(); ++i)
     look.usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
   // A dead channel would spoil every other look, spikes those for jumps: they go first.

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "base/angle.h"
 #include "diagnosis/candidates.h"
+#include "diagnosis/moments.h"
 #include "diagnosis/robust.h"
 
 namespace ada {
@@ -19,8 +21,12 @@ constexpr std::size_t kShortlist = 5; ///< candidates that get a joint fit
 constexpr int kMostEffects = 10;
 /// A cause must be worth this many nats on held-out data, and more for each coordinate.
 constexpr double kLeastNats = 12.0, kNatsPerCoordinate = 3.0;
+/// A moment that was looked for among all samples costs about the logarithm of their number.
+constexpr double kNatsPerMoment = 11.0;
 /// ... and explain at least this part of the noise: below it nobody would care.
 constexpr double kLeastOfNoise = 0.06;
+/// Residual, in units of the noise, above which what was found is called into question.
+constexpr double kShaken = 1.25;
 /// A rival that comes this close cannot be rejected.
 constexpr double kRivalNats = 8.0;
 /// Prior cost of a motion whose own ripple happens to look like an error of the reference, nats.
@@ -28,6 +34,15 @@ constexpr double kCoincidence = 14.0;
 
 std::size_t coordinates(const EffectInstance &e) {
   return e.effect->to_coordinates(e.values).size();
+}
+
+/// What an effect must be worth on held-out data beyond kLeastNats, for the freedom that it has.
+double price(const EffectInstance &e) {
+  double nats = kNatsPerCoordinate * static_cast<double>(coordinates(e));
+  for (const ParameterInfo &p : e.effect->info().parameters)
+    if (p.role == Role::chosen && p.unit == "s")
+      nats += kNatsPerMoment;
+  return nats;
 }
 
 /// Log likelihood of what stands beside the pair: VTEMP and the motion of the reference.
@@ -73,9 +88,12 @@ std::vector<std::uint32_t> thin(const std::vector<std::uint32_t> &indices, std::
     return indices;
   const std::size_t runs = std::max<std::size_t>(1, most / 400);
   const std::size_t length = most / runs;
+  const std::size_t share = indices.size() / runs;
   std::vector<std::uint32_t> out;
+  // Uneven places: evenly spaced runs would see a tone at several frequencies alike.
+  std::minstd_rand place(1);
   for (std::size_t r = 0; r < runs; ++r) {
-    const std::size_t from = r * indices.size() / runs;
+    const std::size_t from = r * share + place() % (share - length + 1);
     for (std::size_t k = from; k < std::min(from + length, indices.size()); ++k)
       out.push_back(indices[k]);
   }
@@ -109,6 +127,17 @@ Search::State Search::evaluate(const Model &start, int iterations) const {
 double Search::contribution(const State &with, const State &less) const {
   return std::sqrt(std::max(0.0, less.heldout - with.heldout) /
                    (2.0 * static_cast<double>(data_.heldout.size())));
+}
+
+/// The same in volts as they are, however residuals are weighed.
+double Search::volts_explained(const State &with, const State &less) const {
+  if (data_.heldout.weight_along == 1.0)
+    return contribution(with, less);
+  Observations plain = data_.heldout;
+  plain.weight_along = 1.0;
+  const double fall = sum_of_squares(plain, less.fit.model) - sum_of_squares(plain, with.fit.model);
+  return std::max(contribution(with, less),
+                  std::sqrt(std::max(0.0, fall) / (2.0 * static_cast<double>(plain.size()))));
 }
 
 Search::State Search::without(const State &now, std::size_t effect) const {
@@ -160,17 +189,16 @@ bool Search::forward(State &now) {
     if (count >= (c.effect->info().signature ? 2 : kShortlist))
       continue;
     ++count;
-    State state = evaluate(c.start);
+    State state = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
     if (!state.fit.determined || !in_range(state.fit.model))
       continue;
-    const double nats = state.score - now.score;
-    const double freedom = static_cast<double>(c.freedom);
-    if (nats < kLeastNats + kNatsPerCoordinate * freedom)
+    const double worth = state.score - now.score - price(c.start.effects.back());
+    if (worth < kLeastNats)
       continue;
-    const double size = contribution(state, now);
+    const double size = volts_explained(state, now);
     if (size < kLeastOfNoise * noise_v_ || size < allowance)
       continue;
-    options.push_back({std::move(state), c.effect, nats - kNatsPerCoordinate * freedom});
+    options.push_back({std::move(state), c.effect, worth});
   }
   if (options.empty())
     return false;
@@ -191,10 +219,9 @@ bool Search::backward(State &now) {
   bool changed = false;
   for (std::size_t k = now.fit.model.effects.size(); k-- > given_;) {
     State less = without(now, k);
-    const double freedom = static_cast<double>(coordinates(now.fit.model.effects[k]));
-    const bool worth = now.score - less.score > kLeastNats + kNatsPerCoordinate * freedom &&
-                       contribution(now, less) > kLeastOfNoise * noise_v_;
-    if (worth)
+    const double worth = now.score - less.score - price(now.fit.model.effects[k]);
+    const bool worth_it = worth > kLeastNats && contribution(now, less) > kLeastOfNoise * noise_v_;
+    if (worth_it)
       continue;
     now = std::move(less);
     changed = true;
@@ -227,7 +254,7 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
     // A signature is no rival of a physical cause; without a reference nothing tells them apart.
     if (c.effect->info().signature && !self->info().signature && data_.scene->has_reference)
       continue;
-    State rival = evaluate(c.start);
+    State rival = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
     const bool at_rest = is_static(*self) && is_static(*c.effect);
     if (!rival.fit.determined || !in_range(rival.fit.model, at_rest))
       continue;
@@ -239,8 +266,10 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
     if (side < -kRivalNats || (rival.score - side < now.score - kRivalNats && left > blurred))
       continue;
     out.emplace_back(c.effect->info().id);
-    if (better && in_range(rival.fit.model) && rival.score > now.score + kRivalNats &&
-        c.freedom <= coordinates(now.fit.model.effects[effect]) &&
+    const double saved =
+        price(now.fit.model.effects[effect]) - price(rival.fit.model.effects.back());
+    if (better && c.visible && in_range(rival.fit.model) && saved >= 0.0 &&
+        rival.score + saved > now.score + kRivalNats &&
         (!c.effect->info().signature || self->info().signature) &&
         (better->score == 0.0 || rival.score > better->score))
       *better = std::move(rival);
@@ -341,29 +370,62 @@ void Search::weigh_motion(State &now) {
   weigh(now, Direction::motion, std::min(1.0, std::sqrt(across / along)));
 }
 
-SearchResult Search::run() {
-  const auto progress = [&](const char *what) {
-    ++steps_;
-    if (report_)
-      report_(1.0 - 1.0 / (1.0 + 0.25 * steps_), what);
+/// Forward until nothing more is confirmed.
+void Search::climb(State &now) {
+  while (now.fit.model.effects.size() < given_ + kMostEffects) {
+    progress("searching for a cause");
+    if (notice_supply(now))
+      continue;
+    if (!forward(now))
+      break;
+    weigh_motion(now);
+  }
+}
+
+/// A cause found early, while others were still mixed into the residual, may be a wrong one that
+/// hides the right ones. Where much is left over, each is given up in turn and the search goes on
+/// from there.
+bool Search::shake(State &now) {
+  const double rms = std::sqrt(now.fit.rss / (2.0 * static_cast<double>(data_.train.size())));
+  if (rms < kShaken * std::max(noise_v_, data_.scene->white_noise_v))
+    return false;
+  const auto value = [&](const State &s) {
+    double v = s.score;
+    for (std::size_t k = given_; k < s.fit.model.effects.size(); ++k)
+      v -= price(s.fit.model.effects[k]);
+    return v;
   };
+  State best = now;
+  for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k) {
+    State other = without(now, k);
+    climb(other);
+    backward(other);
+    if (value(other) > value(best) + kRivalNats)
+      best = std::move(other);
+  }
+  if (best.score == now.score)
+    return false;
+  now = std::move(best);
+  return true;
+}
+
+void Search::progress(const char *what) {
+  ++steps_;
+  if (report_)
+    report_(1.0 - 1.0 / (1.0 + 0.25 * steps_), what);
+}
+
+SearchResult Search::run() {
   progress("fitting the baseline");
   State now = evaluate(baseline_, 12);
   weigh_motion(now);
   for (int round = 0; round < 4; ++round) {
-    while (now.fit.model.effects.size() < given_ + kMostEffects) {
-      progress("searching for a cause");
-      if (notice_supply(now))
-        continue;
-      if (!forward(now))
-        break;
-      weigh_motion(now);
-    }
+    climb(now);
     progress("dropping what is not needed");
     const bool dropped = backward(now);
     progress("comparing rivals");
     const bool swapped = sideways(now);
-    if (!dropped && !swapped)
+    if (!dropped && !swapped && !shake(now))
       break;
   }
   SearchResult out;

@@ -48,7 +48,10 @@ private:
 
   State evaluate(const Model &start, int iterations = 6) const;
   double log_likelihood(const FitResult &fit, double heldout) const;
+  void progress(const char *what);
   bool forward(State &now);
+  void climb(State &now);
+  bool shake(State &now);
   bool backward(State &now);
   bool sideways(State &now);
   bool notice_supply(State &now);
@@ -58,6 +61,7 @@ private:
   State without(const State &now, std::size_t effect) const;
   std::vector<std::string> rivals(const State &now, std::size_t effect, State *better) const;
   double contribution(const State &with, const State &less) const;
+  double volts_explained(const State &with, const State &less) const;
   double second_order(const State &now) const;
 
   SearchData data_;

@@ -5,6 +5,7 @@
 // leaves over. The finders below are shared by the effects that begin with a search.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -58,10 +59,11 @@ struct ScreenFinding {
 /// A capture on its first look, and what came of it.
 struct Screened {
   const Capture &capture;
-  std::vector<char> usable;       ///< 0: a fit must not use this sample
-  std::vector<double> angle;      ///< unwrapped mechanical angle from the pair itself, rad
-  std::vector<std::size_t> jumps; ///< first sample after each jump of the angle over time
-  std::vector<double> jump_rad;   ///< mechanical, beyond what the speed explains
+  std::vector<char> usable;          ///< 0: a fit must not use this sample
+  std::vector<double> angle;         ///< unwrapped mechanical angle from the pair itself, rad
+  std::vector<std::size_t> jumps;    ///< first sample after each jump of the angle over time
+  std::vector<double> jump_rad;      ///< mechanical, beyond what the speed explains
+  std::vector<std::uint32_t> spikes; ///< samples with an isolated spike, ascending
   std::vector<ScreenFinding> findings;
   double white_noise_v = 0.0; ///< sample-to-sample noise of one channel
 };

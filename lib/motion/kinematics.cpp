@@ -152,8 +152,9 @@ void widen_gaps(std::span<const double> angle, double travel, std::span<char> us
   }
 }
 
-/// Marks stretches whose residual stands far above that of the rest, with a turn on either side.
-bool mask_rough(std::span<const double> angle, const std::vector<double> &residual,
+/// Marks stretches whose residual stands far above that of the rest (`factor` 1: as far as must
+/// be), with a turn on either side.
+bool mask_rough(std::span<const double> angle, const std::vector<double> &residual, double factor,
                 std::span<char> usable) {
   struct Stretch {
     std::size_t from, to;
@@ -183,7 +184,7 @@ bool mask_rough(std::span<const double> angle, const std::vector<double> &residu
     rms.push_back(s.rms);
   // The smooth part is the better part, yet the greater part is never thrown away.
   std::sort(rms.begin(), rms.end());
-  const double limit = std::max(2.5 * rms[rms.size() / 4], 1.5 * rms[rms.size() * 3 / 4]);
+  const double limit = factor * std::max(2.5 * rms[rms.size() / 4], 1.5 * rms[rms.size() * 3 / 4]);
   bool any = false;
   for (const Stretch &s : stretches) {
     if (s.rms <= limit)
@@ -240,13 +241,37 @@ SmoothMotion smooth_motion(std::span<const double> time, std::span<const double>
                            std::span<char> usable, int orders) {
   SmoothMotion out;
   std::vector<double> residual = split(time, angle, usable, orders, out);
+  // What is rough nearly everywhere is no exception that could be left out.
+  const auto left = [](std::span<const char> mask) {
+    return std::count_if(mask.begin(), mask.end(), [](char c) { return c != 0; });
+  };
+  const auto fewest = left(usable) * 6 / 10;
+  const auto adopt = [&](const std::vector<char> &mask) {
+    if (left(mask) < fewest)
+      return false;
+    std::copy(mask.begin(), mask.end(), usable.begin());
+    return true;
+  };
+  const auto leave_out_rough = [&] {
+    for (double factor : {1.0, 2.0, 4.0}) {
+      std::vector<char> mask(usable.begin(), usable.end());
+      if (!mask_rough(angle, residual, factor, mask))
+        return false;
+      if (adopt(mask))
+        return true;
+    }
+    return false;
+  };
   bool rough = false;
-  for (int pass = 0; pass < 5 && mask_rough(angle, residual, usable); ++pass) {
+  for (int pass = 0; pass < 5 && leave_out_rough(); ++pass) {
     residual = split(time, angle, usable, orders, out);
     rough = true;
   }
-  if (rough) // the spline is loose at its ends: two more turns beside each gap are not judged
-    widen_gaps(angle, 2.0 * kTwoPi, usable);
+  if (rough) { // the spline is loose at its ends: two more turns beside each gap are not judged
+    std::vector<char> mask(usable.begin(), usable.end());
+    widen_gaps(angle, 2.0 * kTwoPi, mask);
+    adopt(mask);
+  }
   double sum = 0.0, count = 0.0;
   for (std::size_t i = 0; i < residual.size(); ++i)
     if (usable[i]) {

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The moment of a step. A search sees thinned samples only; the moment is looked for once more in
+// all of them, held out or not, since an event belongs to the capture and not to a part of it.
+#pragma once
+
+#include "diagnosis/observations.h"
+#include "model/model.h"
+
+namespace ada {
+
+/// The model with the moment of every effect from `first` on that has one moved to where all the
+/// samples nearby see it.
+Model with_exact_moments(const Scene &scene, Model model, std::size_t first);
+
+} // namespace ada

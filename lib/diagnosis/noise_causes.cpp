@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/noise_causes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/angle.h"
+#include "diagnosis/fit.h"
+#include "model/residual.h"
+
+namespace ada {
+
+namespace {
+
+constexpr double kStandsOut = 5.5;       ///< standard deviations
+constexpr std::size_t kFewestSpikes = 8; ///< a few may be the edges of something else
+
+double log_normal(double x, double variance) {
+  return -0.5 * (std::log(kTwoPi * variance) + x * x / variance);
+}
+
+/// Channel values, spiked or not: what they are tested on.
+struct ChannelValues {
+  std::vector<double> plain, spiked;
+};
+
+/// A spike stands alone; several in a row are a kink of the motion or a step.
+void leave_out_clusters(std::vector<char> &hit) {
+  constexpr std::size_t kAlone = 4;
+  const std::vector<char> all = hit;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t k = i > kAlone ? i - kAlone : 0; k < std::min(all.size(), i + kAlone + 1); ++k)
+      if (all[i] && all[k] && k != i)
+        hit[i] = 0;
+}
+
+void add(const ResidualColumns &r, std::size_t i, std::vector<double> &out) {
+  out.push_back(r.sin[i]);
+  out.push_back(r.cos[i]);
+}
+
+double mean_square(const std::vector<double> &v) {
+  double sum = 0.0;
+  for (double x : v)
+    sum += x * x;
+  return v.empty() ? 0.0 : sum / static_cast<double>(v.size());
+}
+
+/// Log likelihood a sample of all values under noise of `variance`, with a part `share` of them
+/// that has `more` on top.
+double likelihood(const ChannelValues &values, double variance, double share, double more) {
+  double sum = 0.0, n = 0.0;
+  for (const auto *v : {&values.plain, &values.spiked})
+    for (double x : *v) {
+      sum += share > 0.0 ? std::log((1.0 - share) * std::exp(log_normal(x, variance)) +
+                                    share * std::exp(log_normal(x, variance + more)))
+                         : log_normal(x, variance);
+      n += 0.5;
+    }
+  return n > 0.0 ? sum / n : 0.0;
+}
+
+} // namespace
+
+Spikes spikes_against(const Scene &scene, const Model &model,
+                      const std::vector<std::uint32_t> &heldout, double noise_v) {
+  Spikes out;
+  out.hit.assign(scene.all.size(), 0);
+  const ResidualColumns plain = residual_columns(scene.all, model);
+  const ResidualColumns apart = residual_columns(scene.spiked, model);
+  ResidualColumns white = plain;
+  for (std::size_t i = 0; i < scene.all.size(); ++i)
+    scene.all.whiten(i, white.sin[i], white.cos[i]);
+  // Places per channel: a disturbance on both at once counts twice.
+  std::vector<std::size_t> places;
+  double flagged = 0.0;
+  for (const auto *v : {&white.sin, &white.cos}) {
+    find_spikes(*v, kStandsOut, noise_v, places);
+    flagged += static_cast<double>(places.size());
+    for (std::size_t i : places)
+      out.hit[i] = 1;
+  }
+  leave_out_clusters(out.hit);
+  // Of what the first look left out, only what this model cannot explain either is a spike.
+  std::vector<double> values;
+  std::size_t samples = 0;
+  for (std::size_t i = 0; i < apart.sin.size(); ++i) {
+    int channels = 0;
+    for (double x : {apart.sin[i], apart.cos[i]})
+      channels += std::abs(x) > kStandsOut * noise_v;
+    if (channels == 0)
+      continue;
+    add(apart, i, values);
+    flagged += channels;
+    ++samples;
+  }
+  for (std::size_t i = 0; i < out.hit.size(); ++i)
+    if (out.hit[i]) {
+      add(plain, i, values);
+      ++samples;
+    }
+  if (samples < kFewestSpikes)
+    return out;
+  out.found = true;
+  const double n = static_cast<double>(scene.all.size() + scene.spiked.size());
+  const double hits = static_cast<double>(samples);
+  // Spikes of one channel at a time leave the other at its noise.
+  const double channels = flagged > 1.5 * hits ? 2.0 : 1.0;
+  const double noise2 = noise_v * noise_v;
+  const double square = (2.0 * mean_square(values) - (2.0 - channels) * noise2) / channels;
+  out.rate = hits / n;
+  out.rate_error = std::sqrt(hits) / n;
+  out.amplitude_v = std::sqrt(std::max(square - noise2, 0.0));
+  out.amplitude_error_v = out.amplitude_v / std::sqrt(2.0 * channels * hits);
+
+  // What the knowledge of the spikes is worth on turns that no fit has seen.
+  std::vector<char> judged(scene.all.size(), heldout.empty());
+  for (std::uint32_t i : heldout)
+    judged[i] = 1;
+  ChannelValues test;
+  for (std::size_t i = 0; i < judged.size(); ++i)
+    if (judged[i])
+      add(plain, i, out.hit[i] ? test.spiked : test.plain);
+  for (std::size_t k = 0; k < scene.spiked_index.size(); ++k) {
+    const auto next =
+        std::lower_bound(scene.index.begin(), scene.index.end(), scene.spiked_index[k]);
+    const auto at =
+        std::min(static_cast<std::size_t>(next - scene.index.begin()), judged.size() - 1);
+    if (judged[at])
+      add(apart, k, test.spiked);
+  }
+  const double variance = mean_square(test.plain);
+  const double all = (variance * static_cast<double>(test.plain.size()) +
+                      mean_square(test.spiked) * static_cast<double>(test.spiked.size())) /
+                     static_cast<double>(test.plain.size() + test.spiked.size());
+  out.before = likelihood(test, all, 0.0, 0.0);
+  out.after =
+      likelihood(test, variance, 0.5 * channels * out.rate, out.amplitude_v * out.amplitude_v);
+  return out;
+}
+
+double rms_in_any_direction(const Observations &data, const Model &model, bool has_reference) {
+  const ResidualColumns r = residual_columns(data, model);
+  std::array<double, 4> sum{};
+  double radial = 0.0;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const double x = r.sin[i], y = r.cos[i];
+    const double vs = r.model_sin[i], vc = r.model_cos[i];
+    const double s = vs - data.mid_v, c = vc - data.mid_v;
+    const double along = (x * vs + y * vc) / std::hypot(vs, vc);
+    const double across = (x * vc - y * vs) / std::hypot(vs, vc);
+    const double outward = (x * s + y * c) / std::hypot(s, c);
+    const std::array<double, 4> part{x, y, along, across};
+    for (std::size_t k = 0; k < part.size(); ++k)
+      sum[k] += part[k] * part[k];
+    radial += outward * outward;
+  }
+  const double least = has_reference ? *std::min_element(sum.begin(), sum.end()) : radial;
+  return std::sqrt(least / static_cast<double>(std::max<std::size_t>(1, data.size())));
+}
+
+} // namespace ada

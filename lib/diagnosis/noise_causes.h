@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Causes that change the noise and not the signal: spikes, and white noise above what was stated.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "diagnosis/observations.h"
+#include "model/model.h"
+
+namespace ada {
+
+/// Isolated spikes against a model: those that the first look left out and those that only stand
+/// out of the model's residual.
+struct Spikes {
+  bool found = false;
+  double rate = 0.0, amplitude_v = 0.0; ///< fraction of samples; rms
+  double rate_error = 0.0, amplitude_error_v = 0.0;
+  std::vector<char> hit; ///< of the scene's usable samples
+  /// Held-out log likelihood a sample with one normal distribution, and with spikes beside it.
+  double before = 0.0, after = 0.0;
+};
+
+/// `heldout`: places in `scene.all` that no fit has seen; empty: all.
+Spikes spikes_against(const Scene &scene, const Model &model,
+                      const std::vector<std::uint32_t> &heldout, double noise_v);
+
+/// Least rms of the residual in any direction of the pair: white noise of both channels shows in
+/// all alike. Without a reference only the radius is no matter of the motion.
+double rms_in_any_direction(const Observations &data, const Model &model, bool has_reference);
+
+} // namespace ada
