@@ -446,6 +446,8 @@ private:
       if (!hit[i])
         keep.push_back(static_cast<std::uint32_t>(i));
     Observations all = scene_.all.select(keep);
+    if (!scene_.has_reference)
+      all = at_own_angle(std::move(all), out_.extended);
     return {residual_columns(all, out_.extended), std::move(all)};
   }
 

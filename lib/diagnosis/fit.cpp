@@ -248,6 +248,18 @@ ResidualColumns residual_columns(const Observations &data, const Model &model) {
   return out;
 }
 
+Observations at_own_angle(Observations data, const Model &model) {
+  for (int pass = 0; pass < 2; ++pass) {
+    const ResidualColumns r = residual_columns(data, model);
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      const double s = r.model_sin[i] - data.mid_v, c = r.model_cos[i] - data.mid_v;
+      const double tangential = (r.sin[i] * c - r.cos[i] * s) / std::max(s * s + c * c, 1e-12);
+      data.alpha[i] += tangential / model.periods_per_turn;
+    }
+  }
+  return data;
+}
+
 bool in_range(const Model &model, bool mirrored) {
   if (!(model.baseline.amplitude_v > 0.0))
     return false;

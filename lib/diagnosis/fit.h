@@ -43,6 +43,11 @@ struct ResidualColumns {
 };
 ResidualColumns residual_columns(const Observations &data, const Model &model);
 
+/// The data with the angle of each sample moved to where the pair itself sees it, so that what is
+/// left of the residual lies along the radius. Without a reference only that is no matter of the
+/// motion.
+Observations at_own_angle(Observations data, const Model &model);
+
 /// Whether every parameter lies in its range; `mirrored` takes the range of either sign, for a
 /// rival that has the same shape in the data though its physics has one sign only.
 bool in_range(const Model &model, bool mirrored = false);

@@ -143,7 +143,8 @@ Spikes spikes_against(const Scene &scene, const Model &model,
 }
 
 double rms_in_any_direction(const Observations &data, const Model &model, bool has_reference) {
-  const ResidualColumns r = residual_columns(data, model);
+  const ResidualColumns r =
+      residual_columns(has_reference ? data : at_own_angle(data, model), model);
   std::array<double, 4> sum{};
   double radial = 0.0;
   for (std::size_t i = 0; i < data.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "base/angle.h"
 #include "diagnosis/candidates.h"
@@ -289,31 +290,73 @@ bool Search::sideways(State &now) {
   return false;
 }
 
-/// A supply that is not recorded moves both outputs along the pair of absolute voltages. It shows
-/// as a residual that is white across that direction and not along it.
-bool Search::notice_supply(State &now) {
-  if (supply_rms_fraction_ > 0.0 || !data_.train.supply.empty())
-    return false;
-  if (!data_.scene->has_reference)
-    return notice_supply_in_radius(now);
+/// Residual variance along and across the pair of absolute voltages, which is how a supply that is
+/// not recorded moves both outputs.
+Search::AlongSupply Search::along_supply(const State &now) const {
   const ResidualColumns r = residual_columns(data_.train, now.fit.model);
-  double along = 0.0, across = 0.0, length2 = 0.0;
+  AlongSupply out{0.0, 0.0, 0.0};
   for (std::size_t i = 0; i < r.sin.size(); ++i) {
     const double vs = data_.train.vsin[i], vc = data_.train.vcos[i];
     const double l2 = vs * vs + vc * vc;
     const double a = (r.sin[i] * vs + r.cos[i] * vc), b = (r.sin[i] * vc - r.cos[i] * vs);
-    along += a * a / l2;
-    across += b * b / l2;
-    length2 += l2;
+    out.along += a * a / l2;
+    out.across += b * b / l2;
+    out.length2 += l2;
   }
   const double n = static_cast<double>(r.sin.size());
-  along /= n;
-  across /= n;
-  const double noise2 = noise_v_ * noise_v_;
-  if (across > 1.6 * noise2 || along < 1.5 * noise2 || along - across < 0.5 * noise2)
+  out.along /= n;
+  out.across /= n;
+  out.length2 /= n;
+  return out;
+}
+
+/// A residual that lies mainly along the absolute voltages is weighed as that of a supply, first to
+/// see whether the rest of the model then comes out clean.
+bool Search::notice_supply(State &now) {
+  if (supply_rms_fraction_ > 0.0 || supply_rejected_ || !data_.train.supply.empty())
     return false;
-  supply_rms_fraction_ = std::sqrt((along - across) * n / length2);
-  weigh(now, Direction::supply, std::sqrt(across / along));
+  if (!data_.scene->has_reference)
+    return notice_supply_in_radius(now);
+  const double noise2 = noise_v_ * noise_v_;
+  AlongSupply part = along_supply(now);
+  if (part.along < 1.5 * noise2 || part.along < 1.3 * part.across ||
+      part.along - part.across < 0.5 * noise2)
+    return false;
+  const State before = now;
+  for (int pass = 0; pass < 4; ++pass) {
+    weigh(now, Direction::supply, std::sqrt(std::max(part.across, noise2) / part.along));
+    part = along_supply(now);
+  }
+  const bool clean = part.across < 1.6 * noise2 && part.along - part.across > 0.5 * noise2;
+  if (!clean && part.along < 4.0 * part.across) {
+    weigh(now, Direction::none, 1.0);
+    now = before;
+    supply_rejected_ = true;
+    return false;
+  }
+  supply_rms_fraction_ = std::sqrt((part.along - part.across) / part.length2);
+  return true;
+}
+
+/// With everything else found, is it still a supply?
+bool Search::doubt_supply(State &now) {
+  if (supply_rms_fraction_ <= 0.0)
+    return false;
+  const double noise2 = noise_v_ * noise_v_;
+  if (data_.scene->has_reference) {
+    const AlongSupply part = along_supply(now);
+    if (part.across < 1.6 * noise2 && part.along - part.across > 0.5 * noise2) {
+      supply_rms_fraction_ = std::sqrt((part.along - part.across) / part.length2);
+      return false;
+    }
+    weigh(now, Direction::none, 1.0);
+  } else {
+    supply_rms_fraction_ = 0.0;
+    if (notice_supply_in_radius(now))
+      return false;
+  }
+  supply_rms_fraction_ = 0.0;
+  supply_rejected_ = true;
   return true;
 }
 
@@ -396,6 +439,7 @@ bool Search::shake(State &now) {
     return v;
   };
   State best = now;
+  const bool rejected = std::exchange(supply_rejected_, true); // weights stay as they are
   for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k) {
     State other = without(now, k);
     climb(other);
@@ -403,6 +447,7 @@ bool Search::shake(State &now) {
     if (value(other) > value(best) + kRivalNats)
       best = std::move(other);
   }
+  supply_rejected_ = rejected;
   if (best.score == now.score)
     return false;
   now = std::move(best);
@@ -425,7 +470,7 @@ SearchResult Search::run() {
     const bool dropped = backward(now);
     progress("comparing rivals");
     const bool swapped = sideways(now);
-    if (!dropped && !swapped && !shake(now))
+    if (!dropped && !swapped && !shake(now) && !doubt_supply(now))
       break;
   }
   SearchResult out;

@@ -54,7 +54,12 @@ private:
   bool shake(State &now);
   bool backward(State &now);
   bool sideways(State &now);
+  struct AlongSupply {
+    double along, across, length2; ///< V^2, means of a sample
+  };
+  AlongSupply along_supply(const State &now) const;
   bool notice_supply(State &now);
+  bool doubt_supply(State &now);
   bool notice_supply_in_radius(State &now);
   void weigh_motion(State &now);
   void weigh(State &now, Direction direction, double weight);
@@ -71,6 +76,7 @@ private:
   double noise_v_;
   Report report_;
   double supply_rms_fraction_ = 0.0;
+  bool supply_rejected_ = false;
   int steps_ = 0;
 };
 

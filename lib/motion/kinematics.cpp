@@ -37,11 +37,11 @@ std::vector<double> local_slopes(std::span<const double> x, std::span<const doub
   return slope;
 }
 
-/// Knots at every turn of travel, and at rest at least every twentieth of the record. Unusable
-/// stretches get several knots, so that what lies on both sides of them does not have to fit
-/// together.
+/// Knots at every turn of travel, at every fifth of it where `dense` says so, and at rest at least
+/// every twentieth of the record. Unusable stretches get several knots, so that what lies on both
+/// sides of them does not have to fit together.
 std::vector<double> knots_by_travel(std::span<const double> time, std::span<const double> angle,
-                                    std::span<const char> usable) {
+                                    std::span<const char> usable, std::span<const char> dense) {
   std::vector<double> knots{time.front()};
   double travel = 0.0;
   const double longest = (time.back() - time.front()) / 20.0;
@@ -71,7 +71,7 @@ std::vector<double> knots_by_travel(std::span<const double> time, std::span<cons
     }
     travel += std::abs(angle[i] - angle[i - 1]);
     ++inside;
-    const bool far = travel >= kTwoPi;
+    const bool far = travel >= (dense[i] ? 0.2 : 1.0) * kTwoPi;
     const bool late = time[i] - knots.back() > longest && travel < 0.5 * kTwoPi;
     if ((far || late) && inside >= 8 && time[i] > knots.back()) {
       knots.push_back(time[i]);
@@ -87,8 +87,9 @@ std::vector<double> knots_by_travel(std::span<const double> time, std::span<cons
 
 /// One fit of spline and harmonics; fills motion, cos, sin and gives the residual of each sample.
 std::vector<double> split(std::span<const double> time, std::span<const double> angle,
-                          std::span<const char> usable, int orders, SmoothMotion &out) {
-  CubicSpline spline(knots_by_travel(time, angle, usable));
+                          std::span<const char> usable, std::span<const char> dense, int orders,
+                          SmoothMotion &out) {
+  CubicSpline spline(knots_by_travel(time, angle, usable, dense));
   const auto harmonics = [&](std::size_t i, double *t) {
     const double c1 = std::cos(angle[i]), s1 = std::sin(angle[i]);
     double c = 1.0, s = 0.0;
@@ -155,7 +156,7 @@ void widen_gaps(std::span<const double> angle, double travel, std::span<char> us
 /// Marks stretches whose residual stands far above that of the rest (`factor` 1: as far as must
 /// be), with a turn on either side.
 bool mask_rough(std::span<const double> angle, const std::vector<double> &residual, double factor,
-                std::span<char> usable) {
+                double side, std::span<char> usable) {
   struct Stretch {
     std::size_t from, to;
     double rms;
@@ -191,9 +192,9 @@ bool mask_rough(std::span<const double> angle, const std::vector<double> &residu
       continue;
     any = true;
     std::size_t a = s.from, b = s.to - 1;
-    for (double t = 0.0; a > 0 && t < kTwoPi; --a)
+    for (double t = 0.0; a > 0 && t < side; --a)
       t += std::abs(angle[a] - angle[a - 1]);
-    for (double t = 0.0; b + 1 < angle.size() && t < kTwoPi; ++b)
+    for (double t = 0.0; b + 1 < angle.size() && t < side; ++b)
       t += std::abs(angle[b + 1] - angle[b]);
     std::fill(usable.begin() + static_cast<std::ptrdiff_t>(a),
               usable.begin() + static_cast<std::ptrdiff_t>(b + 1), char{0});
@@ -240,12 +241,21 @@ Kinematics differentiate(std::span<const double> time, std::vector<double> alpha
 SmoothMotion smooth_motion(std::span<const double> time, std::span<const double> angle,
                            std::span<char> usable, int orders) {
   SmoothMotion out;
-  std::vector<double> residual = split(time, angle, usable, orders, out);
+  std::vector<char> dense(usable.size(), 0);
+  std::vector<double> residual = split(time, angle, usable, dense, orders, out);
+  // First the spline may bend more where the speed changes within a turn or so; the periodic part
+  // is known from everywhere else.
+  std::vector<char> smooth(usable.begin(), usable.end());
+  if (mask_rough(angle, residual, 1.0, kTwoPi, smooth)) {
+    for (std::size_t i = 0; i < dense.size(); ++i)
+      dense[i] = usable[i] && !smooth[i];
+    residual = split(time, angle, usable, dense, orders, out);
+  }
   // What is rough nearly everywhere is no exception that could be left out.
   const auto left = [](std::span<const char> mask) {
     return std::count_if(mask.begin(), mask.end(), [](char c) { return c != 0; });
   };
-  const auto fewest = left(usable) * 6 / 10;
+  const auto fewest = left(usable) * 4 / 10;
   const auto adopt = [&](const std::vector<char> &mask) {
     if (left(mask) < fewest)
       return false;
@@ -255,7 +265,7 @@ SmoothMotion smooth_motion(std::span<const double> time, std::span<const double>
   const auto leave_out_rough = [&] {
     for (double factor : {1.0, 2.0, 4.0}) {
       std::vector<char> mask(usable.begin(), usable.end());
-      if (!mask_rough(angle, residual, factor, mask))
+      if (!mask_rough(angle, residual, factor, 0.25 * kTwoPi, mask))
         return false;
       if (adopt(mask))
         return true;
@@ -264,12 +274,12 @@ SmoothMotion smooth_motion(std::span<const double> time, std::span<const double>
   };
   bool rough = false;
   for (int pass = 0; pass < 5 && leave_out_rough(); ++pass) {
-    residual = split(time, angle, usable, orders, out);
+    residual = split(time, angle, usable, dense, orders, out);
     rough = true;
   }
-  if (rough) { // the spline is loose at its ends: two more turns beside each gap are not judged
+  if (rough) { // the spline is loose at its ends: half a turn beside each gap is not judged
     std::vector<char> mask(usable.begin(), usable.end());
-    widen_gaps(angle, 2.0 * kTwoPi, mask);
+    widen_gaps(angle, 0.5 * kTwoPi, mask);
     adopt(mask);
   }
   double sum = 0.0, count = 0.0;
