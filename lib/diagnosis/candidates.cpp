@@ -13,6 +13,10 @@ namespace ada {
 
 namespace {
 
+/// A cause that is needed more often than this, each time at another order or frequency, is the
+/// name of something else.
+constexpr std::ptrdiff_t kMostOfOne = 3;
+
 /// Effects that a model may hold more than once: each with another order, moment or frequency.
 bool may_repeat(const Effect &effect) {
   for (const ParameterInfo &p : effect.info().parameters)
@@ -67,16 +71,16 @@ std::vector<Variant> variants(const Residual &residual, const Model &model, bool
   for (const Effect *effect : catalogue()) {
     if (effect->info().evidence != Evidence::signal)
       continue;
-    const bool present = std::any_of(model.effects.begin(), model.effects.end(),
-                                     [&](const EffectInstance &e) { return e.effect == effect; });
-    if (present && !may_repeat(*effect))
+    const auto present = std::count_if(model.effects.begin(), model.effects.end(),
+                                       [&](const EffectInstance &e) { return e.effect == effect; });
+    if (present >= (may_repeat(*effect) ? kMostOfOne : 1))
       continue;
     if (!rivals && !effect->invisible(residual).empty())
       continue;
     for (auto &values : effect->guesses(residual)) {
       if (std::any_of(model.effects.begin(), model.effects.end(),
                       [&](const EffectInstance &e) { return same_choice(e, *effect, values); }) &&
-          present && effect->info().parameters[0].role == Role::chosen)
+          present > 0 && effect->info().parameters[0].role == Role::chosen)
         continue;
       out.push_back(make_variant(model, *effect, std::move(values)));
     }

@@ -80,50 +80,68 @@ bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
          line_along(r, [&](std::size_t i) { return order * r.alpha[i]; }).power > 0.2 * tone.power;
 }
 
-} // namespace
-
-std::optional<StepGuess> find_step(const Residual &r, StepIn where) {
-  const std::size_t n = r.time.size();
-  if (n < 100)
-    return std::nullopt;
-  std::vector<double> a(n), b(n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    a[i] = where == StepIn::angle ? angle_residual(r, i) : r.sin_v[i];
-    if (where == StepIn::offsets)
-      b[i] = r.cos_v[i];
-  }
-  double total_a = 0.0, total_b = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    total_a += a[i];
-    total_b += b[i];
-  }
-  // Between-means sum of squares for every split.
-  double best = 0.0, sa = 0.0, sb = 0.0;
+/// Where the mean changes most between a short stretch before and one after, all in one sense of
+/// rotation: what depends on speed or sense changes there too and is no step. 0: nowhere clearly.
+std::size_t sudden_step(const Residual &r, const std::vector<double> &a,
+                        const std::vector<double> &b) {
+  const std::size_t n = r.time.size(), reach = n / 25;
+  std::vector<std::size_t> turned(n + 1, 0); // changes of sense so far
+  for (std::size_t i = 1; i < n; ++i)
+    turned[i + 1] = turned[i] + ((r.omega[i] < 0.0) != (r.omega[i - 1] < 0.0));
+  double best = 0.0;
   std::size_t at = 0;
-  const std::size_t margin = std::max<std::size_t>(20, n / 200);
-  for (std::size_t k = 1; k < n; ++k) {
-    sa += a[k - 1];
-    sb += b[k - 1];
-    if (k < margin || k + margin > n)
-      continue;
+  std::vector<double> sizes;
+  for (std::size_t k = reach; k + reach <= n; ++k) {
+    const auto change = [&](const std::vector<double> &sum) {
+      return (sum[k + reach] - 2.0 * sum[k] + sum[k - reach]) / static_cast<double>(reach);
+    };
+    const double size = std::hypot(change(a), change(b));
+    sizes.push_back(size);
+    if (size > best && turned[k + reach] == turned[k - reach + 1]) {
+      best = size;
+      at = k;
+    }
+  }
+  return best > 6.0 * quantile(std::move(sizes), 0.5) ? at : 0;
+}
+
+/// The split with the largest sum of squares between the means of both parts. 0: none.
+std::size_t largest_split(const std::vector<double> &a, const std::vector<double> &b) {
+  const std::size_t n = a.size() - 1, margin = std::max<std::size_t>(20, n / 200);
+  double best = 0.0;
+  std::size_t at = 0;
+  for (std::size_t k = margin; k + margin <= n; ++k) {
     const double share = static_cast<double>(k) / static_cast<double>(n);
-    const double da = sa - share * total_a, db = sb - share * total_b;
+    const double da = a[k] - share * a[n], db = b[k] - share * b[n];
     const double gain = (da * da + db * db) / (share * (1.0 - share));
     if (gain > best) {
       best = gain;
       at = k;
     }
   }
+  return at;
+}
+
+} // namespace
+
+std::optional<StepGuess> find_step(const Residual &r, StepIn where) {
+  const std::size_t n = r.time.size();
+  if (n < 100)
+    return std::nullopt;
+  // Running sums of both components.
+  std::vector<double> a(n + 1, 0.0), b(n + 1, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    a[i + 1] = a[i] + (where == StepIn::angle ? angle_residual(r, i) : r.sin_v[i]);
+    b[i + 1] = b[i] + (where == StepIn::angle ? 0.0 : r.cos_v[i]);
+  }
+  std::size_t at = sudden_step(r, a, b);
+  if (at == 0)
+    at = largest_split(a, b);
   if (at == 0)
     return std::nullopt;
-  double before_a = 0.0, before_b = 0.0;
-  for (std::size_t i = 0; i < at; ++i) {
-    before_a += a[i];
-    before_b += b[i];
-  }
   const double left = static_cast<double>(at), right = static_cast<double>(n - at);
-  return StepGuess{r.time[at], (total_a - before_a) / right - before_a / left,
-                   (total_b - before_b) / right - before_b / left};
+  return StepGuess{r.time[at], (a[n] - a[at]) / right - a[at] / left,
+                   (b[n] - b[at]) / right - b[at] / left};
 }
 
 std::vector<std::vector<double>> find_tones(const Residual &r) {

@@ -160,8 +160,10 @@ FitResult fit(const Observations &data, const Model &start, int max_iterations) 
   std::vector<double> x = coordinates_of(start);
   Model model = start;
   FitResult out;
-  Normal here = normal_equations(data, model, x, coordinate_steps(model));
+  Normal here;
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    here = normal_equations(data, model, x, coordinate_steps(model));
+    out.rss = here.rss;
     const Scaled scaled(here.matrix);
     if (!scaled.determined)
       break;
@@ -169,7 +171,7 @@ FitResult fit(const Observations &data, const Model &start, int max_iterations) 
     if (!step.allFinite())
       break;
     bool better = false;
-    double expected = step.dot(here.right);
+    const double expected = step.dot(here.right);
     for (double part = 1.0; part > 0.05; part *= 0.5) {
       std::vector<double> next = x;
       for (std::size_t k = 0; k < x.size(); ++k)
@@ -179,20 +181,18 @@ FitResult fit(const Observations &data, const Model &start, int max_iterations) 
       if (rss <= here.rss * (1.0 + 1e-12)) {
         x = std::move(next);
         model = std::move(trial);
+        out.rss = rss;
         better = true;
         break;
       }
     }
-    if (!better)
-      break;
-    here = normal_equations(data, model, x, coordinate_steps(model));
-    if (expected < 1e-7 * here.rss)
+    // The normal equations of one step before are those of the end, near enough for a covariance.
+    if (!better || expected < 1e-7 * here.rss)
       break;
   }
   const Scaled scaled(here.matrix);
   out.determined = scaled.determined;
   out.model = std::move(model);
-  out.rss = here.rss;
   const double freedom =
       std::max(1.0, 2.0 * static_cast<double>(data.size()) - static_cast<double>(x.size()));
   out.covariance = scaled.inverse() * (out.rss / freedom);

@@ -15,12 +15,6 @@ namespace {
 /// Part of the record to look at on either side: more than the thinned samples leave out.
 constexpr double kReach = 0.03;
 
-bool has_moment(const Effect &effect) {
-  const auto parameters = effect.info().parameters;
-  return effect.info().evidence == Evidence::signal && !parameters.empty() &&
-         parameters[0].name == "time_s" && parameters[0].role == Role::chosen;
-}
-
 std::vector<std::uint32_t> samples_near(const std::vector<double> &time, double moment) {
   const double reach = kReach * (time.back() - time.front());
   const auto from = std::lower_bound(time.begin(), time.end(), moment - reach);
@@ -32,6 +26,12 @@ std::vector<std::uint32_t> samples_near(const std::vector<double> &time, double 
 }
 
 } // namespace
+
+bool has_moment(const Effect &effect) {
+  const auto parameters = effect.info().parameters;
+  return effect.info().evidence == Evidence::signal && !parameters.empty() &&
+         parameters[0].name == "time_s" && parameters[0].role == Role::chosen;
+}
 
 Model with_exact_moments(const Scene &scene, Model model, std::size_t first) {
   for (std::size_t k = first; k < model.effects.size(); ++k) {

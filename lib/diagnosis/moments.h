@@ -10,6 +10,9 @@
 
 namespace ada {
 
+/// Whether an effect of the signal begins at a moment that is looked for.
+bool has_moment(const Effect &effect);
+
 /// The model with the moment of every effect from `first` on that has one moved to where all the
 /// samples nearby see it.
 Model with_exact_moments(const Scene &scene, Model model, std::size_t first);

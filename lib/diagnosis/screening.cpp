@@ -8,6 +8,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <optional>
 
 #include "base/angle.h"
 #include "diagnosis/robust.h"
@@ -208,6 +209,45 @@ double samples_lost(const Jump &jump) {
   return std::abs(lost - std::round(lost)) < std::max(4.0 * error, 0.15) ? lost : 0.0;
 }
 
+/// Mean of angle - speed * time over the whole turn that ends (`back`) or begins at sample `from`;
+/// `end` becomes its other end. What repeats with the turn drops out of it.
+std::optional<double> turn_mean(const Screened &look, const std::vector<double> &angle,
+                                std::size_t from, bool back, double speed, std::size_t &end) {
+  const std::vector<double> &t = look.capture.time_s;
+  double sum = 0.0, count = 0.0;
+  for (std::size_t k = from; back ? k-- > 0 : k < angle.size(); k += !back) {
+    if (std::abs(angle[k] - angle[back ? from - 1 : from]) >= kTwoPi) {
+      end = back ? k + 1 : k;
+      return count > 0.0 ? std::optional(sum / count) : std::nullopt;
+    }
+    if (look.usable[k]) {
+      sum += angle[k] - angle[from] - speed * (t[k] - t[from]);
+      count += 1.0;
+    }
+  }
+  return std::nullopt;
+}
+
+/// A jump seen from the means of two turns before and two after; nothing where there are not as
+/// many.
+std::optional<double> jump_of_turns(const Screened &look, const std::vector<double> &angle,
+                                    const Jump &jump) {
+  const double speed = jump.per_frame / median_step(look.capture.time_s);
+  std::size_t before = 0, after = 0, end = 0;
+  const auto m1 = turn_mean(look, angle, jump.at, true, speed, before);
+  const auto p1 = turn_mean(look, angle, jump.at, false, speed, after);
+  if (!m1 || !p1)
+    return std::nullopt;
+  auto m2 = turn_mean(look, angle, before, true, speed, end);
+  auto p2 = turn_mean(look, angle, after, false, speed, end);
+  if (!m2 || !p2)
+    return std::nullopt;
+  const std::vector<double> &t = look.capture.time_s;
+  *m2 += angle[before] - angle[jump.at] - speed * (t[before] - t[jump.at]);
+  *p2 += angle[after] - angle[jump.at] - speed * (t[after] - t[jump.at]);
+  return *p1 - *m1 - 0.5 * ((*m1 - *m2) + (*p2 - *p1));
+}
+
 std::vector<Jump> jumps_of(const Screened &look) {
   if (!look.capture.has_reference())
     return find_jumps(look, look.angle, 12, 1e-5);
@@ -355,6 +395,10 @@ bool screen_slip(Screened &look, const Effect &effect) {
   for (const Jump &jump : jumps)
     if (&jump != largest && std::abs(jump.gap) > 0.5 * std::abs(largest->gap))
       return false;
+  // A slip turns everything after it; a step of an offset only some angles, to either side.
+  const auto whole = jump_of_turns(look, look.angle, *largest);
+  if (whole && std::abs(*whole - largest->gap) > 0.4 * std::abs(largest->gap))
+    return false;
   look.jumps.push_back(largest->at);
   look.jump_rad.push_back(largest->gap);
   mark(look, largest->at, 10);

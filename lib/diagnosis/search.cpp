@@ -18,6 +18,7 @@ namespace ada {
 namespace {
 
 constexpr std::size_t kQuick = 16000; ///< samples for looking around
+constexpr std::size_t kCoarse = 6000; ///< samples for a first fit
 constexpr std::size_t kShortlist = 5; ///< candidates that get a joint fit
 constexpr int kMostEffects = 10;
 /// A cause must be worth this many nats on held-out data, and more for each coordinate.
@@ -28,6 +29,7 @@ constexpr double kNatsPerMoment = 11.0;
 constexpr double kLeastOfNoise = 0.06;
 /// Residual, in units of the noise, above which what was found is called into question.
 constexpr double kShaken = 1.25;
+constexpr std::size_t kMostShaken = 6; ///< beyond so many the work grows too long
 /// A rival that comes this close cannot be rejected.
 constexpr double kRivalNats = 8.0;
 /// Prior cost of a motion whose own ripple happens to look like an error of the reference, nats.
@@ -108,6 +110,7 @@ Search::Search(SearchData data, Model baseline, double noise_v, Report report)
   for (std::size_t i = 0; i < indices.size(); ++i)
     indices[i] = static_cast<std::uint32_t>(i);
   quick_ = data_.train.select(thin(indices, kQuick));
+  coarse_ = data_.train.select(thin(indices, kCoarse));
 }
 
 double Search::log_likelihood(const FitResult &fit, double heldout) const {
@@ -118,8 +121,9 @@ double Search::log_likelihood(const FitResult &fit, double heldout) const {
 }
 
 Search::State Search::evaluate(const Model &start, int iterations) const {
+  // A thin part brings the fit near the end; few steps with everything finish it.
   State out;
-  out.fit = fit(data_.train, start, iterations);
+  out.fit = fit(data_.train, fit(coarse_, start, iterations).model, 2);
   out.heldout = sum_of_squares(data_.heldout, out.fit.model);
   out.score = log_likelihood(out.fit, out.heldout);
   return out;
@@ -389,7 +393,7 @@ bool Search::notice_supply_in_radius(State &now) {
 }
 
 void Search::weigh(State &now, Direction direction, double weight) {
-  for (Observations *o : {&data_.train, &data_.heldout, &quick_}) {
+  for (Observations *o : {&data_.train, &data_.heldout, &quick_, &coarse_}) {
     o->disturbed = direction;
     o->weight_along = weight;
   }
@@ -425,12 +429,26 @@ void Search::climb(State &now) {
   }
 }
 
+/// What was found first, with everything else still in the residual, and what has a moment of its
+/// own.
+std::vector<std::size_t> Search::suspects(const State &now) const {
+  constexpr std::size_t kFirst = 2, kMost = 3;
+  std::vector<std::size_t> out;
+  for (std::size_t k = given_; k < now.fit.model.effects.size() && out.size() < kMost; ++k)
+    if (k < given_ + kFirst || has_moment(*now.fit.model.effects[k].effect))
+      out.push_back(k);
+  return out;
+}
+
 /// A cause found early, while others were still mixed into the residual, may be a wrong one that
-/// hides the right ones. Where much is left over, each is given up in turn and the search goes on
-/// from there.
+/// hides the right ones. Where much is left over, the suspects are given up in turn and the search
+/// goes on from there.
 bool Search::shake(State &now) {
+  if (shaken_)
+    return false;
   const double rms = std::sqrt(now.fit.rss / (2.0 * static_cast<double>(data_.train.size())));
-  if (rms < kShaken * std::max(noise_v_, data_.scene->white_noise_v))
+  if (rms < kShaken * std::max(noise_v_, data_.scene->white_noise_v) ||
+      now.fit.model.effects.size() > given_ + kMostShaken)
     return false;
   const auto value = [&](const State &s) {
     double v = s.score;
@@ -440,7 +458,7 @@ bool Search::shake(State &now) {
   };
   State best = now;
   const bool rejected = std::exchange(supply_rejected_, true); // weights stay as they are
-  for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k) {
+  for (std::size_t k : suspects(now)) {
     State other = without(now, k);
     climb(other);
     backward(other);
@@ -448,7 +466,8 @@ bool Search::shake(State &now) {
       best = std::move(other);
   }
   supply_rejected_ = rejected;
-  if (best.score == now.score)
+  shaken_ = best.score == now.score;
+  if (shaken_)
     return false;
   now = std::move(best);
   return true;

@@ -51,6 +51,7 @@ private:
   void progress(const char *what);
   bool forward(State &now);
   void climb(State &now);
+  std::vector<std::size_t> suspects(const State &now) const;
   bool shake(State &now);
   bool backward(State &now);
   bool sideways(State &now);
@@ -70,13 +71,14 @@ private:
   double second_order(const State &now) const;
 
   SearchData data_;
-  Observations quick_; ///< a thinned part of the training data, for looking around
+  Observations quick_;  ///< a thinned part of the training data, for looking around
+  Observations coarse_; ///< a thinner one, for first fits
   Model baseline_;
   std::size_t given_; ///< effects that the baseline brought along
   double noise_v_;
   Report report_;
   double supply_rms_fraction_ = 0.0;
-  bool supply_rejected_ = false;
+  bool supply_rejected_ = false, shaken_ = false;
   int steps_ = 0;
 };
 

@@ -80,8 +80,8 @@ public:
   virtual void apply(Values, Wave &) const {}
   /// Linear dynamics before the sampler.
   virtual void dynamics(Values, Taps &) const {}
-  /// The shaft's angle (rad) where the reference reads `reference` (rad).
-  virtual double shaft_from_reference(Values, double reference) const { return reference; }
+  /// From what the reference reads to the shaft's angle, rad, in place.
+  virtual void shaft_from_reference(Values, std::span<double>) const {}
   /// The part of VCOS that VTEMP carries over, where VTEMP is in the scan.
   virtual double vtemp_on_vcos(Values) const { return 0.0; }
   /// Order-1 error that the reference itself shows against smooth time: cos and sin part, rad.

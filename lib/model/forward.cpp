@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/angle.h"
+#include "base/sincos.h"
 
 namespace ada {
 
@@ -88,10 +89,9 @@ void ForwardModel::until_sampler(Wave &w, double delay_s, const double *shaft) c
         a += 0.5 * w.at.accel[i] * delay_s * delay_s;
     }
     w.alpha[i] = a;
-    w.fx[i] = std::cos(a);
-    w.fy[i] = std::sin(a);
     w.temp[i] = w.at.temp ? w.at.temp[i] - temp_reference_v_ : 0.0;
   }
+  sincos_of(w.alpha, w.n, w.fy, w.fx);
   for (const Step &step : field_)
     step.effect->apply(step.values, w);
   electrical(w);
@@ -108,11 +108,9 @@ void ForwardModel::until_sampler(Wave &w, double delay_s, const double *shaft) c
 }
 
 void ForwardModel::motion(Wave &w, double *shaft) const {
-  for (std::size_t i = 0; i < w.n; ++i) {
-    shaft[i] = w.at.alpha[i];
-    for (const Step &step : reference_)
-      shaft[i] = step.effect->shaft_from_reference(step.values, shaft[i]);
-  }
+  std::copy(w.at.alpha, w.at.alpha + w.n, shaft);
+  for (const Step &step : reference_)
+    step.effect->shaft_from_reference(step.values, {shaft, w.n});
   if (!reference_.empty())
     w.at.alpha = shaft;
   std::copy(shaft, shaft + w.n, w.alpha);

@@ -66,7 +66,7 @@ def check_parameter(name, wanted, got):
         return f"{name} missing", False
     value = got.get("value") if isinstance(got, dict) else got
     if "text" in wanted:
-        return (None if value == wanted["text"]
+        return (None if str(value).removesuffix("_v") == wanted["text"].removesuffix("_v")
                 else f"{name}={value} not {wanted['text']}"), False
     if not isinstance(value, (int, float)) or not math.isfinite(value):
         return f"{name}={value}", False

@@ -4,6 +4,7 @@
 // Pieces that several effects share.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "base/angle.h"
+#include "base/sincos.h"
 #include "model/effect.h"
 #include "model/residual.h"
 

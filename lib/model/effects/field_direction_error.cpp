@@ -37,12 +37,17 @@ public:
     const double a = v[1] * kRadPerDeg, phase = v[2] * kRadPerDeg;
     if (a == 0.0)
       return;
+    double turn[kWaveBlock], s[kWaveBlock], c[kWaveBlock];
+    for (std::size_t i = 0; i < w.n; ++i)
+      turn[i] = v[0] * w.alpha[i] + phase;
+    sincos_of(turn, w.n, s, c);
+    for (std::size_t i = 0; i < w.n; ++i)
+      turn[i] = a * s[i];
+    sincos_of(turn, w.n, s, c);
     for (std::size_t i = 0; i < w.n; ++i) {
-      const double turn = a * std::sin(v[0] * w.alpha[i] + phase);
-      const double ct = std::cos(turn), st = std::sin(turn);
       const double x = w.fx[i];
-      w.fx[i] = x * ct - w.fy[i] * st;
-      w.fy[i] = x * st + w.fy[i] * ct;
+      w.fx[i] = x * c[i] - w.fy[i] * s[i];
+      w.fy[i] = x * s[i] + w.fy[i] * c[i];
     }
   }
   std::string invisible(const Residual &r) const override {

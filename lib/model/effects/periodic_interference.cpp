@@ -26,11 +26,14 @@ class PeriodicInterference final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
   void apply(Values v, Wave &w) const override {
-    const double ps = v[3] * kRadPerDeg, pc = v[4] * kRadPerDeg;
+    const std::vector<double> x = to_coordinates(v);
+    double s[kWaveBlock], c[kWaveBlock];
+    for (std::size_t i = 0; i < w.n; ++i)
+      s[i] = kTwoPi * v[0] * w.at.time[i];
+    sincos_of(s, w.n, s, c);
     for (std::size_t i = 0; i < w.n; ++i) {
-      const double phase = kTwoPi * v[0] * w.at.time[i];
-      w.s[i] += v[1] * std::sin(phase + ps);
-      w.c[i] += v[2] * std::sin(phase + pc);
+      w.s[i] += x[1] * s[i] + x[2] * c[i];
+      w.c[i] += x[3] * s[i] + x[4] * c[i];
     }
   }
   std::vector<double> to_coordinates(Values v) const override {

@@ -27,12 +27,21 @@ constexpr EffectInfo kInfo{.id = "reference-eccentricity",
 class ReferenceEccentricity final : public PolarEffect {
 public:
   const EffectInfo &info() const override { return kInfo; }
-  double shaft_from_reference(Values v, double reference) const override {
+  void shaft_from_reference(Values v, std::span<double> angle) const override {
     const double e = v[0] * kRadPerDeg, phase = v[1] * kRadPerDeg;
-    double alpha = reference;
-    for (int k = 0; k < 3; ++k) // contracts by e each time
-      alpha = reference - e * std::sin(alpha + phase);
-    return alpha;
+    if (e == 0.0)
+      return;
+    const std::size_t n = angle.size();
+    double alpha[kWaveBlock], s[kWaveBlock], c[kWaveBlock];
+    std::copy(angle.begin(), angle.end(), alpha);
+    for (int k = 0; k < 3; ++k) { // contracts by e each time
+      for (std::size_t i = 0; i < n; ++i)
+        alpha[i] += phase;
+      sincos_of(alpha, n, s, c);
+      for (std::size_t i = 0; i < n; ++i)
+        alpha[i] = angle[i] - e * s[i];
+    }
+    std::copy(alpha, alpha + n, angle.begin());
   }
   std::array<double, 2> reference_ripple(Values v) const override {
     const double e = v[0] * kRadPerDeg, phase = v[1] * kRadPerDeg;

@@ -35,8 +35,12 @@ public:
     const double a = v[1] * kRadPerDeg, phase = v[2] * kRadPerDeg;
     if (a == 0.0)
       return;
+    double s[kWaveBlock], c[kWaveBlock];
     for (std::size_t i = 0; i < w.n; ++i)
-      w.alpha[i] += a * std::sin(v[0] * w.at.alpha[i] + phase);
+      s[i] = v[0] * w.at.alpha[i] + phase;
+    sincos_of(s, w.n, s, c);
+    for (std::size_t i = 0; i < w.n; ++i)
+      w.alpha[i] += a * s[i];
   }
   std::string invisible(const Residual &r) const override {
     return r.has_reference ? "the reference follows the shaft's true motion" : "";
