@@ -17,6 +17,7 @@
 #include "diagnosis/noise_causes.h"
 #include "diagnosis/robust.h"
 #include "diagnosis/search.h"
+#include "diagnosis/unseen_supply.h"
 #include "diagnosis/whiteness.h"
 #include "model/forward.h"
 
@@ -159,13 +160,15 @@ void describe_capture(const Capture &capture, const Scene &scene, Diagnosis &d) 
 class Work {
 public:
   Work(const Capture &capture, const DiagnosisOptions &options)
-      : capture_(capture), options_(options), scene_(prepare(capture, options.heldout == nullptr)) {
+      : given_(capture), with_supply_(with_unseen_supply(capture)),
+        capture_(with_supply_ ? *with_supply_ : capture), options_(options),
+        scene_(prepare(capture_, options.heldout == nullptr)) {
     if (options.heldout)
       judge_ = prepare(*options.heldout, false);
   }
 
   Diagnosis run() {
-    describe_capture(capture_, scene_, out_);
+    describe_capture(given_, scene_, out_);
     out_.baseline_name = options_.baseline_name;
     if (!usable())
       return std::move(out_);
@@ -357,7 +360,7 @@ private:
   /// Only white noise on both channels alike is called so.
   void excess_noise() {
     sigma_ = rms_in_any_direction(train_, out_.extended, scene_.has_reference);
-    if (!noise_stated_)
+    if (!noise_stated_ || with_supply_)
       return;
     const double white = scene_.white_noise_v;
     const double excess2 = sigma_ * sigma_ - noise_ * noise_;
@@ -415,13 +418,15 @@ private:
     const double floor = explained_noise_ > 0.0 ? explained_noise_ : noise_;
     const double sigma =
         std::min(last_.in_sample.residual_rms_v, std::max(floor, scene_.white_noise_v));
-    if (found_.supply_rms_fraction <= 0.0)
+    // A supply that is only inferred leaves its fast part over.
+    const bool inferred = found_.supply_rms_fraction > 0.0 || with_supply_.has_value();
+    if (!inferred)
       out_.structure =
           find_structure(scene_, all, residual, sigma, 0.12 * sigma + second_order_floor());
     const double rest2 =
         last_.heldout.residual_rms_v * last_.heldout.residual_rms_v - floor * floor;
     out_.unexplained_rms_v = rest2 > 0.0 ? std::sqrt(rest2) : 0.0;
-    if (out_.structure.empty() && found_.supply_rms_fraction <= 0.0 && noise_stated_ &&
+    if (out_.structure.empty() && !inferred && noise_stated_ &&
         (scene_.has_reference
              ? last_.heldout.residual_rms_v
              : rms_in_any_direction(heldout_, out_.extended, false)) > 1.15 * floor)
@@ -483,7 +488,16 @@ private:
   }
 
   void verdict() {
-    // A cause that explains little beside what nothing explains is not believed.
+    // Spikes are not believed that hardly stand out of what nothing explains,
+    if (!out_.structure.empty())
+      std::erase_if(out_.findings, [&](const Finding &f) {
+        const bool doubtful = f.effect == find_effect("impulse-noise") &&
+                              f.values[1] < 15.0 * last_.in_sample.residual_rms_v;
+        if (doubtful)
+          forget(f, out_.extended);
+        return doubtful;
+      });
+    // nor a cause that explains little beside it.
     double left = 0.0;
     for (const Structure &s : out_.structure)
       left = std::max(left, s.rms_v);
@@ -505,7 +519,9 @@ private:
                          : (unexplained ? Verdict::unexplained : Verdict::no_discrepancy);
   }
 
-  const Capture &capture_;
+  const Capture &given_;
+  const std::optional<Capture> with_supply_;
+  const Capture &capture_; ///< the one of both that is worked on
   const DiagnosisOptions &options_;
   Scene scene_;
   std::optional<Scene> judge_;

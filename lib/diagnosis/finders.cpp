@@ -74,6 +74,15 @@ int order_near(const Residual &r, double frequency, double resolution) {
   return 0;
 }
 
+/// Two channels a quarter of a period apart and of one size: something that turns, such as a gain
+/// that wanders, and no pickup, which reaches both wires at once.
+bool rotates(const Line &tone) {
+  const auto &a = tone.amplitudes;
+  const double s = std::hypot(a[0], a[1]), c = std::hypot(a[2], a[3]);
+  const double in_phase = (a[0] * a[2] + a[1] * a[3]) / std::max(s * c, 1e-30);
+  return std::abs(in_phase) < 0.34 && std::max(s, c) < 1.3 * std::min(s, c);
+}
+
 /// A line at an order of a steady rotation is no tone when the residual follows the angle as well.
 bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
   return order != 0 &&
@@ -84,7 +93,14 @@ bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
 /// rotation: what depends on speed or sense changes there too and is no step. 0: nowhere clearly.
 std::size_t sudden_step(const Residual &r, const std::vector<double> &a,
                         const std::vector<double> &b) {
-  const std::size_t n = r.time.size(), reach = n / 25;
+  // A turn at least, so that what repeats with the angle cancels.
+  const std::size_t n = r.time.size();
+  double speed = 0.0;
+  for (double w : r.omega)
+    speed += std::abs(w) / static_cast<double>(n);
+  const double turns = speed * (r.time[n - 1] - r.time[0]) / kTwoPi;
+  const auto reach =
+      static_cast<std::size_t>(static_cast<double>(n) / std::clamp(turns, 6.0, 25.0));
   std::vector<std::size_t> turned(n + 1, 0); // changes of sense so far
   for (std::size_t i = 1; i < n; ++i)
     turned[i + 1] = turned[i] + ((r.omega[i] < 0.0) != (r.omega[i - 1] < 0.0));
@@ -192,7 +208,7 @@ std::vector<std::vector<double>> find_tones(const Residual &r) {
         }
       }
     }
-    if (turns_with_shaft(r, order_near(r, centre, resolution), best))
+    if (rotates(best) || turns_with_shaft(r, order_near(r, centre, resolution), best))
       continue;
     const auto &a = best.amplitudes;
     tones.push_back({centre, std::hypot(a[0], a[1]), std::hypot(a[2], a[3]),

@@ -223,6 +223,15 @@ void describe_motion(Scene &scene) {
   scene.several_speeds = quantile(speed, 0.05) < 0.8 * scene.fastest_omega;
 }
 
+/// Whether neither channel moves beyond its noise.
+bool stands_still(const Capture &capture, double noise_v) {
+  constexpr double kAboveNoise = 20.0;
+  for (const auto *v : {&capture.vsin_v, &capture.vcos_v})
+    if (quantile(*v, 0.99) - quantile(*v, 0.01) > kAboveNoise * noise_v)
+      return false;
+  return true;
+}
+
 } // namespace
 
 Conditions Observations::conditions() const {
@@ -285,6 +294,11 @@ Scene prepare(const Capture &capture, bool needs_split) {
   Screened look = screen(capture);
   scene.screened = look.findings;
   scene.white_noise_v = look.white_noise_v;
+
+  if (stands_still(capture, look.white_noise_v)) {
+    scene.insufficient = "the shaft does not turn: both signals stand still";
+    return scene;
+  }
 
   std::vector<double> temp, rate, supply;
   prepare_supply(capture, scene, supply);

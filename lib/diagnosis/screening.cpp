@@ -228,24 +228,25 @@ std::optional<double> turn_mean(const Screened &look, const std::vector<double> 
   return std::nullopt;
 }
 
-/// A jump seen from the means of two turns before and two after; nothing where there are not as
-/// many.
-std::optional<double> jump_of_turns(const Screened &look, const std::vector<double> &angle,
-                                    const Jump &jump) {
+/// Whether the means of two whole turns before and two after, in which everything that repeats with
+/// the turn cancels, know nothing of a jump. False where there are not as many turns.
+bool turns_deny(const Screened &look, const std::vector<double> &angle, const Jump &jump) {
   const double speed = jump.per_frame / median_step(look.capture.time_s);
   std::size_t before = 0, after = 0, end = 0;
   const auto m1 = turn_mean(look, angle, jump.at, true, speed, before);
   const auto p1 = turn_mean(look, angle, jump.at, false, speed, after);
   if (!m1 || !p1)
-    return std::nullopt;
+    return false;
   auto m2 = turn_mean(look, angle, before, true, speed, end);
   auto p2 = turn_mean(look, angle, after, false, speed, end);
   if (!m2 || !p2)
-    return std::nullopt;
+    return false;
   const std::vector<double> &t = look.capture.time_s;
   *m2 += angle[before] - angle[jump.at] - speed * (t[before] - t[jump.at]);
   *p2 += angle[after] - angle[jump.at] - speed * (t[after] - t[jump.at]);
-  return *p1 - *m1 - 0.5 * ((*m1 - *m2) + (*p2 - *p1));
+  const double first = *m1 - *m2, second = *p2 - *p1; // the error of a straight line shows in both
+  const double gap = *p1 - *m1 - 0.5 * (first + second);
+  return std::abs(gap - jump.gap) > 0.4 * std::abs(jump.gap) + std::abs(second - first);
 }
 
 std::vector<Jump> jumps_of(const Screened &look) {
@@ -363,7 +364,7 @@ bool screen_losses(Screened &look, const Effect &effect) {
   double events = 0.0, samples = 0.0;
   for (const Jump &jump : jumps_of(look)) {
     const double lost = samples_lost(jump);
-    if (lost == 0.0)
+    if (lost == 0.0 || (!look.capture.has_reference() && turns_deny(look, look.angle, jump)))
       continue;
     events += 1.0;
     samples += std::round(lost);
@@ -396,8 +397,7 @@ bool screen_slip(Screened &look, const Effect &effect) {
     if (&jump != largest && std::abs(jump.gap) > 0.5 * std::abs(largest->gap))
       return false;
   // A slip turns everything after it; a step of an offset only some angles, to either side.
-  const auto whole = jump_of_turns(look, look.angle, *largest);
-  if (whole && std::abs(*whole - largest->gap) > 0.4 * std::abs(largest->gap))
+  if (turns_deny(look, look.angle, *largest))
     return false;
   look.jumps.push_back(largest->at);
   look.jump_rad.push_back(largest->gap);

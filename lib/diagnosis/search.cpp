@@ -157,10 +157,9 @@ double Search::second_order(const State &now) const {
   const Model &m = now.fit.model;
   std::vector<double> sizes{std::hypot(m.baseline.offset_sin_v, m.baseline.offset_cos_v)};
   for (std::size_t k = 0; k < m.effects.size(); ++k) {
-    const Stage stage = m.effects[k].effect->info().stage;
-    const bool shapes = stage == Stage::field || stage == Stage::bridge || stage == Stage::chain ||
-                        stage == Stage::converter;
-    if (!shapes || m.effects[k].effect->info().evidence != Evidence::signal)
+    const Effect &effect = *m.effects[k].effect;
+    if (effect.info().evidence != Evidence::signal ||
+        !(is_static(effect) || effect.info().stage == Stage::converter))
       continue;
     Model less = m;
     less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(k));
@@ -299,7 +298,14 @@ bool Search::sideways(State &now) {
 Search::AlongSupply Search::along_supply(const State &now) const {
   const ResidualColumns r = residual_columns(data_.train, now.fit.model);
   AlongSupply out{0.0, 0.0, 0.0};
+  double n = 0.0, spike = 0.0;
+  for (std::size_t i = 0; i < r.sin.size(); ++i)
+    spike += r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
+  spike = 25.0 * spike / static_cast<double>(r.sin.size()); // spikes are no supply
   for (std::size_t i = 0; i < r.sin.size(); ++i) {
+    if (r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i] > spike)
+      continue;
+    n += 1.0;
     const double vs = data_.train.vsin[i], vc = data_.train.vcos[i];
     const double l2 = vs * vs + vc * vc;
     const double a = (r.sin[i] * vs + r.cos[i] * vc), b = (r.sin[i] * vc - r.cos[i] * vs);
@@ -307,7 +313,6 @@ Search::AlongSupply Search::along_supply(const State &now) const {
     out.across += b * b / l2;
     out.length2 += l2;
   }
-  const double n = static_cast<double>(r.sin.size());
   out.along /= n;
   out.across /= n;
   out.length2 /= n;
