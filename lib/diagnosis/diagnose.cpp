@@ -19,6 +19,7 @@
 #include "diagnosis/search.h"
 #include "diagnosis/unseen_supply.h"
 #include "diagnosis/whiteness.h"
+#include "model/effect_text.h"
 #include "model/forward.h"
 
 namespace ada {
@@ -257,6 +258,14 @@ private:
     out_.findings.push_back(std::move(finding));
   }
 
+  /// The effect of a fitted model that this is a less fitted version of.
+  static const EffectInstance *same_instance(const Model &model, const EffectInstance &e) {
+    for (const EffectInstance &o : model.effects)
+      if (repeats(o, e))
+        return &o;
+    return nullptr;
+  }
+
   /// From the baseline up, one finding at a time in the order of their size, each rung fitted to
   /// the training part and judged on the rest.
   void ladder() {
@@ -277,7 +286,12 @@ private:
     for (std::size_t i = 0; i < found_.order.size(); ++i) {
       const EffectInstance &e = model.effects[found_.order[i]];
       step.effects.push_back(e);
-      step = fit(train_, step, 4).model;
+      // Everything else starts where the whole model has it: a clipping bends the baseline far.
+      step.baseline = model.baseline;
+      for (std::size_t k = 0; k < step.effects.size(); ++k)
+        if (const EffectInstance *last = same_instance(model, step.effects[k]))
+          step.effects[k].values = last->values;
+      step = i + 1 == found_.order.size() ? model : fit(train_, step, 5).model;
       const Rung after = rung(step);
       out_.ladder.push_back(step);
       Finding finding{e.effect, e.values, e.std_errors, found_.alternatives[i],      {},
@@ -360,7 +374,7 @@ private:
   /// Only white noise on both channels alike is called so.
   void excess_noise() {
     sigma_ = rms_in_any_direction(train_, out_.extended, scene_.has_reference);
-    if (!noise_stated_ || with_supply_)
+    if (!noise_stated_ || supply_is_inferred())
       return;
     const double white = scene_.white_noise_v;
     const double excess2 = sigma_ * sigma_ - noise_ * noise_;
@@ -419,7 +433,7 @@ private:
     const double sigma =
         std::min(last_.in_sample.residual_rms_v, std::max(floor, scene_.white_noise_v));
     // A supply that is only inferred leaves its fast part over.
-    const bool inferred = found_.supply_rms_fraction > 0.0 || with_supply_.has_value();
+    const bool inferred = supply_is_inferred();
     if (!inferred)
       out_.structure =
           find_structure(scene_, all, residual, sigma, 0.12 * sigma + second_order_floor());
@@ -434,6 +448,18 @@ private:
                                 "the residual is larger than the stated noise, yet not white "
                                 "noise of both channels",
                                 out_.unexplained_rms_v});
+  }
+
+  /// Residual rms of a channel as it is, however residuals are weighed.
+  double rms_of_all() const {
+    Observations plain = heldout_;
+    plain.weight_along = 1.0;
+    const double n = static_cast<double>(std::max<std::size_t>(1, plain.size()));
+    return std::sqrt(sum_of_squares(plain, out_.extended) / (2.0 * n));
+  }
+
+  bool supply_is_inferred() const {
+    return found_.supply_rms_fraction > 0.0 || (with_supply_ && with_supply_->has_vdd());
   }
 
   /// Residual of the extended model on all samples but the spikes that stand out of it.
@@ -488,17 +514,20 @@ private:
   }
 
   void verdict() {
-    // Spikes are not believed that hardly stand out of what nothing explains,
-    if (!out_.structure.empty())
+    // Noise is not judged beside what nothing explains, nor spikes that hardly stand out of it,
+    const bool open = !out_.structure.empty() || supply_is_inferred();
+    const double rest = rms_of_all();
+    if (open)
       std::erase_if(out_.findings, [&](const Finding &f) {
-        const bool doubtful = f.effect == find_effect("impulse-noise") &&
-                              f.values[1] < 15.0 * last_.in_sample.residual_rms_v;
+        const bool doubtful =
+            f.effect == find_effect("excess-noise") ||
+            (f.effect == find_effect("impulse-noise") && f.values[1] < 15.0 * rest);
         if (doubtful)
           forget(f, out_.extended);
         return doubtful;
       });
     // nor a cause that explains little beside it.
-    double left = 0.0;
+    double left = supply_is_inferred() ? 2.0 * out_.unexplained_rms_v : 0.0;
     for (const Structure &s : out_.structure)
       left = std::max(left, s.rms_v);
     if (left > 0.0)

@@ -48,6 +48,15 @@ double price(const EffectInstance &e) {
   return nats;
 }
 
+/// Part of the noise that an effect must explain. One that may come at any order or frequency meets
+/// every small imperfection of the rest.
+double least_of_noise(const Effect &effect) {
+  for (const ParameterInfo &p : effect.info().parameters)
+    if (p.name == "order" || p.name == "frequency_hz")
+      return 2.5 * kLeastOfNoise;
+  return kLeastOfNoise;
+}
+
 /// Log likelihood of what stands beside the pair: VTEMP and the motion of the reference.
 double side_evidence(const SearchData &data, const Model &model) {
   double sum = 0.0;
@@ -200,7 +209,7 @@ bool Search::forward(State &now) {
     if (worth < kLeastNats)
       continue;
     const double size = volts_explained(state, now);
-    if (size < kLeastOfNoise * noise_v_ || size < allowance)
+    if (size < least_of_noise(*c.effect) * noise_v_ || size < allowance)
       continue;
     options.push_back({std::move(state), c.effect, worth});
   }

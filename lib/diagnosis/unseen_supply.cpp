@@ -122,6 +122,15 @@ double rms(const std::vector<double> &v) {
   return std::sqrt(sum / static_cast<double>(v.size()));
 }
 
+/// How much a column moves within a hundredth of the record.
+double unrest(const std::vector<double> &v) {
+  const std::size_t lag = v.size() / 100;
+  double sum = 0.0;
+  for (std::size_t i = lag; i < v.size(); ++i)
+    sum += (v[i] - v[i - lag]) * (v[i] - v[i - lag]);
+  return sum;
+}
+
 /// White noise of the radius from sample to sample.
 double noise_of(const std::vector<double> &v) {
   std::vector<double> d;
@@ -133,7 +142,8 @@ double noise_of(const std::vector<double> &v) {
 } // namespace
 
 std::optional<Capture> with_unseen_supply(const Capture &capture) {
-  if (capture.has_reference() || capture.has_vdd() || capture.size() < kFewest)
+  if (capture.has_vdd() || capture.size() < kFewest ||
+      (capture.has_reference() && !capture.has_vtemp()))
     return std::nullopt;
   const Radius radius = radius_of(capture);
   const double whole = rms(radius.off);
@@ -156,10 +166,14 @@ std::optional<Capture> with_unseen_supply(const Capture &capture) {
     if (slow_part(radius, shape[k], quarter).left_v < kBetter * supply.left_v)
       return std::nullopt;
   Capture out = capture;
-  out.vdd_v.reserve(capture.size());
-  for (double u : supply.value)
-    out.vdd_v.push_back(capture.meta.supply_v * (1.0 + u));
-  return out;
+  if (!capture.has_reference()) {
+    for (double u : supply.value)
+      out.vdd_v.push_back(capture.meta.supply_v * (1.0 + u));
+    return out;
+  }
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out.vtemp_v[i] /= 1.0 + supply.value[i];
+  return unrest(out.vtemp_v) < unrest(capture.vtemp_v) ? std::optional(out) : std::nullopt;
 }
 
 } // namespace ada

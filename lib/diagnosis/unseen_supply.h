@@ -13,8 +13,8 @@ namespace ada {
 /// Both outputs follow the supply about zero volts, not about their middle, so a moving supply
 /// moves the radius by an amount that depends on the angle in one known way. Where that explains
 /// what the radius does, and a moving gain or offset does not, gives the capture with the VDD
-/// column that it must have had. Only for captures without reference and VDD: with a reference the
-/// pair itself tells.
+/// column that it must have had. With a reference, which tells more about the pair, only VTEMP is
+/// freed of the supply. Nothing for a capture with VDD.
 std::optional<Capture> with_unseen_supply(const Capture &capture);
 
 } // namespace ada
