@@ -130,9 +130,10 @@ double Search::log_likelihood(const FitResult &fit, double heldout) const {
 }
 
 Search::State Search::evaluate(const Model &start, int iterations) const {
-  // A thin part brings the fit near the end; few steps with everything finish it.
+  // A thin part brings the fit near the end; what is not converged would look like a gain of
+  // whatever is tried next.
   State out;
-  out.fit = fit(data_.train, fit(coarse_, start, iterations).model, 2);
+  out.fit = fit(data_.train, fit(coarse_, start, iterations).model, 5);
   out.heldout = sum_of_squares(data_.heldout, out.fit.model);
   out.score = log_likelihood(out.fit, out.heldout);
   return out;
@@ -152,6 +153,20 @@ double Search::volts_explained(const State &with, const State &less) const {
   const double fall = sum_of_squares(plain, less.fit.model) - sum_of_squares(plain, with.fit.model);
   return std::max(contribution(with, less),
                   std::sqrt(std::max(0.0, fall) / (2.0 * static_cast<double>(plain.size()))));
+}
+
+/// How much an effect moves a channel with everything else unchanged, V rms: what other causes can
+/// take over is still in it.
+double Search::reach(const Model &model, std::size_t effect) const {
+  Model less = model;
+  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  const ResidualColumns a = residual_columns(quick_, model), b = residual_columns(quick_, less);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.sin.size(); ++i) {
+    const double s = a.sin[i] - b.sin[i], c = a.cos[i] - b.cos[i];
+    sum += s * s + c * c;
+  }
+  return std::sqrt(sum / (2.0 * static_cast<double>(a.sin.size())));
 }
 
 Search::State Search::without(const State &now, std::size_t effect) const {
@@ -208,7 +223,8 @@ bool Search::forward(State &now) {
     const double worth = state.score - now.score - price(c.start.effects.back());
     if (worth < kLeastNats)
       continue;
-    const double size = volts_explained(state, now);
+    const double size = std::min(volts_explained(state, now),
+                                 reach(state.fit.model, state.fit.model.effects.size() - 1));
     if (size < least_of_noise(*c.effect) * noise_v_ || size < allowance)
       continue;
     options.push_back({std::move(state), c.effect, worth});
@@ -233,7 +249,10 @@ bool Search::backward(State &now) {
   for (std::size_t k = now.fit.model.effects.size(); k-- > given_;) {
     State less = without(now, k);
     const double worth = now.score - less.score - price(now.fit.model.effects[k]);
-    const bool worth_it = worth > kLeastNats && contribution(now, less) > kLeastOfNoise * noise_v_;
+    const Effect &effect = *now.fit.model.effects[k].effect;
+    const bool worth_it =
+        worth > kLeastNats && std::min(volts_explained(now, less), reach(now.fit.model, k)) >
+                                  least_of_noise(effect) * noise_v_;
     if (worth_it)
       continue;
     now = std::move(less);

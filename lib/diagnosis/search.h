@@ -68,6 +68,7 @@ private:
   std::vector<std::string> rivals(const State &now, std::size_t effect, State *better) const;
   double contribution(const State &with, const State &less) const;
   double volts_explained(const State &with, const State &less) const;
+  double reach(const Model &model, std::size_t effect) const;
   double second_order(const State &now) const;
 
   SearchData data_;
