@@ -223,6 +223,16 @@ void describe_motion(Scene &scene) {
   scene.several_speeds = quantile(speed, 0.05) < 0.8 * scene.fastest_omega;
 }
 
+/// The time column with the samples put back that it does not know to be lost: a tone went on while
+/// they were.
+std::vector<double> time_with_losses(const Screened &look, double frame_period_s) {
+  std::vector<double> time = look.capture.time_s;
+  for (std::size_t k = 0; k < look.jumps.size(); ++k)
+    for (std::size_t i = look.jumps[k]; i < time.size(); ++i)
+      time[i] += static_cast<double>(look.jump_lost[k]) * frame_period_s;
+  return time;
+}
+
 /// Whether neither channel moves beyond its noise.
 bool stands_still(const Capture &capture, double noise_v) {
   constexpr double kAboveNoise = 20.0;
@@ -326,7 +336,7 @@ Scene prepare(const Capture &capture, bool needs_split) {
   all.frame_period_s = median_step(capture.time_s);
   all.mid_v = 0.5 * scene.supply_v;
   Observations every = all;
-  every.time = capture.time_s;
+  every.time = time_with_losses(look, all.frame_period_s);
   every.vsin = capture.vsin_v;
   every.vcos = capture.vcos_v;
   every.alpha = std::move(motion.alpha);

@@ -370,6 +370,7 @@ bool screen_losses(Screened &look, const Effect &effect) {
     samples += std::round(lost);
     look.jumps.push_back(jump.at);
     look.jump_rad.push_back(jump.gap);
+    look.jump_lost.push_back(static_cast<std::size_t>(std::lround(lost)));
     mark(look, jump.at, 10);
   }
   if (events == 0.0)
@@ -401,6 +402,7 @@ bool screen_slip(Screened &look, const Effect &effect) {
     return false;
   look.jumps.push_back(largest->at);
   look.jump_rad.push_back(largest->gap);
+  look.jump_lost.push_back(0);
   mark(look, largest->at, 10);
   look.findings.push_back({&effect,
                            {look.capture.time_s[largest->at], largest->gap * kDegPerRad},
@@ -450,7 +452,7 @@ bool screen_spikes(Screened &look, const Effect &effect) {
 }
 
 Screened screen(const Capture &capture) {
-  Screened look{capture, std::vector<char>(capture.size(), 1), {}, {}, {}, {}, {}, 0.0};
+  Screened look{capture, std::vector<char>(capture.size(), 1), {}, {}, {}, {}, {}, {}, 0.0};
   for (std::size_t i = 0; i < capture.size(); ++i)
     look.usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
   // A dead channel would spoil every other look, spikes those for jumps: they go first.

@@ -33,7 +33,7 @@ constexpr std::size_t kMostShaken = 6; ///< beyond so many the work grows too lo
 /// A rival that comes this close cannot be rejected.
 constexpr double kRivalNats = 8.0;
 /// Prior cost of a motion whose own ripple happens to look like an error of the reference, nats.
-constexpr double kCoincidence = 14.0;
+constexpr double kCoincidence = 20.0;
 
 std::size_t coordinates(const EffectInstance &e) {
   return e.effect->to_coordinates(e.values).size();
@@ -300,8 +300,9 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
     out.emplace_back(c.effect->info().id);
     const double saved =
         price(now.fit.model.effects[effect]) - price(rival.fit.model.effects.back());
+    const double needed = self->info().yields_to == c.effect->info().id ? -kRivalNats : kRivalNats;
     if (better && c.visible && in_range(rival.fit.model) && saved >= 0.0 &&
-        rival.score + saved > now.score + kRivalNats &&
+        rival.score + saved > now.score + needed &&
         (!c.effect->info().signature || self->info().signature) &&
         (better->score == 0.0 || rival.score > better->score))
       *better = std::move(rival);

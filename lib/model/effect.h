@@ -64,6 +64,8 @@ struct EffectInfo {
   Evidence evidence = Evidence::signal;
   bool signature = false; ///< names a shape whose physical cause is open: physical causes go first
   std::span<const Separation> separations = {};
+  /// A simpler effect that goes first where the data cannot tell it from this one.
+  std::string_view yields_to = {};
 };
 
 using Values = std::span<const double>;

@@ -107,12 +107,25 @@ void ForwardModel::until_sampler(Wave &w, double delay_s, const double *shaft) c
     step.effect->apply(step.values, w);
 }
 
-void ForwardModel::motion(Wave &w, double *shaft) const {
+void ForwardModel::motion(Wave &w, double *shaft, double *speed) const {
   std::copy(w.at.alpha, w.at.alpha + w.n, shaft);
   for (const Step &step : reference_)
     step.effect->shaft_from_reference(step.values, {shaft, w.n});
-  if (!reference_.empty())
+  if (!reference_.empty()) {
+    // The reference's own ripple is in its speed as well: what the shaft does while it moves by a
+    // little.
+    constexpr double kLittle = 1e-4;
+    double moved[kWaveBlock];
+    for (std::size_t i = 0; i < w.n; ++i)
+      moved[i] = w.at.alpha[i] + kLittle;
+    for (const Step &step : reference_)
+      step.effect->shaft_from_reference(step.values, {moved, w.n});
+    if (w.at.omega != nullptr)
+      for (std::size_t i = 0; i < w.n; ++i)
+        speed[i] = w.at.omega[i] * (moved[i] - shaft[i]) / kLittle;
+    w.at.omega = w.at.omega != nullptr ? speed : nullptr;
     w.at.alpha = shaft;
+  }
   std::copy(shaft, shaft + w.n, w.alpha);
   for (const Step &step : motion_)
     step.effect->apply(step.values, w);
@@ -120,11 +133,11 @@ void ForwardModel::motion(Wave &w, double *shaft) const {
 
 void ForwardModel::magnet_angle(const Conditions &at, double *alpha) const {
   Wave w;
-  double shaft[kWaveBlock];
+  double shaft[kWaveBlock], speed[kWaveBlock];
   for (std::size_t first = 0; first < at.n; first += kWaveBlock) {
     w.n = std::min(kWaveBlock, at.n - first);
     w.at = at.slice(first, w.n);
-    motion(w, shaft);
+    motion(w, shaft, speed);
     std::copy(w.alpha, w.alpha + w.n, alpha + first);
   }
 }
@@ -132,8 +145,8 @@ void ForwardModel::magnet_angle(const Conditions &at, double *alpha) const {
 void ForwardModel::block(const Conditions &at, double *vsin_v, double *vcos_v, Wave &w) const {
   w.n = at.n;
   w.at = at;
-  double shaft[kWaveBlock];
-  motion(w, shaft);
+  double shaft[kWaveBlock], speed[kWaveBlock];
+  motion(w, shaft, speed);
   for (std::size_t i = 0; i < w.n; ++i)
     shaft[i] = w.alpha[i] + baseline_.angle_zero_deg * kRadPerDeg;
 

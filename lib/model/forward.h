@@ -37,7 +37,7 @@ private:
     std::vector<double> values;
   };
 
-  void motion(Wave &w, double *shaft) const;
+  void motion(Wave &w, double *shaft, double *speed) const;
   void block(const Conditions &at, double *vsin_v, double *vcos_v, Wave &w) const;
   void until_sampler(Wave &w, double delay_s, const double *shaft) const;
 

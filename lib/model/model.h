@@ -45,7 +45,7 @@ struct Model {
   double supply_v = 5.0;
   Baseline baseline;
   Baseline baseline_std_error{0, 0, 0, 0}; ///< 0 where unknown
-  double vtemp_reference_v = 0.0; ///< temperature effects act on VTEMP minus this
+  double vtemp_reference_v = 0.0;          ///< temperature effects act on VTEMP minus this
   std::optional<double> noise_rms_v;
   std::vector<EffectInstance> effects; ///< at most one of each type, harmonics and tones excepted
   Provenance provenance;

@@ -24,7 +24,8 @@ constexpr EffectInfo kInfo{
     .stage = Stage::chain,
     .parameters = kParameters,
     .correctable = true,
-    .separations = kSeparations};
+    .separations = kSeparations,
+    .yields_to = "propagation-delay"};
 
 class LowPassRolloff final : public Effect {
 public:
