@@ -223,7 +223,8 @@ private:
     Rung r;
     r.in_sample = quality(scene_, train_, model, 0.0, true);
     const Scene &judge = judge_ ? *judge_ : scene_;
-    r.heldout = quality(judge, heldout_, model, r.in_sample.residual_rms_v, true);
+    r.heldout = quality(judge, heldout_, judge_ ? with_own_zero(heldout_, model) : model,
+                        r.in_sample.residual_rms_v, true);
     return r;
   }
 

@@ -17,6 +17,17 @@ namespace {
 
 constexpr double kAbsentLevel = std::numeric_limits<double>::quiet_NaN();
 
+/// Below this what comes with time cannot be told from what comes with the angle.
+constexpr double kFewestTurns = 3.0;
+
+/// Turns that the shaft makes, whatever their sense.
+double turns_of(const Residual &r) {
+  double speed = 0.0;
+  for (double w : r.omega)
+    speed += std::abs(w) / static_cast<double>(r.omega.size());
+  return speed * (r.time.back() - r.time.front()) / kTwoPi;
+}
+
 /// Tangential part of the residual as a mechanical angle, rad.
 double angle_residual(const Residual &r, std::size_t i) {
   const double c = r.model_cos_v[i] - 0.5 * r.supply_v, s = r.model_sin_v[i] - 0.5 * r.supply_v;
@@ -95,12 +106,8 @@ std::size_t sudden_step(const Residual &r, const std::vector<double> &a,
                         const std::vector<double> &b) {
   // A turn at least, so that what repeats with the angle cancels.
   const std::size_t n = r.time.size();
-  double speed = 0.0;
-  for (double w : r.omega)
-    speed += std::abs(w) / static_cast<double>(n);
-  const double turns = speed * (r.time[n - 1] - r.time[0]) / kTwoPi;
   const auto reach =
-      static_cast<std::size_t>(static_cast<double>(n) / std::clamp(turns, 6.0, 25.0));
+      static_cast<std::size_t>(static_cast<double>(n) / std::clamp(turns_of(r), 6.0, 25.0));
   std::vector<std::size_t> turned(n + 1, 0); // changes of sense so far
   for (std::size_t i = 1; i < n; ++i)
     turned[i + 1] = turned[i] + ((r.omega[i] < 0.0) != (r.omega[i - 1] < 0.0));
@@ -142,7 +149,7 @@ std::size_t largest_split(const std::vector<double> &a, const std::vector<double
 
 std::optional<StepGuess> find_step(const Residual &r, StepIn where) {
   const std::size_t n = r.time.size();
-  if (n < 100)
+  if (n < 100 || turns_of(r) < kFewestTurns)
     return std::nullopt;
   // Running sums of both components.
   std::vector<double> a(n + 1, 0.0), b(n + 1, 0.0);
@@ -163,7 +170,7 @@ std::optional<StepGuess> find_step(const Residual &r, StepIn where) {
 std::vector<std::vector<double>> find_tones(const Residual &r) {
   const std::size_t n = r.time.size();
   const double span = n > 1 ? r.time.back() - r.time.front() : 0.0;
-  if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0)
+  if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0 || turns_of(r) < kFewestTurns)
     return {};
   // Samples that are missing leave zeros: they widen no line that stands clear of the others.
   std::size_t size = 256;

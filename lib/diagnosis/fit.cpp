@@ -199,6 +199,30 @@ FitResult fit(const Observations &data, const Model &start, int max_iterations) 
   return out;
 }
 
+Model with_own_zero(const Observations &data, Model model) {
+  constexpr double kStep = 1e-3; // deg
+  for (int pass = 0; pass < 3; ++pass) {
+    const ResidualColumns here = residual_columns(data, model);
+    Model moved = model;
+    moved.baseline.angle_zero_deg += kStep;
+    const ResidualColumns there = residual_columns(data, moved);
+    double xx = 0.0, xy = 0.0;
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      double s = here.sin[i], c = here.cos[i];
+      double ds = (there.model_sin[i] - here.model_sin[i]) / kStep;
+      double dc = (there.model_cos[i] - here.model_cos[i]) / kStep;
+      data.whiten(i, s, c);
+      data.whiten(i, ds, dc);
+      xx += ds * ds + dc * dc;
+      xy += s * ds + c * dc;
+    }
+    if (!(xx > 0.0))
+      break;
+    model.baseline.angle_zero_deg += xy / xx;
+  }
+  return model;
+}
+
 void attach_errors(FitResult &result) {
   Model &m = result.model;
   const auto sd = [&](Eigen::Index k) { return std::sqrt(std::max(0.0, result.covariance(k, k))); };

@@ -37,6 +37,10 @@ void attach_errors(FitResult &result);
 /// Whitened sum of squares of data minus model.
 double sum_of_squares(const Observations &data, const Model &model);
 
+/// The model with the zero angle of these data: a second capture has its own, which is no matter of
+/// the sensor.
+Model with_own_zero(const Observations &data, Model model);
+
 /// Data minus model, and the model, in volts.
 struct ResidualColumns {
   std::vector<double> sin, cos, model_sin, model_cos;

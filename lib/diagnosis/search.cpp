@@ -124,7 +124,11 @@ Search::Search(SearchData data, Model baseline, double noise_v, Report report)
 
 double Search::log_likelihood(const FitResult &fit, double heldout) const {
   const double n = static_cast<double>(data_.heldout.size());
-  const double variance = fit.rss / (2.0 * static_cast<double>(data_.train.size()));
+  // A second capture may differ in more than noise: its own variance then says what a gain is
+  // worth.
+  const double variance = data_.judge == data_.scene
+                              ? fit.rss / (2.0 * static_cast<double>(data_.train.size()))
+                              : heldout / (2.0 * n);
   return n * (std::log(data_.heldout.weight_along) - std::log(kTwoPi * variance)) -
          0.5 * heldout / variance + side_evidence(data_, fit.model);
 }
@@ -134,7 +138,9 @@ Search::State Search::evaluate(const Model &start, int iterations) const {
   // whatever is tried next.
   State out;
   out.fit = fit(data_.train, fit(coarse_, start, iterations).model, 5);
-  out.heldout = sum_of_squares(data_.heldout, out.fit.model);
+  out.judged =
+      data_.judge == data_.scene ? out.fit.model : with_own_zero(data_.heldout, out.fit.model);
+  out.heldout = sum_of_squares(data_.heldout, out.judged);
   out.score = log_likelihood(out.fit, out.heldout);
   return out;
 }
@@ -150,7 +156,7 @@ double Search::volts_explained(const State &with, const State &less) const {
     return contribution(with, less);
   Observations plain = data_.heldout;
   plain.weight_along = 1.0;
-  const double fall = sum_of_squares(plain, less.fit.model) - sum_of_squares(plain, with.fit.model);
+  const double fall = sum_of_squares(plain, less.judged) - sum_of_squares(plain, with.judged);
   return std::max(contribution(with, less),
                   std::sqrt(std::max(0.0, fall) / (2.0 * static_cast<double>(plain.size()))));
 }

@@ -42,6 +42,7 @@ public:
 private:
   struct State {
     FitResult fit;
+    Model judged;   ///< as the held-out data see it: a second capture has its own zero angle
     double score;   ///< log likelihood of the held-out data under the training fit
     double heldout; ///< whitened sum of squares of the held-out data
   };
