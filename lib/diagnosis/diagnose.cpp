@@ -27,6 +27,8 @@ namespace ada {
 namespace {
 
 constexpr std::size_t kSearchTrain = 30000, kSearchHeldout = 15000;
+/// For the last fits; more only narrow errors that are far below anything physical.
+constexpr std::size_t kFitTrain = 240000, kFitHeldout = 120000;
 
 /// Noise that the capture should have: what it states, with the converter's steps on top; without
 /// a statement what the data show from sample to sample.
@@ -176,8 +178,8 @@ public:
     noise_ = expected_noise(capture_, scene_, noise_stated_);
     out_.noise_rms_v = noise_;
     const Scene &judge = options_.heldout ? *judge_ : scene_;
-    train_ = scene_.all.select(scene_.train);
-    heldout_ = options_.heldout ? judge.all : scene_.all.select(scene_.heldout);
+    train_ = scene_.all.select(thin(scene_.train, kFitTrain));
+    heldout_ = options_.heldout ? judge.all : scene_.all.select(thin(scene_.heldout, kFitHeldout));
     Model start = first_model(scene_, options_.baseline);
     // Without a reference the angle is the pair's own, lag and all: a common delay is free.
     free_lag_ = !scene_.has_reference && (scene_.several_speeds || scene_.both_directions) &&
@@ -362,9 +364,9 @@ private:
       out.weight_along = old.weight_along;
       return out;
     };
-    train_ = select(train_, rest(scene_.train));
+    train_ = select(train_, rest(thin(scene_.train, kFitTrain)));
     if (!judge_)
-      heldout_ = select(heldout_, rest(scene_.heldout));
+      heldout_ = select(heldout_, rest(thin(scene_.heldout, kFitHeldout)));
   }
 
   static bool has(const Model &model, std::string_view id) {
@@ -404,7 +406,8 @@ private:
 
   void leftovers() {
     out_.extended_quality = last_;
-    const auto [residual, all] = without_spikes();
+    drop_spikes();
+    const ResidualColumns residual = residual_columns(scene_.all, out_.extended);
     if (free_lag_)
       for (Model *m : {&out_.baseline, &out_.extended})
         std::erase_if(m->effects, [](const EffectInstance &e) {
@@ -437,7 +440,7 @@ private:
     const bool inferred = supply_is_inferred();
     if (!inferred)
       out_.structure =
-          find_structure(scene_, all, residual, sigma, 0.12 * sigma + second_order_floor());
+          find_structure(scene_, scene_.all, residual, sigma, 0.12 * sigma + second_order_floor());
     const double rest2 =
         last_.heldout.residual_rms_v * last_.heldout.residual_rms_v - floor * floor;
     out_.unexplained_rms_v = rest2 > 0.0 ? std::sqrt(rest2) : 0.0;
@@ -463,9 +466,9 @@ private:
     return found_.supply_rms_fraction > 0.0 || (with_supply_ && with_supply_->has_vdd());
   }
 
-  /// Residual of the extended model on all samples but the spikes that stand out of it.
-  std::pair<ResidualColumns, Observations> without_spikes() const {
-    ResidualColumns r = residual_columns(scene_.all, out_.extended);
+  /// Leaves only the samples that no spike stands out of, for the last look.
+  void drop_spikes() {
+    const ResidualColumns r = residual_columns(scene_.all, out_.extended);
     std::vector<char> hit(scene_.all.size(), 0);
     std::vector<std::size_t> places;
     for (const auto *v : {&r.sin, &r.cos}) {
@@ -477,10 +480,9 @@ private:
     for (std::size_t i = 0; i < hit.size(); ++i)
       if (!hit[i])
         keep.push_back(static_cast<std::uint32_t>(i));
-    Observations all = scene_.all.select(keep);
+    scene_.all.keep(keep);
     if (!scene_.has_reference)
-      all = at_own_angle(std::move(all), out_.extended);
-    return {residual_columns(all, out_.extended), std::move(all)};
+      scene_.all = at_own_angle(std::move(scene_.all), out_.extended);
   }
 
   /// Products of what was found are not modelled to the last term.

@@ -278,16 +278,34 @@ void Observations::whiten(std::size_t i, double &sin, double &cos) const {
   cos = along * uc - across * us;
 }
 
+namespace {
+
+constexpr std::vector<double> Observations::*kColumns[] = {
+    &Observations::time,      &Observations::vsin,  &Observations::vcos,      &Observations::alpha,
+    &Observations::omega,     &Observations::accel, &Observations::direction, &Observations::temp,
+    &Observations::temp_rate, &Observations::supply};
+
+} // namespace
+
 Observations Observations::select(const std::vector<std::uint32_t> &indices) const {
-  Observations out = *this;
-  std::vector<double> Observations::*const columns[] = {
-      &Observations::time,      &Observations::vsin,  &Observations::vcos,
-      &Observations::alpha,     &Observations::omega, &Observations::accel,
-      &Observations::direction, &Observations::temp,  &Observations::temp_rate,
-      &Observations::supply};
-  for (auto column : columns)
+  Observations out;
+  out.frame_period_s = frame_period_s;
+  out.vtemp_scanned = vtemp_scanned;
+  out.vtemp_on_vcos = vtemp_on_vcos;
+  out.vtemp_on_vcos_error = vtemp_on_vcos_error;
+  out.disturbed = disturbed;
+  out.weight_along = weight_along;
+  out.mid_v = mid_v;
+  for (auto column : kColumns)
     out.*column = pick(this->*column, indices);
   return out;
+}
+
+void Observations::keep(const std::vector<std::uint32_t> &indices) {
+  if (indices.size() == size())
+    return;
+  for (auto column : kColumns)
+    this->*column = pick(this->*column, indices);
 }
 
 Scene prepare(const Capture &capture, bool needs_split) {
@@ -335,19 +353,18 @@ Scene prepare(const Capture &capture, bool needs_split) {
   Observations &all = scene.all;
   all.frame_period_s = median_step(capture.time_s);
   all.mid_v = 0.5 * scene.supply_v;
-  Observations every = all;
-  every.time = time_with_losses(look, all.frame_period_s);
-  every.vsin = capture.vsin_v;
-  every.vcos = capture.vcos_v;
-  every.alpha = std::move(motion.alpha);
-  every.omega = std::move(motion.omega);
-  every.accel = std::move(motion.accel);
-  every.direction = std::move(motion.direction);
-  every.temp = std::move(temp);
-  every.temp_rate = std::move(rate);
-  every.supply = std::move(supply);
-  all = every.select(scene.index);
-  scene.spiked = every.select(scene.spiked_index);
+  all.time = time_with_losses(look, all.frame_period_s);
+  all.vsin = capture.vsin_v;
+  all.vcos = capture.vcos_v;
+  all.alpha = std::move(motion.alpha);
+  all.omega = std::move(motion.omega);
+  all.accel = std::move(motion.accel);
+  all.direction = std::move(motion.direction);
+  all.temp = std::move(temp);
+  all.temp_rate = std::move(rate);
+  all.supply = std::move(supply);
+  scene.spiked = all.select(scene.spiked_index);
+  all.keep(scene.index);
   if (all.size() < kFewestSamples) {
     scene.insufficient = "only " + std::to_string(all.size()) + " usable samples";
     return scene;

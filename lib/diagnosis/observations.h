@@ -42,6 +42,8 @@ struct Observations {
   void whiten(std::size_t i, double &sin, double &cos) const;
   Conditions conditions() const;
   Observations select(const std::vector<std::uint32_t> &indices) const;
+  /// The same in place, with one column more in memory at a time.
+  void keep(const std::vector<std::uint32_t> &indices);
 };
 
 /// What a capture as a whole can show.
