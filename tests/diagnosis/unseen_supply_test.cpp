@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/unseen_supply.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "diagnosis/captures.h"
+#include "support/seed.h"
+
+namespace ada::test {
+namespace {
+
+enum class Moves { nothing, supply, gain, offset };
+
+Capture moved(Moves what, std::mt19937_64 &rng) {
+  Drive drive;
+  drive.turns_back = false;
+  Capture c = capture_of(sound_sensor(), drive, rng);
+  c.reference_deg.clear();
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double u = 0.01 * std::sin(kTwoPi * 0.7 * c.time_s[i]);
+    for (double *v : {&c.vsin_v[i], &c.vcos_v[i]})
+      *v += what == Moves::supply   ? u * *v
+            : what == Moves::gain   ? u * (*v - 2.5)
+            : what == Moves::offset ? u
+                                    : 0.0;
+  }
+  return c;
+}
+
+TEST(UnseenSupply, is_seen_through_the_radius) {
+  std::mt19937_64 rng(fresh_seed());
+  const auto seen = with_unseen_supply(moved(Moves::supply, rng));
+  ASSERT_TRUE(seen);
+  double off = 0.0;
+  for (std::size_t i = 0; i < seen->size(); ++i)
+    off +=
+        std::pow(seen->vdd_v[i] / 5.0 - 1.0 - 0.01 * std::sin(kTwoPi * 0.7 * seen->time_s[i]), 2);
+  EXPECT_LT(std::sqrt(off / static_cast<double>(seen->size())), 1e-3);
+}
+
+TEST(UnseenSupply, is_no_gain_no_offset_and_no_noise) {
+  std::mt19937_64 rng(fresh_seed());
+  for (Moves what : {Moves::nothing, Moves::gain, Moves::offset})
+    EXPECT_FALSE(with_unseen_supply(moved(what, rng))) << static_cast<int>(what);
+}
+
+TEST(UnseenSupply, is_not_looked_for_beside_a_vdd_column) {
+  std::mt19937_64 rng(fresh_seed());
+  Capture c = moved(Moves::supply, rng);
+  c.vdd_v.assign(c.size(), 5.0);
+  EXPECT_FALSE(with_unseen_supply(c));
+}
+
+} // namespace
+} // namespace ada::test
