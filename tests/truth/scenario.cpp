@@ -213,7 +213,7 @@ private:
       // In the catalogue's order, whatever the order of drawing.
       std::sort(chosen.begin(), chosen.end());
       for (const HiddenEffect *effect : chosen)
-        hide(*effect);
+        hide(*effect, scenario_.options.scale);
       return;
     }
     throw std::logic_error("no combination found");

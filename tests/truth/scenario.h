@@ -20,6 +20,8 @@ struct Options {
   /// single and tiny: a cause of the catalogue; unknown: a kind; ambiguous: a case; else unused.
   /// Empty: drawn.
   std::string effect;
+  /// single to four: factor on the size of every hidden effect.
+  double scale = 1.0;
 };
 
 struct Scenario {

@@ -21,6 +21,7 @@ constexpr const char *kUsage =
   --list                 categories, and what --effect takes in each
   --category NAME        default single
   --effect NAME          default: drawn
+  --scale X              factor on the size of what single to four hide, default 1
   --seed N               default: drawn; printed in any case
   -o FILE                the capture
   --truth FILE           what is hidden in it, as JSON
@@ -56,6 +57,8 @@ Arguments parse(int argc, char **argv) {
       arguments.options.category = value();
     else if (name == "--effect")
       arguments.options.effect = value();
+    else if (name == "--scale")
+      arguments.options.scale = std::stod(value());
     else if (name == "--seed") {
       arguments.seed = std::stoull(value());
       arguments.has_seed = true;

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// A whole diagnosis, the whole catalogue searched, of captures at 100 kS/s: seconds a run beside
+// the seconds that it took to record, and the growth with the samples.
+
+#include <random>
+
+#include <benchmark/benchmark.h>
+
+#include "diagnosis/captures.h"
+#include "diagnosis/diagnose.h"
+
+namespace {
+
+void diagnose(benchmark::State &state) {
+  constexpr double kRate = 100e3;
+  std::mt19937_64 rng(1);
+  ada::Model model = ada::test::sound_sensor();
+  for (const char *effect : {"amplitude-mismatch:k=0.01", "quadrature-error:delta_deg=0.4",
+                             "stray-field:b=0.01,direction_deg=40"})
+    model.effects.push_back(ada::parse_effect(effect));
+  ada::test::Drive drive;
+  drive.samples = static_cast<std::size_t>(state.range(0));
+  drive.rate_hz = kRate;
+  drive.slow_rpm = 600.0;
+  drive.fast_rpm = 1500.0;
+  const ada::Capture capture = ada::test::capture_of(model, drive, rng);
+  std::size_t found = 0;
+  for (auto _ : state)
+    found = ada::diagnose(capture, {}).findings.size();
+  state.counters["found"] = static_cast<double>(found);
+  state.counters["recorded_s"] = static_cast<double>(drive.samples) / kRate;
+  state.SetComplexityN(state.range(0));
+}
+
+} // namespace
+
+BENCHMARK(diagnose)
+    ->RangeMultiplier(2)
+    ->Range(125000, 1000000)
+    ->Unit(benchmark::kMillisecond)
+    ->Complexity(benchmark::oN);
+
+BENCHMARK_MAIN();
