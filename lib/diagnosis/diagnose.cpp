@@ -8,6 +8,7 @@
 #include <cmath>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <numeric>
 
 #include "base/angle.h"
 #include "conversion/angle_solver.h"
@@ -28,7 +29,9 @@ namespace {
 
 constexpr std::size_t kSearchTrain = 30000, kSearchHeldout = 15000;
 /// For the last fits; more only narrow errors that are far below anything physical.
-constexpr std::size_t kFitTrain = 240000, kFitHeldout = 120000;
+constexpr std::size_t kFitTrain = 160000, kFitHeldout = 80000;
+/// For the last look at what is left over: a few long runs.
+constexpr std::size_t kLookedAt = 300000, kLookedAtRun = 25000;
 
 /// Noise that the capture should have: what it states, with the converter's steps on top; without
 /// a statement what the data show from sample to sample.
@@ -468,6 +471,9 @@ private:
 
   /// Leaves only the samples that no spike stands out of, for the last look.
   void drop_spikes() {
+    std::vector<std::uint32_t> some(scene_.all.size());
+    std::iota(some.begin(), some.end(), 0u);
+    scene_.all.keep(thin(some, kLookedAt, kLookedAtRun));
     const ResidualColumns r = residual_columns(scene_.all, out_.extended);
     std::vector<char> hit(scene_.all.size(), 0);
     std::vector<std::size_t> places;

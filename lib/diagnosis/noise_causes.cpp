@@ -69,7 +69,9 @@ Spikes spikes_against(const Scene &scene, const Model &model,
                       const std::vector<std::uint32_t> &heldout, double noise_v) {
   Spikes out;
   out.hit.assign(scene.all.size(), 0);
-  const ResidualColumns plain = residual_columns(scene.all, model);
+  ResidualColumns plain = residual_columns(scene.all, model);
+  for (auto *unused : {&plain.model_sin, &plain.model_cos})
+    std::vector<double>().swap(*unused); // a long capture has no memory to spare
   const ResidualColumns apart = residual_columns(scene.spiked, model);
   ResidualColumns white = plain;
   for (std::size_t i = 0; i < scene.all.size(); ++i)

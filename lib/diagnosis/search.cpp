@@ -95,10 +95,11 @@ bool is_static(const Effect &effect) {
 
 } // namespace
 
-std::vector<std::uint32_t> thin(const std::vector<std::uint32_t> &indices, std::size_t most) {
+std::vector<std::uint32_t> thin(const std::vector<std::uint32_t> &indices, std::size_t most,
+                                std::size_t run) {
   if (indices.size() <= most)
     return indices;
-  const std::size_t runs = std::max<std::size_t>(1, most / 400);
+  const std::size_t runs = std::max<std::size_t>(1, most / run);
   const std::size_t length = most / runs;
   const std::size_t share = indices.size() / runs;
   std::vector<std::uint32_t> out;
