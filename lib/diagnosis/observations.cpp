@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/angle.h"
+#include "conversion/angle_solver.h"
 #include "diagnosis/robust.h"
 #include "diagnosis/screening.h"
 #include "motion/kinematics.h"
@@ -233,6 +234,37 @@ std::vector<double> time_with_losses(const Screened &look, double frame_period_s
   return time;
 }
 
+/// The pair's own angle with what is known of the sensor taken out, unwrapped.
+std::vector<double> corrected_angle(const Screened &look, const Model &known,
+                                    const std::vector<double> &temp,
+                                    const std::vector<double> &supply) {
+  const Capture &c = look.capture;
+  const Kinematics rough = differentiate(c.time_s, look.angle, 8);
+  Observations every;
+  every.time = c.time_s;
+  every.alpha = rough.alpha;
+  every.omega = rough.omega;
+  every.accel.assign(c.size(), 0.0);
+  every.direction = rough.direction;
+  every.temp = temp;
+  every.supply = supply;
+  every.frame_period_s = median_step(c.time_s);
+  every.vtemp_scanned = c.has_vtemp();
+  const AngleSolver solver(known);
+  std::vector<double> angle(c.size()), radius(c.size());
+  solver.start(c.vsin_v, c.vcos_v, angle);
+  const double period = kTwoPi / c.meta.periods_per_turn;
+  for (std::size_t i = 0; i < angle.size(); ++i)
+    angle[i] += period * std::round((look.angle[i] - angle[i]) / period);
+  solver.solve(every.conditions(), c.vsin_v, c.vcos_v, angle, radius);
+  // Bad samples keep what the pair says, a wrong half turn is put right.
+  for (std::size_t i = 0; i < angle.size(); ++i)
+    angle[i] = std::isfinite(angle[i])
+                   ? angle[i] + period * std::round((look.angle[i] - angle[i]) / period)
+                   : look.angle[i];
+  return angle;
+}
+
 /// Whether neither channel moves beyond its noise.
 bool stands_still(const Capture &capture, double noise_v) {
   constexpr double kAboveNoise = 20.0;
@@ -308,7 +340,7 @@ void Observations::keep(const std::vector<std::uint32_t> &indices) {
     this->*column = pick(this->*column, indices);
 }
 
-Scene prepare(const Capture &capture, bool needs_split) {
+Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   Scene scene;
   scene.capture = &capture;
   scene.periods = capture.meta.periods_per_turn;
@@ -343,6 +375,8 @@ Scene prepare(const Capture &capture, bool needs_split) {
     leave_out_kinks(motion.omega, look.usable);
     leave_out_reversals(motion, look.usable);
   } else {
+    if (known)
+      look.angle = corrected_angle(look, *known, temp, supply);
     motion = smooth_motion_with_losses(look, kRippleOrders);
   }
 

@@ -70,7 +70,9 @@ struct Scene {
 };
 
 /// Screens a capture and prepares it. `needs_split` false: everything trains (a second capture
-/// judges). Throws nothing for poor data: that is `insufficient`.
-Scene prepare(const Capture &capture, bool needs_split);
+/// judges). `known`: what is known of the sensor already, which then no longer bends the motion
+/// that is taken from the pair; only for captures without reference. Throws nothing for poor data:
+/// that is `insufficient`.
+Scene prepare(const Capture &capture, bool needs_split, const Model *known = nullptr);
 
 } // namespace ada

@@ -547,6 +547,7 @@ SearchResult Search::run() {
     out.contribution.push_back(part);
     out.alternatives.push_back(rivals(now, k, nullptr));
   }
+  out.residual_rms_v = std::sqrt(now.fit.rss / (2.0 * static_cast<double>(data_.train.size())));
   out.fit = std::move(now.fit);
   out.supply_rms_fraction = supply_rms_fraction_;
   out.disturbed = data_.train.disturbed;

@@ -26,6 +26,7 @@ struct SearchResult {
   std::vector<std::size_t> order; ///< indices of the found effects in the order of their gain
   std::vector<double> contribution;
   std::vector<std::vector<std::string>> alternatives;
+  double residual_rms_v = 0.0;           ///< of the training part
   double supply_rms_fraction = 0.0;      ///< of a supply variation seen without a VDD channel
   Direction disturbed = Direction::none; ///< and how residuals were weighed in the end
   double weight_along = 1.0;

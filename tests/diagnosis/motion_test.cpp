@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
