@@ -5,10 +5,10 @@
 
   smallest.py --iio-angle build/tools/iio-angle --truth-capture build/tests/truth/truth-capture
 
-Sizes fall by a factor of two from the usual ones until fewer than 95 % of the captures are found
-under the right name. Printed for each effect and its first fitted parameter: the median absolute
-size at the last step that was good enough, the share found there and one step further down, and the
-median standard error there, which is the Cramer-Rao bound of the joint fit.
+Sizes fall by --factor from --first times the usual ones until fewer than 95 % of the captures are
+found under the right name. Printed for each effect and its first fitted parameter: the median
+absolute size at the last step that was good enough, the share found there and one step further
+down, and the median standard error there, which is the Cramer-Rao bound of the joint fit.
 """
 
 import argparse
@@ -56,6 +56,8 @@ def main():
     parser.add_argument("--truth-capture", required=True)
     parser.add_argument("--runs", type=int, default=20)
     parser.add_argument("--steps", type=int, default=7)
+    parser.add_argument("--first", type=float, default=1.0)
+    parser.add_argument("--factor", type=float, default=2.0)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seed", type=int, default=random.SystemRandom().randrange(10**9))
     arguments = parser.parse_args()
@@ -67,8 +69,9 @@ def main():
         if not line.startswith("  "):
             break
         effects.append(line.strip())
-    print(f"seeds from {arguments.seed}, {arguments.runs} captures a step")
-    print("| effect | parameter | smallest size found | standard error there | found | at half |")
+    print(f"seeds from {arguments.seed}, {arguments.runs} captures a step, steps of "
+          f"{arguments.factor:g}")
+    print("| effect | parameter | smallest size found | standard error there | found | one step below |")
     print("|---|---|---|---|---|---|")
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         for effect in effects:
@@ -77,7 +80,9 @@ def main():
             best, below = None, ""
             for step in range(arguments.steps):
                 results = list(pool.map(
-                    lambda k: look(arguments, effect, 0.5**step, arguments.seed + k),
+                    lambda k: look(arguments, effect,
+                                   arguments.first / arguments.factor**step,
+                                   arguments.seed + k),
                     range(arguments.runs)))
                 found = sum(r[3] for r in results) / len(results)
                 if found < 0.95:
