@@ -30,7 +30,7 @@ cc -std=c99 -pedantic-errors -Wall -Werror $(pkg-config --cflags libada4571) \
   "$here/consumer/consumer.c" -o "$work/by-pkg-config" $(pkg-config --libs libada4571)
 first=$("$work/by-pkg-config")
 
-cmake -S "$here/consumer" -B "$work/by-cmake" -DCMAKE_PREFIX_PATH="$prefix" >"$work/cmake.log"
+cmake -G Ninja -S "$here/consumer" -B "$work/by-cmake" -DCMAKE_PREFIX_PATH="$prefix" >"$work/cmake.log"
 cmake --build "$work/by-cmake" >>"$work/cmake.log"
 second=$("$work/by-cmake/consumer")
 [[ $first == "$second" ]] || { echo "two builds, two results: $first, $second"; exit 1; }
