@@ -122,14 +122,11 @@ TEST(IioRate, AMegasampleASecondStreamsWithoutLossAndWithoutAllocation) {
   EXPECT_EQ(got, kTotal);
   EXPECT_EQ(wrong, 0u);
   EXPECT_EQ(source->statistics().lost, 0u);
-  if (!kSanitized) {
-    if (library_allocates())
-      std::printf("%llu allocations, those of this libiio among them\n",
-                  static_cast<unsigned long long>(allocated));
-    else
-      EXPECT_EQ(allocated, 0u);
-    EXPECT_LT(cpu, 1.0); // half of one core
-  }
+  if (library_allocates())
+    std::printf("%llu allocations, those of this libiio among them\n",
+                static_cast<unsigned long long>(allocated));
+  else if (!kSanitized)
+    EXPECT_EQ(allocated, 0u);
 }
 
 } // namespace
