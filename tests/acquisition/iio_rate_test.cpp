@@ -122,11 +122,12 @@ TEST(IioRate, AMegasampleASecondStreamsWithoutLossAndWithoutAllocation) {
   EXPECT_EQ(got, kTotal);
   EXPECT_EQ(wrong, 0u);
   EXPECT_EQ(source->statistics().lost, 0u);
-  if (library_allocates())
+  if (library_allocates()) {
     std::printf("%llu allocations, those of this libiio among them\n",
                 static_cast<unsigned long long>(allocated));
-  else if (!kSanitized)
+  } else if (!kSanitized) {
     EXPECT_EQ(allocated, 0u);
+  }
 }
 
 } // namespace
