@@ -66,10 +66,12 @@ Variant make_variant(const Model &model, const Effect &effect, std::vector<doubl
   return v;
 }
 
-std::vector<Variant> variants(const Residual &residual, const Model &model, bool rivals) {
+std::vector<Variant> variants(const Scene &scene, const Residual &residual, const Model &model,
+                              bool rivals) {
   std::vector<Variant> out;
   for (const Effect *effect : catalogue()) {
-    if (effect->info().evidence != Evidence::signal)
+    if (effect->info().evidence != Evidence::signal ||
+        (scene.radius_only && moves_the_angle(*effect)))
       continue;
     const auto present = std::count_if(model.effects.begin(), model.effects.end(),
                                        [&](const EffectInstance &e) { return e.effect == effect; });
@@ -89,6 +91,11 @@ std::vector<Variant> variants(const Residual &residual, const Model &model, bool
 }
 
 } // namespace
+
+bool moves_the_angle(const Effect &effect) {
+  const Stage stage = effect.info().stage;
+  return stage == Stage::motion || stage == Stage::field;
+}
 
 Residual residual_view(const Scene &scene, const Observations &data, const ResidualColumns &columns,
                        double noise_v, double amplitude_v) {
@@ -122,7 +129,7 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
     data.whiten(i, white.sin[i], white.cos[i]);
   const Residual residual =
       residual_view(scene, data, white, scene.white_noise_v, model.baseline.amplitude_v);
-  const std::vector<Variant> all = variants(residual, model, rivals);
+  const std::vector<Variant> all = variants(scene, residual, model, rivals);
 
   // Columns: the model's own coordinates, every variant's, and the residual last.
   const std::vector<double> x0 = coordinates_of(model), h0 = coordinate_steps(model);

@@ -20,6 +20,9 @@ struct Candidate {
   bool visible;        ///< whether this capture can show it as such
 };
 
+/// Whether an effect turns the angle and leaves the radius as it is.
+bool moves_the_angle(const Effect &effect);
+
 /// What effects are shown: the residual of `data` against `model` with the facts of the scene. The
 /// columns must outlive the result.
 struct ResidualColumns;

@@ -8,22 +8,21 @@
 #include <cmath>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <utility>
 
 #include "base/angle.h"
-#include "conversion/angle_solver.h"
 #include "diagnosis/candidates.h"
-#include "diagnosis/explain.h"
+#include "diagnosis/first_model.h"
+#include "diagnosis/ladder.h"
 #include "diagnosis/moments.h"
 #include "diagnosis/noise_causes.h"
-#include "diagnosis/robust.h"
+#include "diagnosis/parts.h"
 #include "diagnosis/search.h"
 #include "diagnosis/unseen_supply.h"
 #include "diagnosis/whiteness.h"
-#include "model/effect_text.h"
-#include "model/forward.h"
 
 namespace ada {
 
@@ -35,115 +34,6 @@ constexpr std::size_t kSearchTrain = 30000, kSearchHeldout = 15000;
 constexpr std::size_t kFitTrain = 160000, kFitHeldout = 80000;
 /// For the last look at what is left over: a few long runs.
 constexpr std::size_t kLookedAt = 300000, kLookedAtRun = 25000;
-
-/// Noise that the capture should have: what it states, with the converter's steps on top; without
-/// a statement what the data show from sample to sample.
-double expected_noise(const Capture &capture, const Scene &scene, bool &stated) {
-  stated = capture.meta.noise_rms_v.has_value();
-  if (!stated)
-    return scene.white_noise_v;
-  double variance = *capture.meta.noise_rms_v * *capture.meta.noise_rms_v;
-  if (capture.meta.adc_bits && capture.meta.adc_reference_v) {
-    const double lsb = *capture.meta.adc_reference_v / std::exp2(*capture.meta.adc_bits);
-    variance += lsb * lsb / 12.0;
-  }
-  return std::max(std::sqrt(variance), 1e-9);
-}
-
-/// Amplitude, offsets and zero angle that start the fit.
-Model first_model(const Scene &scene, const Model *given) {
-  Model model;
-  if (given) {
-    model = given->at_supply(scene.supply_v);
-    model.baseline_std_error = {0, 0, 0, 0};
-  }
-  model.periods_per_turn = scene.periods;
-  model.supply_v = scene.supply_v;
-  if (!given)
-    model.vtemp_reference_v = scene.vtemp_mean_v;
-  bool turned = false;
-  for (const EffectInstance &e : model.effects)
-    turned = turned || e.effect->info().evidence == Evidence::screening;
-  // Wiring is settled before any fit; a screened effect without action on the pair does nothing.
-  for (const ScreenFinding &f : scene.screened)
-    if (f.effect->info().correctable && !turned)
-      model.effects.insert(model.effects.begin(), {f.effect, f.values, f.std_errors});
-
-  const auto span_of = [](const std::vector<double> &v) {
-    return std::pair(quantile(v, 0.005), quantile(v, 0.995));
-  };
-  const auto [slow, shigh] = span_of(scene.all.vsin);
-  const auto [clow, chigh] = span_of(scene.all.vcos);
-  Baseline &b = model.baseline;
-  if (!given) {
-    b.amplitude_v = 0.25 * (shigh - slow + chigh - clow);
-    b.offset_sin_v = 0.5 * (shigh + slow - scene.supply_v);
-    b.offset_cos_v = 0.5 * (chigh + clow - scene.supply_v);
-  }
-  // The zero angle by the mean turn from the model without it to the data.
-  b.angle_zero_deg = 0.0;
-  Model plain = model;
-  std::erase_if(plain.effects, [](const EffectInstance &e) {
-    return e.effect->info().evidence == Evidence::signal;
-  });
-  const auto some = scene.all.select(thin(scene.train, 5000));
-  const ResidualColumns r = residual_columns(some, plain);
-  double c = 0.0, s = 0.0;
-  const double ms = 0.5 * scene.supply_v + b.offset_sin_v,
-               mc = 0.5 * scene.supply_v + b.offset_cos_v;
-  for (std::size_t i = 0; i < some.size(); ++i) {
-    const double x = r.model_cos[i] - mc, y = r.model_sin[i] - ms;
-    const double u = some.vcos[i] - mc, v = some.vsin[i] - ms;
-    c += u * x + v * y;
-    s += v * x - u * y;
-  }
-  double turn = std::atan2(s, c);
-  for (const EffectInstance &e : plain.effects) // a reversed pair turns the other way
-    if (e.effect->info().correctable)
-      turn = -turn;
-  b.angle_zero_deg = turn * kDegPerRad / scene.periods;
-  return model;
-}
-
-/// RMS error of the corrected angle on these samples against the magnet's angle: the reference,
-/// with what the model knows to be wrong with the reference and the drive.
-std::optional<double> angle_error(const Scene &scene, const Observations &data,
-                                  const Model &model) {
-  if (!scene.has_reference || data.size() == 0)
-    return std::nullopt;
-  const AngleSolver solver(model);
-  Conditions at = data.conditions();
-  std::vector<double> alpha = data.alpha, radius(data.size());
-  std::vector<double> magnet(data.size());
-  ForwardModel(model, AlphaIs::reference).magnet_angle(at, magnet.data());
-  solver.start(data.vsin, data.vcos, alpha);
-  const double period = kTwoPi / scene.periods;
-  for (std::size_t i = 0; i < alpha.size(); ++i)
-    alpha[i] += period * std::round((magnet[i] - alpha[i]) / period);
-  solver.solve(at, data.vsin, data.vcos, alpha, radius);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < alpha.size(); ++i) {
-    const double e = wrap_centred(alpha[i] - magnet[i], period);
-    sum += e * e;
-  }
-  return std::sqrt(sum / static_cast<double>(alpha.size())) * kDegPerRad;
-}
-
-Quality quality(const Scene &scene, const Observations &data, const Model &model, double train_rms,
-                bool with_angle) {
-  Quality q;
-  const double n = static_cast<double>(data.size());
-  if (n == 0.0)
-    return q;
-  const double rss = sum_of_squares(data, model);
-  q.residual_rms_v = std::sqrt(rss / (2.0 * n));
-  const double sigma = train_rms > 0.0 ? train_rms : q.residual_rms_v;
-  q.log_likelihood = std::log(data.weight_along) - std::log(kTwoPi * sigma * sigma) -
-                     0.5 * rss / (n * sigma * sigma);
-  if (with_angle)
-    q.angle_error_rms_deg = angle_error(scene, data, model);
-  return q;
-}
 
 std::string now_utc() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(
@@ -174,6 +64,8 @@ public:
         scene_(prepare(capture_, options.heldout == nullptr)) {
     if (options.heldout)
       judge_ = prepare(*options.heldout, false);
+    if (judge_ && scene_.radius_only != judge_->radius_only)
+      judge_radius_only(scene_.radius_only ? *judge_ : scene_);
   }
 
   Diagnosis run() {
@@ -184,6 +76,10 @@ public:
     noise_ = expected_noise(capture_, scene_, noise_stated_);
     out_.noise_rms_v = noise_;
     search_causes();
+    if (offsets_moved()) {
+      judge_->all.own_offsets = true;
+      search_causes();
+    }
     // Without a reference what was found bent the motion as well: with it taken out look again, as
     // long as that leaves less over.
     constexpr int kMostLooks = 4;
@@ -196,22 +92,32 @@ public:
       Scene again = prepare(capture_, options_.heldout == nullptr, &known);
       if (!again.insufficient.empty())
         break;
+      if (scene_.radius_only)
+        judge_radius_only(again);
       scene_ = std::move(again);
       search_causes();
     }
     weigh_as(found_);
-    ladder();
+    found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
+    ladder_ = build_ladder(parts_, found_);
+    out_.extended = ladder_.extended;
+    last_ = ladder_.last;
     noise_causes();
-    leftovers();
-    verdict();
+    drop_spikes();
+    look_at_leftovers();
+    drop_doubtful();
+    conclude();
     return std::move(out_);
   }
 
 private:
   void search_causes() {
     const Scene &judge = options_.heldout ? *judge_ : scene_;
-    train_ = scene_.all.select(thin(scene_.train, kFitTrain));
-    heldout_ = options_.heldout ? judge.all : scene_.all.select(thin(scene_.heldout, kFitHeldout));
+    parts_.has_reference = scene_.has_reference;
+    parts_.second_capture = judge_.has_value();
+    parts_.train = scene_.all.select(thin(scene_.train, kFitTrain));
+    parts_.heldout =
+        options_.heldout ? judge.all : scene_.all.select(thin(scene_.heldout, kFitHeldout));
     Model start = first_model(scene_, options_.baseline);
     // Without a reference the angle is the pair's own, lag and all: a common delay is free.
     free_lag_ = !scene_.has_reference && (scene_.several_speeds || scene_.both_directions) &&
@@ -224,6 +130,35 @@ private:
                     &judge};
     Search search(std::move(data), start, noise_, options_.progress);
     found_ = search.run();
+  }
+
+  /// Whether the second capture has other offsets than what was found accounts for. They would hide
+  /// everything that the two captures have in common.
+  bool offsets_moved() const {
+    constexpr double kMuch = 0.75; // of the sum of squares stays with offsets of its own
+    if (!judge_)
+      return false;
+    Observations own = parts_.heldout;
+    own.own_offsets = true;
+    const Model &model = found_.fit.model;
+    return sum_of_squares(own, as_seen_by(own, model)) <
+           kMuch * sum_of_squares(parts_.heldout, as_seen_by(parts_.heldout, model));
+  }
+
+  /// What no cause within one capture can explain.
+  void report_moved_offsets() {
+    if (!judge_ || !judge_->all.own_offsets)
+      return;
+    const Baseline &first = out_.extended.baseline;
+    const Baseline second = as_seen_by(parts_.heldout, out_.extended).baseline;
+    const double sin = second.offset_sin_v - first.offset_sin_v;
+    const double cos = second.offset_cos_v - first.offset_cos_v;
+    out_.structure.push_back(
+        {"time",
+         fmt::format("between the two captures the offsets move by {:+.3g} mV (VSIN) and {:+.3g} "
+                     "mV (VCOS); the second is judged with its own",
+                     1e3 * sin, 1e3 * cos),
+         std::hypot(sin, cos) / std::sqrt(2.0)});
   }
 
   bool usable() {
@@ -240,110 +175,60 @@ private:
   /// A disturbance that is not recorded changes how residuals are weighed from here on; a supply
   /// counts as a finding and so only from its own rung on.
   void weigh_as(const SearchResult &found) {
-    for (Observations *o : {&train_, &heldout_, &scene_.all}) {
+    for (Observations *o : {&parts_.train, &parts_.heldout, &scene_.all}) {
       o->disturbed = found.disturbed;
       o->weight_along = found.disturbed == Direction::supply ? 1.0 : found.weight_along;
     }
   }
 
-  Rung rung(const Model &model) {
-    Rung r;
-    r.in_sample = quality(scene_, train_, model, 0.0, true);
-    const Scene &judge = judge_ ? *judge_ : scene_;
-    r.heldout = quality(judge, heldout_, judge_ ? with_own_zero(heldout_, model) : model,
-                        r.in_sample.residual_rms_v, true);
-    return r;
+  bool given(const Effect *effect) const {
+    return options_.baseline &&
+           std::any_of(options_.baseline->effects.begin(), options_.baseline->effects.end(),
+                       [&](const EffectInstance &e) { return e.effect == effect; });
   }
 
-  void add_screened(const Rung &at) {
+  /// What the first look found, before any fit.
+  std::vector<Finding> screened_findings() {
+    std::vector<Finding> out;
     for (const ScreenFinding &f : scene_.screened) {
-      if (f.effect == find_effect("impulse-noise")) // measured against the final model
+      // Spikes are measured against the final model.
+      if (f.effect == find_effect("impulse-noise") || given(f.effect))
         continue;
-      const bool given =
-          options_.baseline &&
-          std::any_of(options_.baseline->effects.begin(), options_.baseline->effects.end(),
-                      [&](const EffectInstance &e) { return e.effect == f.effect; });
-      if (given)
-        continue;
-      Finding finding{f.effect,
-                      f.values,
-                      f.std_errors,
-                      f.alternatives,
-                      {},
-                      {},
-                      at,
-                      at,
-                      f.effect->info().correctable};
-      if (!f.effect->info().correctable)
+      const bool correctable = f.effect->info().correctable;
+      out.push_back({f.effect,
+                     f.values,
+                     f.std_errors,
+                     f.alternatives,
+                     {},
+                     {},
+                     ladder_.first,
+                     ladder_.first,
+                     correctable});
+      put_in_words(out.back());
+      if (!correctable)
         recorded_.push_back({f.effect, f.values, f.std_errors});
-      finish(finding);
     }
+    return out;
   }
 
-  void finish(Finding &finding) {
-    finding.separate_by = separation(*finding.effect, finding.alternatives);
-    finding.explanation = explanation(finding);
-    out_.findings.push_back(std::move(finding));
-  }
-
-  /// The effect of a fitted model that this is a less fitted version of.
-  static const EffectInstance *same_instance(const Model &model, const EffectInstance &e) {
-    for (const EffectInstance &o : model.effects)
-      if (repeats(o, e))
-        return &o;
-    return nullptr;
-  }
-
-  /// From the baseline up, one finding at a time in the order of their size, each rung fitted to
-  /// the training part and judged on the rest.
-  void ladder() {
-    FitResult final_fit = fit(train_, with_exact_moments(scene_, found_.fit.model, 0), 5);
-    attach_errors(final_fit);
-    Model model = final_fit.model;
-    Model bare = model;
-    std::vector<std::size_t> drop = found_.order;
-    std::sort(drop.rbegin(), drop.rend());
-    for (std::size_t k : drop)
-      bare.effects.erase(bare.effects.begin() + static_cast<std::ptrdiff_t>(k));
-    Model step = fit(train_, bare, 6).model;
-    out_.baseline = step;
-    out_.ladder.push_back(step);
-    Rung before = rung(step);
-    out_.baseline_quality = before;
-    add_screened(before);
-    for (std::size_t i = 0; i < found_.order.size(); ++i) {
-      const EffectInstance &e = model.effects[found_.order[i]];
-      step.effects.push_back(e);
-      // Everything else starts where the whole model has it: a clipping bends the baseline far.
-      step.baseline = model.baseline;
-      for (std::size_t k = 0; k < step.effects.size(); ++k)
-        if (const EffectInstance *last = same_instance(model, step.effects[k]))
-          step.effects[k].values = last->values;
-      step = i + 1 == found_.order.size() ? model : fit(train_, step, 5).model;
-      const Rung after = rung(step);
-      out_.ladder.push_back(step);
-      Finding finding{e.effect, e.values, e.std_errors, found_.alternatives[i],      {},
-                      {},       before,   after,        e.effect->info().correctable};
-      finish(finding);
-      before = after;
-    }
-    last_ = before;
-    out_.extended = model;
+  void add_noise_cause(Finding finding) {
+    put_in_words(finding);
+    noise_findings_.push_back(std::move(finding));
   }
 
   void noise_causes() {
     if (found_.supply_rms_fraction > 0.0) {
       const Effect *effect = find_effect("supply-variation");
       const double f = found_.supply_rms_fraction;
-      Rung after = last_;
       if (found_.disturbed == Direction::supply)
-        train_.weight_along = heldout_.weight_along = found_.weight_along;
-      after = rung(out_.extended);
-      Finding finding{effect, {f},   {f / std::sqrt(2.0 * static_cast<double>(train_.size()))},
-                      {},     {},    {},
-                      last_,  after, false};
+        parts_.train.weight_along = parts_.heldout.weight_along = found_.weight_along;
+      const Rung after = parts_.rung(out_.extended);
+      Finding finding{
+          effect, {f},   {f / std::sqrt(2.0 * static_cast<double>(parts_.train.size()))},
+          {},     {},    {},
+          last_,  after, false};
       last_ = after;
-      finish(finding);
+      add_noise_cause(finding);
     }
     spikes();
     excess_noise();
@@ -355,7 +240,7 @@ private:
     if (!spikes.found)
       return;
     leave_out(spikes.hit);
-    const Rung clean = rung(out_.extended);
+    const Rung clean = parts_.rung(out_.extended);
     Finding finding{find_effect("impulse-noise"),
                     {spikes.rate, spikes.amplitude_v},
                     {spikes.rate_error, spikes.amplitude_error_v},
@@ -366,12 +251,12 @@ private:
                     clean,
                     false};
     last_ = clean;
-    if (options_.baseline && has(*options_.baseline, "impulse-noise"))
+    if (given(find_effect("impulse-noise")))
       return;
     finding.before.heldout.log_likelihood = spikes.before;
     finding.after.heldout.log_likelihood = spikes.after;
     recorded_.push_back({finding.effect, finding.values, finding.std_errors});
-    finish(finding);
+    add_noise_cause(finding);
   }
 
   /// Takes samples out of everything that is judged from here on.
@@ -389,9 +274,9 @@ private:
       out.weight_along = old.weight_along;
       return out;
     };
-    train_ = select(train_, rest(thin(scene_.train, kFitTrain)));
+    parts_.train = select(parts_.train, rest(thin(scene_.train, kFitTrain)));
     if (!judge_)
-      heldout_ = select(heldout_, rest(thin(scene_.heldout, kFitHeldout)));
+      parts_.heldout = select(parts_.heldout, rest(thin(scene_.heldout, kFitHeldout)));
   }
 
   static bool has(const Model &model, std::string_view id) {
@@ -401,7 +286,7 @@ private:
 
   /// Only white noise on both channels alike is called so.
   void excess_noise() {
-    sigma_ = rms_in_any_direction(train_, out_.extended, scene_.has_reference);
+    sigma_ = rms_in_any_direction(parts_.train, out_.extended, scene_.has_reference);
     if (!noise_stated_ || supply_is_inferred())
       return;
     const double white = scene_.white_noise_v;
@@ -418,46 +303,20 @@ private:
       return -std::log(kTwoPi * noise_ * noise_) -
              0.5 * sum_of_squares(data, out_.extended) / (n * noise_ * noise_);
     };
-    before.in_sample.log_likelihood = under(train_);
-    before.heldout.log_likelihood = under(heldout_);
+    before.in_sample.log_likelihood = under(parts_.train);
+    before.heldout.log_likelihood = under(parts_.heldout);
     const double error =
-        sigma_ * sigma_ / excess / std::sqrt(4.0 * static_cast<double>(train_.size()));
+        sigma_ * sigma_ / excess / std::sqrt(4.0 * static_cast<double>(parts_.train.size()));
     Finding finding{
         find_effect("excess-noise"), {excess}, {error}, {}, {}, {}, before, last_, false};
     recorded_.push_back({finding.effect, finding.values, finding.std_errors});
-    finish(finding);
+    add_noise_cause(finding);
     explained_noise_ = sigma_;
   }
 
-  void leftovers() {
-    out_.extended_quality = last_;
-    drop_spikes();
+  /// Whiteness is judged on everything that no cause took out, held out or not.
+  void look_at_leftovers() {
     const ResidualColumns residual = residual_columns(scene_.all, out_.extended);
-    if (free_lag_)
-      for (Model *m : {&out_.baseline, &out_.extended})
-        std::erase_if(m->effects, [](const EffectInstance &e) {
-          return e.effect->info().id == "propagation-delay";
-        });
-    out_.extended.noise_rms_v = last_.in_sample.residual_rms_v;
-    for (EffectInstance &e : recorded_)
-      out_.extended.effects.push_back(std::move(e));
-    Provenance &p = out_.extended.provenance;
-    p.serial = capture_.meta.serial;
-    p.date = now_utc();
-    p.method = "diagnose";
-    p.capture_identity = capture_.identity;
-    p.generator = std::string("libada4571 ") + ADA4571_VERSION_STRING;
-    p.gain_control = capture_.meta.gain_control;
-    p.fit_residual_rms_v = last_.in_sample.residual_rms_v;
-    p.heldout_residual_rms_v = last_.heldout.residual_rms_v;
-    if (capture_.has_vtemp()) {
-      p.vtemp_min_v = *std::min_element(capture_.vtemp_v.begin(), capture_.vtemp_v.end());
-      p.vtemp_max_v = *std::max_element(capture_.vtemp_v.begin(), capture_.vtemp_v.end());
-    }
-    for (const Effect *effect : catalogue())
-      note_invisible(*effect);
-
-    // Whiteness is judged on everything that no cause took out, held out or not.
     const double floor = explained_noise_ > 0.0 ? explained_noise_ : noise_;
     const double sigma =
         std::min(last_.in_sample.residual_rms_v, std::max(floor, scene_.white_noise_v));
@@ -472,7 +331,7 @@ private:
     if (out_.structure.empty() && !inferred && noise_stated_ &&
         (scene_.has_reference
              ? last_.heldout.residual_rms_v
-             : rms_in_any_direction(heldout_, out_.extended, false)) > 1.15 * floor)
+             : rms_in_any_direction(parts_.heldout, out_.extended, false)) > 1.15 * floor)
       out_.structure.push_back({"time",
                                 "the residual is larger than the stated noise, yet not white "
                                 "noise of both channels",
@@ -481,7 +340,7 @@ private:
 
   /// Residual rms of a channel as it is, however residuals are weighed.
   double rms_of_all() const {
-    Observations plain = heldout_;
+    Observations plain = parts_.heldout;
     plain.weight_along = 1.0;
     const double n = static_cast<double>(std::max<std::size_t>(1, plain.size()));
     return std::sqrt(sum_of_squares(plain, out_.extended) / (2.0 * n));
@@ -528,55 +387,88 @@ private:
     const ResidualColumns none;
     const Residual facts =
         residual_view(scene_, scene_.all, none, noise_, out_.extended.baseline.amplitude_v);
-    const std::string why = effect.invisible(facts);
+    std::string why = effect.invisible(facts);
+    if (why.empty() && scene_.radius_only && moves_the_angle(effect))
+      why = "without a reference, and with a shaft that turns unevenly, only the radius is judged";
     if (!why.empty())
       out_.invisible.push_back({std::string(effect.info().id), why});
   }
 
-  /// Takes a finding that is not believed out of a model.
-  static void forget(const Finding &finding, Model &model) {
-    for (std::size_t k = 0; k < model.effects.size(); ++k)
-      if (model.effects[k].effect == finding.effect &&
-          (finding.values.empty() || model.effects[k].values[0] == finding.values[0] ||
-           finding.effect->info().parameters[0].role == Role::fitted)) {
-        model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(k));
-        return;
-      }
-  }
-
-  void verdict() {
-    // Noise is not judged beside what nothing explains, nor spikes that hardly stand out of it,
-    const bool open = !out_.structure.empty() || supply_is_inferred();
-    const double rest = rms_of_all();
-    if (open)
-      std::erase_if(out_.findings, [&](const Finding &f) {
+  /// Noise is not judged beside what nothing explains, nor spikes that hardly stand out of it, nor
+  /// a cause that explains little beside it: what remains is fitted without them.
+  void drop_doubtful() {
+    if (!out_.structure.empty() || supply_is_inferred()) {
+      const double rest = rms_of_all();
+      std::erase_if(noise_findings_, [&](const Finding &f) {
         const bool doubtful =
             f.effect == find_effect("excess-noise") ||
             (f.effect == find_effect("impulse-noise") && f.values[1] < 15.0 * rest);
         if (doubtful)
-          forget(f, out_.extended);
+          std::erase_if(recorded_, [&](const EffectInstance &e) { return e.effect == f.effect; });
         return doubtful;
       });
-    // nor a cause that explains little beside it.
+    }
     double left = supply_is_inferred() ? 2.0 * out_.unexplained_rms_v : 0.0;
     for (const Structure &s : out_.structure)
       left = std::max(left, s.rms_v);
-    if (left > 0.0)
-      std::erase_if(out_.findings, [&](const Finding &f) {
-        const double gain2 = f.before.heldout.residual_rms_v * f.before.heldout.residual_rms_v -
-                             f.after.heldout.residual_rms_v * f.after.heldout.residual_rms_v;
-        if (f.effect->info().evidence != Evidence::signal ||
-            f.before.heldout.residual_rms_v == f.after.heldout.residual_rms_v ||
-            gain2 >= 4.0 * left * left)
-          return false;
-        for (Model &m : out_.ladder)
-          forget(f, m);
-        forget(f, out_.extended);
-        return true;
-      });
+    std::vector<std::size_t> small;
+    for (std::size_t i = 0; left > 0.0 && i < ladder_.findings.size(); ++i) {
+      const double before = ladder_.findings[i].before.heldout.residual_rms_v;
+      const double after = ladder_.findings[i].after.heldout.residual_rms_v;
+      if (before != after && before * before - after * after < 4.0 * left * left)
+        small.push_back(i);
+    }
+    if (small.empty())
+      return;
+    for (std::size_t i : std::vector(small.rbegin(), small.rend()))
+      found_.forget(i);
+    ladder_ = build_ladder(parts_, found_);
+    out_.extended = ladder_.extended;
+    last_ = ladder_.last;
+    out_.structure.clear();
+    look_at_leftovers();
+  }
+
+  /// Puts the parts together.
+  void conclude() {
+    report_moved_offsets();
+    out_.baseline = ladder_.baseline;
+    out_.baseline_quality = ladder_.first;
+    out_.extended_quality = last_;
+    out_.ladder = std::move(ladder_.models);
+    out_.findings = screened_findings();
+    for (auto *findings : {&ladder_.findings, &noise_findings_})
+      std::move(findings->begin(), findings->end(), std::back_inserter(out_.findings));
+    if (free_lag_)
+      for (Model *m : {&out_.baseline, &out_.extended})
+        std::erase_if(m->effects, [](const EffectInstance &e) {
+          return e.effect->info().id == "propagation-delay";
+        });
+    for (EffectInstance &e : recorded_)
+      out_.extended.effects.push_back(std::move(e));
+    out_.extended.noise_rms_v = last_.in_sample.residual_rms_v;
+    add_provenance();
+    for (const Effect *effect : catalogue())
+      note_invisible(*effect);
     const bool unexplained = !out_.structure.empty(), found = !out_.findings.empty();
     out_.verdict = found ? (unexplained ? Verdict::partly_explained : Verdict::explained)
                          : (unexplained ? Verdict::unexplained : Verdict::no_discrepancy);
+  }
+
+  void add_provenance() {
+    Provenance &p = out_.extended.provenance;
+    p.serial = capture_.meta.serial;
+    p.date = now_utc();
+    p.method = "diagnose";
+    p.capture_identity = capture_.identity;
+    p.generator = std::string("libada4571 ") + ADA4571_VERSION_STRING;
+    p.gain_control = capture_.meta.gain_control;
+    p.fit_residual_rms_v = last_.in_sample.residual_rms_v;
+    p.heldout_residual_rms_v = last_.heldout.residual_rms_v;
+    if (capture_.has_vtemp()) {
+      p.vtemp_min_v = *std::min_element(capture_.vtemp_v.begin(), capture_.vtemp_v.end());
+      p.vtemp_max_v = *std::max_element(capture_.vtemp_v.begin(), capture_.vtemp_v.end());
+    }
   }
 
   const Capture &given_;
@@ -586,9 +478,11 @@ private:
   Scene scene_;
   std::optional<Scene> judge_;
   Diagnosis out_;
-  Observations train_, heldout_;
+  Parts parts_;
   SearchResult found_;
-  Rung last_;
+  Ladder ladder_;
+  std::vector<Finding> noise_findings_;
+  Rung last_; ///< of the extended model, with what noise causes take out
   std::vector<EffectInstance>
       recorded_; ///< causes that the extended model names but never corrects
   double noise_ = 0.0, sigma_ = 0.0, explained_noise_ = 0.0;

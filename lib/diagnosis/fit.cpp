@@ -199,26 +199,39 @@ FitResult fit(const Observations &data, const Model &start, int max_iterations) 
   return out;
 }
 
-Model with_own_zero(const Observations &data, Model model) {
-  constexpr double kStep = 1e-3; // deg
+Model as_seen_by(const Observations &data, Model model) {
+  const std::size_t own = data.own_offsets ? 3 : 1;
+  const std::array<double Baseline::*, 3> parameter{
+      &Baseline::angle_zero_deg, &Baseline::offset_sin_v, &Baseline::offset_cos_v};
+  constexpr std::array<double, 3> kStep{1e-3, 1e-4, 1e-4}; // deg, V, V
   for (int pass = 0; pass < 3; ++pass) {
     const ResidualColumns here = residual_columns(data, model);
-    Model moved = model;
-    moved.baseline.angle_zero_deg += kStep;
-    const ResidualColumns there = residual_columns(data, moved);
-    double xx = 0.0, xy = 0.0;
+    std::vector<ResidualColumns> there;
+    for (std::size_t k = 0; k < own; ++k) {
+      Model moved = model;
+      moved.baseline.*parameter[k] += kStep[k];
+      there.push_back(residual_columns(data, moved));
+    }
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Identity();
+    matrix.topLeftCorner(static_cast<Eigen::Index>(own), static_cast<Eigen::Index>(own)).setZero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero(), ds = right, dc = right;
     for (std::size_t i = 0; i < data.size(); ++i) {
       double s = here.sin[i], c = here.cos[i];
-      double ds = (there.model_sin[i] - here.model_sin[i]) / kStep;
-      double dc = (there.model_cos[i] - here.model_cos[i]) / kStep;
       data.whiten(i, s, c);
-      data.whiten(i, ds, dc);
-      xx += ds * ds + dc * dc;
-      xy += s * ds + c * dc;
+      for (std::size_t k = 0; k < own; ++k) {
+        const auto row = static_cast<Eigen::Index>(k);
+        ds[row] = (there[k].model_sin[i] - here.model_sin[i]) / kStep[k];
+        dc[row] = (there[k].model_cos[i] - here.model_cos[i]) / kStep[k];
+        data.whiten(i, ds[row], dc[row]);
+      }
+      matrix += ds * ds.transpose() + dc * dc.transpose();
+      right += s * ds + c * dc;
     }
-    if (!(xx > 0.0))
+    const Eigen::Vector3d step = matrix.ldlt().solve(right);
+    if (!step.allFinite())
       break;
-    model.baseline.angle_zero_deg += xy / xx;
+    for (std::size_t k = 0; k < own; ++k)
+      model.baseline.*parameter[k] += step[static_cast<Eigen::Index>(k)];
   }
   return model;
 }

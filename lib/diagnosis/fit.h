@@ -37,9 +37,9 @@ void attach_errors(FitResult &result);
 /// Whitened sum of squares of data minus model.
 double sum_of_squares(const Observations &data, const Model &model);
 
-/// The model with the zero angle of these data: a second capture has its own, which is no matter of
-/// the sensor.
-Model with_own_zero(const Observations &data, Model model);
+/// The model as these data see it, when they come from a second capture: the zero angle is their
+/// own and no matter of the sensor; so are the offsets where `own_offsets` says that they moved.
+Model as_seen_by(const Observations &data, Model model);
 
 /// Data minus model, and the model, in volts.
 struct ResidualColumns {

@@ -19,6 +19,11 @@ namespace ada {
 namespace {
 
 constexpr std::size_t kFewestSamples = 400;
+/// A shaft that departs this far from a smooth motion is no reference, rad rms mechanical.
+constexpr double kRoughMotion = 1.0 * kRadPerDeg;
+/// The angle that a pair gives itself says nothing about the pair; not 0, so that the zero angle
+/// stays determined.
+constexpr double kWeightOfOwnAngle = 0.02;
 constexpr double kFewestTurns = 6.0;        ///< so that both parts hold whole turns
 constexpr double kLeastTemperatureV = 0.03; ///< about 2 degrees Celsius at 5 V
 constexpr int kRippleOrders = 20;           ///< clipping alone shows up to order 16
@@ -327,6 +332,7 @@ Observations Observations::select(const std::vector<std::uint32_t> &indices) con
   out.vtemp_on_vcos_error = vtemp_on_vcos_error;
   out.disturbed = disturbed;
   out.weight_along = weight_along;
+  out.own_offsets = own_offsets;
   out.mid_v = mid_v;
   for (auto column : kColumns)
     out.*column = pick(this->*column, indices);
@@ -338,6 +344,12 @@ void Observations::keep(const std::vector<std::uint32_t> &indices) {
     return;
   for (auto column : kColumns)
     this->*column = pick(this->*column, indices);
+}
+
+void judge_radius_only(Scene &scene) {
+  scene.radius_only = true;
+  scene.all.disturbed = Direction::motion;
+  scene.all.weight_along = kWeightOfOwnAngle;
 }
 
 Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
@@ -377,7 +389,11 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   } else {
     if (known)
       look.angle = corrected_angle(look, *known, temp, supply);
-    motion = smooth_motion_with_losses(look, kRippleOrders);
+    SmoothMotion smooth = smooth_motion_with_losses(look, kRippleOrders);
+    scene.radius_only = smooth.residual_rms_rad > kRoughMotion;
+    if (scene.radius_only)
+      smooth.motion.alpha = look.angle;
+    motion = std::move(smooth.motion);
   }
 
   for (std::size_t i = 0; i < capture.size(); ++i)
@@ -403,6 +419,8 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
     scene.insufficient = "only " + std::to_string(all.size()) + " usable samples";
     return scene;
   }
+  if (scene.radius_only)
+    judge_radius_only(scene);
   describe_motion(scene);
   if (needs_split) {
     split_by_turns(scene);

@@ -33,6 +33,8 @@ struct Observations {
   /// direction weigh less, by this factor.
   Direction disturbed = Direction::none;
   double weight_along = 1.0;
+  /// Whether a second capture is judged with offsets of its own.
+  bool own_offsets = false;
   double mid_v = 2.5; ///< supply/2: the middle of the circle, near enough for a direction
 
   std::size_t size() const { return time.size(); }
@@ -52,6 +54,9 @@ struct Scene {
   int periods = 2;
   double supply_v = 5.0;
   bool has_reference = false, both_directions = false, several_speeds = false;
+  /// Without a reference and with a shaft that turns too unevenly to be one itself: the angle is
+  /// the pair's own, and only the radius can be judged.
+  bool radius_only = false;
   std::string why_no_temperature;
   double turns = 0.0, fastest_omega = 0.0;
   double vtemp_mean_v = 0.0, supply_rms = 0.0;
@@ -68,6 +73,8 @@ struct Scene {
   std::vector<ScreenFinding> screened;
   std::string insufficient; ///< why nothing can be said; empty when something can
 };
+
+void judge_radius_only(Scene &scene);
 
 /// Screens a capture and prepares it. `needs_split` false: everything trains (a second capture
 /// judges). `known`: what is known of the sensor already, which then no longer bends the motion

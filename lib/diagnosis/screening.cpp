@@ -468,7 +468,7 @@ Screened screen(const Capture &capture) {
   return look;
 }
 
-Kinematics smooth_motion_with_losses(Screened &look, int orders) {
+SmoothMotion smooth_motion_with_losses(Screened &look, int orders) {
   std::vector<double> angle = look.angle;
   for (std::size_t k = 0; k < look.jumps.size(); ++k)
     for (std::size_t i = look.jumps[k]; i < angle.size(); ++i)
@@ -477,7 +477,7 @@ Kinematics smooth_motion_with_losses(Screened &look, int orders) {
   for (std::size_t k = 0; k < look.jumps.size(); ++k)
     for (std::size_t i = look.jumps[k]; i < angle.size(); ++i)
       smooth.motion.alpha[i] += look.jump_rad[k];
-  return std::move(smooth.motion);
+  return smooth;
 }
 
 } // namespace ada

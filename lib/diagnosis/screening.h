@@ -14,6 +14,6 @@ Screened screen(const Capture &capture);
 
 /// The smooth motion of a capture without reference, with the jumps at lost samples and slips
 /// taken as what they are.
-Kinematics smooth_motion_with_losses(Screened &look, int orders);
+SmoothMotion smooth_motion_with_losses(Screened &look, int orders);
 
 } // namespace ada

@@ -30,6 +30,9 @@ constexpr double kLeastOfNoise = 0.06;
 /// Residual, in units of the noise, above which what was found is called into question.
 constexpr double kShaken = 1.25;
 constexpr std::size_t kMostShaken = 6; ///< beyond so many the work grows too long
+/// Two causes this correlated are one and the same in the data: both together would cancel each
+/// other at sizes that mean nothing.
+constexpr double kEntangled = 0.995;
 /// A rival that comes this close cannot be rejected.
 constexpr double kRivalNats = 8.0;
 /// Prior cost of a motion whose own ripple happens to look like an error of the reference, nats.
@@ -113,6 +116,19 @@ std::vector<std::uint32_t> thin(const std::vector<std::uint32_t> &indices, std::
   return out;
 }
 
+void SearchResult::forget(std::size_t place) {
+  const auto drop = [](auto &from, std::size_t at) {
+    from.erase(from.begin() + static_cast<std::ptrdiff_t>(at));
+  };
+  const std::size_t effect = order[place];
+  drop(fit.model.effects, effect);
+  drop(order, place);
+  drop(contribution, place);
+  drop(alternatives, place);
+  for (std::size_t &k : order)
+    k -= k > effect;
+}
+
 Search::Search(SearchData data, Model baseline, double noise_v, Report report)
     : data_(std::move(data)), baseline_(std::move(baseline)), given_(baseline_.effects.size()),
       noise_v_(noise_v), report_(std::move(report)) {
@@ -140,7 +156,7 @@ Search::State Search::evaluate(const Model &start, int iterations) const {
   State out;
   out.fit = fit(data_.train, fit(coarse_, start, iterations).model, 5);
   out.judged =
-      data_.judge == data_.scene ? out.fit.model : with_own_zero(data_.heldout, out.fit.model);
+      data_.judge == data_.scene ? out.fit.model : as_seen_by(data_.heldout, out.fit.model);
   out.heldout = sum_of_squares(data_.heldout, out.judged);
   out.score = log_likelihood(out.fit, out.heldout);
   return out;
@@ -205,6 +221,36 @@ double Search::second_order(const State &now) const {
   return std::min(0.35 * sum / amplitude, 6e-4 * amplitude);
 }
 
+/// Largest correlation of any mixture of one effect's coordinates with any of another's, 0 to 1: at
+/// 1 the two are one in these data.
+double Search::entanglement(const FitResult &fit, std::size_t effect) {
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> place; // first coordinate, count
+  Eigen::Index at = 4;
+  for (const EffectInstance &e : fit.model.effects) {
+    const auto n = static_cast<Eigen::Index>(coordinates(e));
+    place.emplace_back(at, n);
+    at += n;
+  }
+  const auto whitener = [&](std::size_t k) -> Eigen::MatrixXd {
+    const auto [first, n] = place[k];
+    const Eigen::MatrixXd block = fit.covariance.block(first, first, n, n);
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(block).operatorInverseSqrt();
+  };
+  double most = 0.0;
+  const auto [first, n] = place[effect];
+  if (n == 0)
+    return 0.0;
+  const Eigen::MatrixXd mine = whitener(effect);
+  for (std::size_t k = 0; k < place.size(); ++k) {
+    const auto [other, m] = place[k];
+    if (k == effect || m == 0)
+      continue;
+    const Eigen::MatrixXd cross = mine * fit.covariance.block(first, other, n, m) * whitener(k);
+    most = std::max(most, cross.jacobiSvd().singularValues()[0]);
+  }
+  return most;
+}
+
 bool Search::forward(State &now) {
   const double allowance = second_order(now);
   const std::vector<Candidate> list = candidates(*data_.scene, quick_, now.fit.model, false);
@@ -228,7 +274,8 @@ bool Search::forward(State &now) {
     if (!state.fit.determined || !in_range(state.fit.model))
       continue;
     const double worth = state.score - now.score - price(c.start.effects.back());
-    if (worth < kLeastNats)
+    if (worth < kLeastNats ||
+        entanglement(state.fit, state.fit.model.effects.size() - 1) > kEntangled)
       continue;
     const double size = std::min(volts_explained(state, now),
                                  reach(state.fit.model, state.fit.model.effects.size() - 1));
@@ -444,7 +491,8 @@ void Search::weigh(State &now, Direction direction, double weight) {
 /// Without a reference the smooth motion is itself an estimate. What the true motion does beyond it
 /// lies along the circle, so that direction weighs as much as its own scatter allows.
 void Search::weigh_motion(State &now) {
-  if (data_.scene->has_reference || data_.train.disturbed == Direction::supply)
+  if (data_.scene->has_reference || data_.scene->radius_only ||
+      data_.train.disturbed == Direction::supply)
     return;
   data_.train.disturbed = Direction::motion;
   const ResidualColumns r = residual_columns(data_.train, now.fit.model);

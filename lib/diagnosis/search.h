@@ -30,6 +30,9 @@ struct SearchResult {
   double supply_rms_fraction = 0.0;      ///< of a supply variation seen without a VDD channel
   Direction disturbed = Direction::none; ///< and how residuals were weighed in the end
   double weight_along = 1.0;
+
+  /// Takes the finding at this place of `order` out of everything.
+  void forget(std::size_t place);
 };
 
 using Report = std::function<void(double, const char *)>;
@@ -51,6 +54,7 @@ private:
   State evaluate(const Model &start, int iterations = 6) const;
   double log_likelihood(const FitResult &fit, double heldout) const;
   void progress(const char *what);
+  static double entanglement(const FitResult &fit, std::size_t effect);
   bool forward(State &now);
   void climb(State &now);
   std::vector<std::size_t> suspects(const State &now) const;

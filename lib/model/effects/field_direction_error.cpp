@@ -54,7 +54,7 @@ public:
     return r.has_reference ? "" : "without a reference it looks like a speed ripple";
   }
   std::vector<std::vector<double>> guesses(const Residual &) const override {
-    return one_of_each(3, 0, 1, 12);
+    return one_of_each(3, 0, 3, 12); // orders 1 and 2 have a cause of their own
   }
 
 protected:

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/ladder.h"
+
+#include <algorithm>
+
+#include "diagnosis/explain.h"
+#include "model/effect_text.h"
+
+namespace ada {
+
+namespace {
+
+/// The effect of a fitted model that this is a less fitted version of.
+const EffectInstance *same_instance(const Model &model, const EffectInstance &e) {
+  for (const EffectInstance &o : model.effects)
+    if (repeats(o, e))
+      return &o;
+  return nullptr;
+}
+
+/// The model without anything that was found, fitted.
+Model without_findings(const Parts &parts, Model model, const SearchResult &found) {
+  std::vector<std::size_t> drop = found.order;
+  std::sort(drop.rbegin(), drop.rend());
+  for (std::size_t k : drop)
+    model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(k));
+  return fit(parts.train, model, 6).model;
+}
+
+} // namespace
+
+void put_in_words(Finding &finding) {
+  finding.separate_by = separation(*finding.effect, finding.alternatives);
+  finding.explanation = explanation(finding);
+}
+
+Ladder build_ladder(const Parts &parts, const SearchResult &found) {
+  FitResult whole = fit(parts.train, found.fit.model, 5);
+  attach_errors(whole);
+  Ladder out;
+  out.extended = std::move(whole.model);
+  const Model &model = out.extended;
+  Model step = out.baseline = without_findings(parts, model, found);
+  out.models.push_back(step);
+  out.first = out.last = parts.rung(step);
+  for (std::size_t i = 0; i < found.order.size(); ++i) {
+    const EffectInstance &e = model.effects[found.order[i]];
+    step.effects.push_back(e);
+    // Everything else starts where the whole model has it: a clipping bends the baseline far.
+    step.baseline = model.baseline;
+    for (EffectInstance &earlier : step.effects)
+      if (const EffectInstance *last = same_instance(model, earlier))
+        earlier.values = last->values;
+    step = i + 1 == found.order.size() ? model : fit(parts.train, step, 5).model;
+    const Rung after = parts.rung(step);
+    out.models.push_back(step);
+    out.findings.push_back({e.effect,
+                            e.values,
+                            e.std_errors,
+                            found.alternatives[i],
+                            {},
+                            {},
+                            out.last,
+                            after,
+                            e.effect->info().correctable});
+    put_in_words(out.findings.back());
+    out.last = after;
+  }
+  return out;
+}
+
+} // namespace ada

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What fits may see and what only judges them, and how well a model describes both.
+#pragma once
+
+#include "diagnosis/observations.h"
+#include "diagnosis/result.h"
+
+namespace ada {
+
+struct Parts {
+  Observations train, heldout;
+  bool has_reference = false;
+  bool second_capture = false; ///< judges, with a zero angle of its own
+
+  Rung rung(const Model &model) const;
+};
+
+} // namespace ada
