@@ -264,10 +264,11 @@ void attach_errors(FitResult &result) {
     }
     const Eigen::MatrixXd covariance =
         jacobian * result.covariance.block(first, first, n, n) * jacobian.transpose();
-    e.std_errors.assign(centre.size(), 0.0);
+    e.std_errors.resize(centre.size(), 0.0);
     for (std::size_t r = 0; r < centre.size(); ++r)
-      e.std_errors[r] = std::sqrt(
-          std::max(0.0, covariance(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(r))));
+      if (e.effect->info().parameters[r].role != Role::chosen) // no fit moves those
+        e.std_errors[r] = std::sqrt(
+            std::max(0.0, covariance(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(r))));
     k += static_cast<std::size_t>(n);
   }
 }

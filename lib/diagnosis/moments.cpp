@@ -4,8 +4,9 @@
 #include "diagnosis/moments.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
-#include "diagnosis/candidates.h"
 #include "diagnosis/fit.h"
 
 namespace ada {
@@ -25,6 +26,38 @@ std::vector<std::uint32_t> samples_near(const std::vector<double> &time, double 
   return out;
 }
 
+/// The moment that leaves the least sum of squares, with the size of the step as it is: a sample
+/// before it is judged without the effect, one from it on with. It lies between two samples, which
+/// are far apart where those between them are of no use.
+void set_exact_moment(const Scene &scene, Model &model, std::size_t effect) {
+  EffectInstance &e = model.effects[effect];
+  const Observations near = scene.all.select(samples_near(scene.all.time, e.values[0]));
+  Model less = model, always = model;
+  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  always.effects[effect].values[0] = std::numeric_limits<double>::lowest();
+  const ResidualColumns before = residual_columns(near, less);
+  const ResidualColumns after = residual_columns(near, always);
+  const auto square = [&](const ResidualColumns &r, std::size_t i) {
+    double s = r.sin[i], c = r.cos[i];
+    near.whiten(i, s, c);
+    return s * s + c * c;
+  };
+  double sum = 0.0, least = 0.0;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    sum += square(before, i) - square(after, i);
+    if (sum < least) {
+      least = sum;
+      at = i + 1;
+    }
+  }
+  if (at == 0 || at == near.size())
+    return;
+  e.values[0] = 0.5 * (near.time[at - 1] + near.time[at]);
+  e.std_errors.resize(e.values.size());
+  e.std_errors[0] = (near.time[at] - near.time[at - 1]) / std::sqrt(12.0);
+}
+
 } // namespace
 
 bool has_moment(const Effect &effect) {
@@ -34,20 +67,9 @@ bool has_moment(const Effect &effect) {
 }
 
 Model with_exact_moments(const Scene &scene, Model model, std::size_t first) {
-  for (std::size_t k = first; k < model.effects.size(); ++k) {
-    EffectInstance &e = model.effects[k];
-    if (!has_moment(*e.effect))
-      continue;
-    Model less = model;
-    less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(k));
-    const Observations near = scene.all.select(samples_near(scene.all.time, e.values[0]));
-    const ResidualColumns columns = residual_columns(near, less);
-    const Residual residual =
-        residual_view(scene, near, columns, scene.white_noise_v, model.baseline.amplitude_v);
-    const auto guesses = e.effect->guesses(residual);
-    if (!guesses.empty())
-      e.values[0] = guesses.front()[0];
-  }
+  for (std::size_t k = first; k < model.effects.size(); ++k)
+    if (has_moment(*model.effects[k].effect))
+      set_exact_moment(scene, model, k);
   return model;
 }
 

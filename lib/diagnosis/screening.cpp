@@ -150,10 +150,8 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
     return all;
   std::vector<double> gaps(n, 0.0), speeds(n, 0.0), size;
   for (std::size_t i = side; i + side <= n; ++i) {
-    if (!look.usable[i] || !look.usable[i - 1])
-      continue;
     const double middle = 0.5 * (t[i] + t[i - 1]);
-    double value[2], slope[2];
+    double value[2], slope[2], fewest = static_cast<double>(side);
     for (int s = 0; s < 2; ++s) {
       const std::size_t from = s == 0 ? i - side : i;
       double su = 0, sv = 0, suu = 0, suv = 0;
@@ -168,12 +166,16 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
         suu += u * u;
         suv += u * v;
       }
+      fewest = std::min(fewest, m);
       m = std::max(m, 1.0);
       const double d = m * suu - su * su;
       slope[s] = d > 0.0 ? (m * suv - su * sv) / d : 0.0;
       value[s] = (sv - slope[s] * su) / m;
     }
     speeds[i] = 0.5 * (slope[0] + slope[1]);
+    // The edge of a jump may pass for a spike; a stretch without samples says nothing.
+    if (fewest < 0.75 * static_cast<double>(side))
+      continue;
     // A kink, such as a sudden reversal, is a change of speed and no jump.
     if (std::abs(slope[1] - slope[0]) > 0.3 * std::abs(slope[0] + slope[1]) * 0.5)
       continue;
@@ -255,8 +257,10 @@ std::vector<Jump> jumps_of(const Screened &look) {
   return find_jumps(look, reference_angle(look.capture), 6, 4e-6);
 }
 
+/// Leaves out what lies about a jump, its edges that passed for spikes included.
 void mark(Screened &look, std::size_t centre, std::size_t half) {
   const std::size_t from = centre > half ? centre - half : 0;
+  std::erase_if(look.spikes, [&](std::uint32_t i) { return i >= from && i < centre + half; });
   for (std::size_t i = from; i < std::min(look.usable.size(), centre + half); ++i)
     look.usable[i] = 0;
 }

@@ -3,6 +3,7 @@
 
 #include "motion/kinematics.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -153,6 +154,47 @@ void widen_gaps(std::span<const double> angle, double travel, std::span<char> us
   }
 }
 
+/// Whether a run of samples departs from the smooth motion only by what comes again every turn:
+/// then it is the signal that changed there, by a step of an offset say, and no rough motion.
+bool repeats_every_turn(std::span<const double> angle, const std::vector<double> &residual,
+                        std::span<const char> usable, std::size_t from, std::size_t to,
+                        double limit) {
+  constexpr double kFewestTurns = 3.0;
+  constexpr int kOrders = 4;
+  constexpr Eigen::Index kColumns = 2 + 2 * kOrders;
+  double travel = 0.0;
+  for (std::size_t i = from + 1; i < to; ++i)
+    travel += std::abs(angle[i] - angle[i - 1]);
+  if (travel < kFewestTurns * kTwoPi)
+    return false;
+  using Row = Eigen::Matrix<double, kColumns, 1>;
+  const double length = static_cast<double>(to - from);
+  const auto row = [&](std::size_t i) {
+    Row x;
+    x[0] = 1.0;
+    x[1] = static_cast<double>(i - from) / length - 0.5;
+    for (int k = 1; k <= kOrders; ++k) {
+      x[2 * k] = std::cos(k * angle[i]);
+      x[2 * k + 1] = std::sin(k * angle[i]);
+    }
+    return x;
+  };
+  Eigen::Matrix<double, kColumns, kColumns> normal = decltype(normal)::Identity() * 1e-9;
+  Row right = Row::Zero();
+  double square = 0.0, count = 0.0;
+  for (std::size_t i = from; i < to; ++i) {
+    if (!usable[i])
+      continue;
+    const Row x = row(i);
+    normal += x * x.transpose();
+    right += x * residual[i];
+    square += residual[i] * residual[i];
+    count += 1.0;
+  }
+  const double left = square - right.dot(normal.ldlt().solve(right));
+  return count > 4.0 * kColumns && left < limit * limit * count;
+}
+
 /// Marks stretches whose residual stands far above that of the rest (`factor` 1: as far as must
 /// be), with a turn on either side.
 bool mask_rough(std::span<const double> angle, const std::vector<double> &residual, double factor,
@@ -186,9 +228,25 @@ bool mask_rough(std::span<const double> angle, const std::vector<double> &residu
   // The smooth part is the better part, yet the greater part is never thrown away.
   std::sort(rms.begin(), rms.end());
   const double limit = factor * std::max(2.5 * rms[rms.size() / 4], 1.5 * rms[rms.size() * 3 / 4]);
+  // Runs of rough stretches, across short ones that are not.
+  constexpr std::size_t kAcross = 4;
+  std::vector<char> spared(stretches.size(), 0);
+  for (std::size_t k = 0; k < stretches.size(); ++k) {
+    if (stretches[k].rms <= limit)
+      continue;
+    std::size_t last = k;
+    for (std::size_t j = k + 1; j < stretches.size() && j <= last + kAcross; ++j)
+      if (stretches[j].rms > limit)
+        last = j;
+    if (repeats_every_turn(angle, residual, usable, stretches[k].from, stretches[last].to, limit))
+      std::fill(spared.begin() + static_cast<std::ptrdiff_t>(k),
+                spared.begin() + static_cast<std::ptrdiff_t>(last + 1), char{1});
+    k = last;
+  }
   bool any = false;
-  for (const Stretch &s : stretches) {
-    if (s.rms <= limit)
+  for (std::size_t k = 0; k < stretches.size(); ++k) {
+    const Stretch &s = stretches[k];
+    if (s.rms <= limit || spared[k])
       continue;
     any = true;
     std::size_t a = s.from, b = s.to - 1;
