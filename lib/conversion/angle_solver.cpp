@@ -55,6 +55,7 @@ double unevenness(std::span<const double> alpha) {
 struct Columns {
   std::vector<double> temp, rate, supply, zero;
   Kinematics motion;
+  double mid_shift_v = 0.0;
   Conditions view(const Capture &c, double period_s) const {
     const auto data = [](const std::vector<double> &v) { return v.empty() ? nullptr : v.data(); };
     return {.n = c.size(),
@@ -67,7 +68,8 @@ struct Columns {
             .temp_rate = data(rate),
             .supply = data(supply),
             .vtemp_scan = data(temp),
-            .frame_period_s = period_s};
+            .frame_period_s = period_s,
+            .mid_shift_v = mid_shift_v};
   }
 };
 
@@ -179,11 +181,13 @@ void AngleSolver::capture(const Capture &capture, std::span<ada4571_angle> out) 
       x.rate.assign(n, 0.0);
     }
   }
-  if (capture.has_vdd() && supply_fraction_ != 0.0) {
+  if (capture.has_vdd()) {
     const double mean =
         std::accumulate(capture.vdd_v.begin(), capture.vdd_v.end(), 0.0) / static_cast<double>(n);
+    x.mid_shift_v = 0.5 * (mean - model_.supply_v);
     for (double v : capture.vdd_v)
-      x.supply.push_back((v / mean - 1.0) / supply_fraction_);
+      if (supply_fraction_ != 0.0)
+        x.supply.push_back((v / mean - 1.0) / supply_fraction_);
   }
   std::vector<double> alpha(n), radius(n);
   start(capture.vsin_v, capture.vcos_v, alpha);

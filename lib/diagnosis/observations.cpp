@@ -111,6 +111,7 @@ void prepare_supply(const Capture &capture, Scene &scene, std::vector<double> &s
                       static_cast<double>(capture.size());
   if (!(mean > 0.0))
     return;
+  scene.all.mid_shift_v = 0.5 * (mean - scene.supply_v);
   double sum = 0.0;
   supply.resize(capture.size());
   for (std::size_t i = 0; i < capture.size(); ++i) {
@@ -293,7 +294,8 @@ Conditions Observations::conditions() const {
           .temp_rate = data(temp_rate),
           .supply = data(supply),
           .vtemp_scan = vtemp_scanned ? data(temp) : nullptr,
-          .frame_period_s = frame_period_s};
+          .frame_period_s = frame_period_s,
+          .mid_shift_v = mid_shift_v};
 }
 
 std::array<double, 2> Observations::direction_at(std::size_t i) const {
@@ -333,6 +335,7 @@ Observations Observations::select(const std::vector<std::uint32_t> &indices) con
   out.disturbed = disturbed;
   out.weight_along = weight_along;
   out.own_offsets = own_offsets;
+  out.mid_shift_v = mid_shift_v;
   out.mid_v = mid_v;
   for (auto column : kColumns)
     out.*column = pick(this->*column, indices);

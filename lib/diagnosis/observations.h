@@ -35,6 +35,7 @@ struct Observations {
   double weight_along = 1.0;
   /// Whether a second capture is judged with offsets of its own.
   bool own_offsets = false;
+  double mid_shift_v = 0.0; ///< of mid-supply by the recorded VDD, as in Conditions
   double mid_v = 2.5; ///< supply/2: the middle of the circle, near enough for a direction
 
   std::size_t size() const { return time.size(); }

@@ -251,6 +251,27 @@ double Search::entanglement(const FitResult &fit, std::size_t effect) {
   return most;
 }
 
+/// Whether a transfer error acts on the pair with its offsets or before they are added is not known
+/// either: the difference between the two, V rms of a channel.
+double Search::offsets_in_transfer(const State &now) const {
+  const Model &m = now.fit.model;
+  Model outside = m;
+  outside.baseline.offset_sin_v = outside.baseline.offset_cos_v = 0.0;
+  const ResidualColumns a = residual_columns(quick_, m), b = residual_columns(quick_, outside);
+  const double n = static_cast<double>(quick_.size());
+  double variance = 0.0;
+  for (const auto column : {&ResidualColumns::sin, &ResidualColumns::cos}) {
+    double sum = 0.0, square = 0.0;
+    for (std::size_t i = 0; i < quick_.size(); ++i) {
+      const double d = (a.*column)[i] - (b.*column)[i];
+      sum += d;
+      square += d * d;
+    }
+    variance += square / n - sum * sum / (n * n);
+  }
+  return std::sqrt(std::max(0.0, 0.5 * variance));
+}
+
 bool Search::forward(State &now) {
   const double allowance = second_order(now);
   const std::vector<Candidate> list = candidates(*data_.scene, quick_, now.fit.model, false);
@@ -298,6 +319,19 @@ bool Search::forward(State &now) {
   return true;
 }
 
+/// Choices that no search for a place decides, such as where a transfer is straight, are tried both
+/// ways.
+void Search::choose(State &now) const {
+  for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k)
+    for (auto &values : now.fit.model.effects[k].effect->choices(now.fit.model.effects[k].values)) {
+      Model model = now.fit.model;
+      model.effects[k].values = std::move(values);
+      State other = evaluate(model);
+      if (other.fit.determined && other.score > now.score + kNatsPerCoordinate)
+        now = std::move(other);
+    }
+}
+
 bool Search::backward(State &now) {
   bool changed = false;
   for (std::size_t k = now.fit.model.effects.size(); k-- > given_;) {
@@ -328,6 +362,7 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
   const std::vector<Candidate> list =
       candidates(*data_.scene, quick_, less.fit.model, !data_.scene->has_reference);
   const double my_side = side_evidence(data_, now.fit.model);
+  const double in_transfer = offsets_in_transfer(now);
   double highest = 0.0;
   for (const Candidate &c : list)
     if (c.effect == self)
@@ -346,8 +381,9 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
       continue;
     const double side = side_evidence(data_, rival.fit.model) - my_side;
     const double blurred =
-        std::min(4.0 * part * (part + (at_rest ? offset : 0.0)) / base.amplitude_v,
-                 (at_rest ? 0.3 : 0.1) * part);
+        std::max(std::min(4.0 * part * (part + (at_rest ? offset : 0.0)) / base.amplitude_v,
+                          (at_rest ? 0.3 : 0.1) * part),
+                 in_transfer);
     const double left = std::sqrt(std::max(0.0, rival.heldout - now.heldout) / (2.0 * n));
     if (side < -kRivalNats || (rival.score - side < now.score - kRivalNats && left > blurred))
       continue;
@@ -515,6 +551,7 @@ void Search::climb(State &now) {
     if (!forward(now))
       break;
     weigh_motion(now);
+    choose(now);
   }
 }
 

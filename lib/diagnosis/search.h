@@ -57,6 +57,7 @@ private:
   static double entanglement(const FitResult &fit, std::size_t effect);
   bool forward(State &now);
   void climb(State &now);
+  void choose(State &now) const;
   std::vector<std::size_t> suspects(const State &now) const;
   bool shake(State &now);
   bool backward(State &now);
@@ -76,6 +77,7 @@ private:
   double volts_explained(const State &with, const State &less) const;
   double reach(const Model &model, std::size_t effect) const;
   double second_order(const State &now) const;
+  double offsets_in_transfer(const State &now) const;
 
   SearchData data_;
   Observations quick_;  ///< a thinned part of the training data, for looking around

@@ -3,6 +3,10 @@
 
 #include "model/effect.h"
 
+#include <cmath>
+
+#include "model/effect_text.h"
+
 namespace ada {
 
 std::string_view stage_name(Stage stage) {
@@ -53,7 +57,10 @@ std::vector<double> Effect::steps(Values) const {
 }
 
 std::vector<std::vector<double>> Effect::guesses(const Residual &) const {
-  return {std::vector<double>(info().parameters.size(), 0.0)};
+  std::vector<double> values;
+  for (const ParameterInfo &p : info().parameters)
+    values.push_back(may_be_absent(p) && p.role == Role::chosen ? std::nan("") : 0.0);
+  return {values};
 }
 
 } // namespace ada

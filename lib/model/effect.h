@@ -107,6 +107,8 @@ public:
   virtual std::string invisible(const Residual &) const { return {}; }
   /// Starting points, best first. Coordinates near zero mean: let the linear fit decide.
   virtual std::vector<std::vector<double>> guesses(const Residual &) const;
+  /// Values with another choice of what no search for a place decides; the best is kept.
+  virtual std::vector<std::vector<double>> choices(Values) const { return {}; }
   /// Evidence::screening: looks at the capture before any fit, marks what the fit must not use.
   virtual bool screen(Screened &) const { return false; }
 };

@@ -59,7 +59,7 @@ template <class Range, class Name> std::string join(const Range &range, Name nam
 } // namespace
 
 bool may_be_absent(const ParameterInfo &parameter) {
-  if (parameter.unit == "channel")
+  if (parameter.role == Role::chosen)
     return std::isnan(parameter.fallback);
   return parameter.role == Role::fitted && std::isinf(parameter.minimum) &&
          std::isinf(parameter.maximum);

@@ -186,6 +186,8 @@ void ForwardModel::block(const Conditions &at, double *vsin_v, double *vcos_v, W
 void ForwardModel::evaluate(const Conditions &at, double *vsin_v, double *vcos_v) const {
   Wave w;
   w.amplitude_v = baseline_.amplitude_v;
+  w.offset_sin_v = baseline_.offset_sin_v;
+  w.offset_cos_v = baseline_.offset_cos_v;
   w.mid_v = mid_v_;
   w.periods = periods_;
   for (std::size_t first = 0; first < at.n; first += kWaveBlock) {

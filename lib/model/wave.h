@@ -24,6 +24,8 @@ struct Conditions {
   const double *supply = nullptr;     ///< (VDD/mean - 1) scaled to an rms of 1; optional
   const double *vtemp_scan = nullptr; ///< VTEMP as converted before VSIN, V; nullptr: not scanned
   double frame_period_s = 0.0;
+  /// How far the recorded supply, on average, moves mid-supply from where the model has it, V.
+  double mid_shift_v = 0.0;
 
   /// The same conditions from sample `first` on, `count` samples.
   Conditions slice(std::size_t first, std::size_t count) const;
@@ -38,6 +40,8 @@ struct Wave {
   std::size_t n = 0;
   Conditions at;                         ///< the conditions of this block
   double amplitude_v = 1.0;              ///< A of the baseline
+  double offset_sin_v = 0.0;             ///< O_sin of the baseline
+  double offset_cos_v = 0.0;             ///< O_cos
   double mid_v = 2.5;                    ///< supply/2
   int periods = 2;                       ///< p
   double alpha[kWaveBlock];              ///< angle of the magnet, rad

@@ -3,7 +3,27 @@
 
 #include "model/effects/common.h"
 
+#include <cmath>
+
 namespace ada {
+
+void TransferError::apply(Values v, Wave &w) const {
+  const bool at_offset = v[1] == 1.0;
+  const double a = 1.0 / w.amplitude_v;
+  const auto bend = [&](double *signal, double offset) {
+    const double origin = at_offset ? offset : w.at.mid_shift_v;
+    for (std::size_t i = 0; i < w.n; ++i) {
+      const double x = a * (signal[i] - origin);
+      signal[i] += v[0] * w.amplitude_v * (order() == 2 ? x * x : x * x * x);
+    }
+  };
+  bend(w.s, w.offset_sin_v);
+  bend(w.c, w.offset_cos_v);
+}
+
+std::vector<std::vector<double>> TransferError::choices(Values v) const {
+  return {{v[0], v[1] == 1.0 ? std::nan("") : 1.0}};
+}
 
 std::vector<std::vector<double>> one_of_each(std::size_t parameters, std::size_t index, int first,
                                              int last) {

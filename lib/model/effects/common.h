@@ -55,6 +55,21 @@ protected:
   virtual double multiplicity() const { return 1.0; }
 };
 
+/// Where the transfer of a channel is straight: absent at mid-supply, 1 at the channel's own
+/// offset, which then comes after the bent stage and not before it.
+inline constexpr ParameterInfo kOrigin{"origin", "1", std::numeric_limits<double>::quiet_NaN(),
+                                       0.0,      1.0, Role::chosen};
+
+/// A transfer error of order n: adds g A x^n to each channel, x = signal/A from its origin.
+class TransferError : public Effect {
+public:
+  void apply(Values v, Wave &w) const override;
+  std::vector<std::vector<double>> choices(Values v) const override;
+
+protected:
+  virtual int order() const = 0;
+};
+
 /// Starting points that differ in one chosen parameter, everything else absent.
 std::vector<std::vector<double>> one_of_each(std::size_t parameters, std::size_t index, int first,
                                              int last);

@@ -9,8 +9,8 @@
 namespace ada {
 namespace {
 
-constexpr std::array<ParameterInfo, 1> kParameters{
-    ParameterInfo{"q2", "1", 0.01, -0.3, 0.3, Role::fitted, 1e-4}};
+constexpr std::array<ParameterInfo, 2> kParameters{
+    ParameterInfo{"q2", "1", 0.01, -0.3, 0.3, Role::fitted, 1e-4}, kOrigin};
 
 constexpr EffectInfo kInfo{.id = "quadratic-nonlinearity",
                            .cause =
@@ -19,16 +19,12 @@ constexpr EffectInfo kInfo{.id = "quadratic-nonlinearity",
                            .parameters = kParameters,
                            .correctable = true};
 
-class QuadraticNonlinearity final : public Effect {
+class QuadraticNonlinearity final : public TransferError {
 public:
   const EffectInfo &info() const override { return kInfo; }
-  void apply(Values v, Wave &w) const override {
-    const double g = v[0] / w.amplitude_v;
-    for (std::size_t i = 0; i < w.n; ++i) {
-      w.s[i] += g * w.s[i] * w.s[i];
-      w.c[i] += g * w.c[i] * w.c[i];
-    }
-  }
+
+protected:
+  int order() const override { return 2; }
 };
 
 } // namespace
