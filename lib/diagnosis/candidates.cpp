@@ -77,7 +77,8 @@ std::vector<Variant> variants(const Scene &scene, const Residual &residual, cons
                                        [&](const EffectInstance &e) { return e.effect == effect; });
     if (present >= (may_repeat(*effect) ? kMostOfOne : 1))
       continue;
-    if (!rivals && !effect->invisible(residual).empty())
+    const bool absent = effect->info().stage == Stage::record && !scene.has_reference;
+    if (absent || (!rivals && !effect->invisible(residual).empty()))
       continue;
     for (auto &values : effect->guesses(residual)) {
       if (std::any_of(model.effects.begin(), model.effects.end(),

@@ -8,7 +8,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "base/angle.h"
-#include "diagnosis/robust.h"
+#include "base/robust.h"
 #include "model/residual.h"
 
 namespace ada {
@@ -248,26 +248,7 @@ std::vector<std::vector<double>> find_clipping(const Residual &r) {
 
 void find_spikes(std::span<const double> residual, double threshold, double floor_v,
                  std::vector<std::size_t> &places) {
-  const std::size_t n = residual.size();
-  places.clear();
-  if (n < 20)
-    return;
-  std::vector<double> off(n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    double window[7];
-    std::size_t m = 0;
-    for (std::size_t k = i > 3 ? i - 3 : 0; k < std::min(n, i + 4); ++k)
-      window[m++] = residual[k];
-    std::nth_element(window, window + m / 2, window + m);
-    off[i] = residual[i] - window[m / 2];
-  }
-  const double sigma = std::max({robust_spread(off), floor_v, 1e-9});
-  for (std::size_t i = 0; i < n; ++i)
-    if (std::abs(off[i]) > threshold * sigma)
-      places.push_back(i);
-  // Structure is not a spike: isolated means rare.
-  if (places.size() > n / 60)
-    places.clear();
+  places = standing_out(residual, threshold, floor_v);
 }
 
 } // namespace ada

@@ -8,7 +8,7 @@
 
 #include "base/angle.h"
 #include "diagnosis/fit.h"
-#include "diagnosis/robust.h"
+#include "base/robust.h"
 #include "diagnosis/search.h"
 
 namespace ada {

@@ -16,7 +16,7 @@
 #include "calibration/guards.h"
 #include "calibration/single.h"
 #include "conversion/frame_converter.h"
-#include "diagnosis/robust.h"
+#include "base/robust.h"
 
 namespace ada {
 

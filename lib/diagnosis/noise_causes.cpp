@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 
 #include "base/angle.h"
 #include "diagnosis/fit.h"
@@ -35,6 +36,56 @@ void leave_out_clusters(std::vector<char> &hit) {
     for (std::size_t k = i > kAlone ? i - kAlone : 0; k < std::min(all.size(), i + kAlone + 1); ++k)
       if (all[i] && all[k] && k != i)
         hit[i] = 0;
+}
+
+/// Mean residual of the usable samples on either side of a place: what the model misses there anyway.
+std::array<double, 2> beside(const ResidualColumns &r, std::size_t before, std::size_t after) {
+  constexpr std::size_t kEach = 2;
+  std::array<double, 2> sum{};
+  double n = 0.0;
+  const auto take = [&](std::size_t i) {
+    sum[0] += r.sin[i];
+    sum[1] += r.cos[i];
+    n += 1.0;
+  };
+  for (std::size_t k = 0; k < kEach; ++k) {
+    if (before > k)
+      take(before - k - 1);
+    if (after + k < r.sin.size())
+      take(after + k);
+  }
+  return n > 0.0 ? std::array{sum[0] / n, sum[1] / n} : sum;
+}
+
+/// Channels in which a sample stands out of those about it. Where the model misses those as well it
+/// says nothing of a single sample.
+int stands_out(double sin, double cos, const std::array<double, 2> &around, double noise_v) {
+  constexpr double kMissed = 4.0; // standard deviations, of a mean of four
+  if (std::max(std::abs(around[0]), std::abs(around[1])) > kMissed * noise_v)
+    return 0;
+  return (std::abs(sin - around[0]) > kStandsOut * noise_v) +
+         (std::abs(cos - around[1]) > kStandsOut * noise_v);
+}
+
+/// Spikes come at any angle. What stands out again and again at the same angles is a corner that the
+/// model does not meet quite: Rayleigh's test at the first orders of the turn, against the angles at
+/// which the shaft was.
+bool come_with_the_angle(const std::vector<double> &alpha, const std::vector<double> &all) {
+  constexpr int kOrders = 16;
+  constexpr double kImprobable = 15.0; // e^-15 by chance, at each order
+  const std::size_t stride = std::max<std::size_t>(1, all.size() / 20000);
+  const double n = static_cast<double>(alpha.size());
+  for (int k = 1; k <= kOrders; ++k) {
+    std::complex<double> hits, mean;
+    double count = 0.0;
+    for (double a : alpha)
+      hits += std::polar(1.0, k * a);
+    for (std::size_t i = 0; i < all.size(); i += stride, count += 1.0)
+      mean += std::polar(1.0, k * all[i]);
+    if (std::norm(hits - n * mean / count) > kImprobable * n)
+      return true;
+  }
+  return false;
 }
 
 void add(const ResidualColumns &r, std::size_t i, std::vector<double> &out) {
@@ -87,25 +138,36 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   }
   leave_out_clusters(out.hit);
   // Of what the first look left out, only what this model cannot explain either is a spike.
-  std::vector<double> values;
+  std::vector<double> values, angles;
   std::size_t samples = 0;
   for (std::size_t i = 0; i < apart.sin.size(); ++i) {
-    int channels = 0;
-    for (double x : {apart.sin[i], apart.cos[i]})
-      channels += std::abs(x) > kStandsOut * noise_v;
+    const auto next = static_cast<std::size_t>(
+        std::lower_bound(scene.index.begin(), scene.index.end(), scene.spiked_index[i]) -
+        scene.index.begin());
+    const std::array<double, 2> around = beside(plain, next, next);
+    const int channels = stands_out(apart.sin[i], apart.cos[i], around, noise_v);
     if (channels == 0)
       continue;
+    angles.push_back(scene.spiked.alpha[i]);
     add(apart, i, values);
     flagged += channels;
     ++samples;
   }
   for (std::size_t i = 0; i < out.hit.size(); ++i)
     if (out.hit[i]) {
+      const std::array<double, 2> around = beside(plain, i, i + 1);
+      if (stands_out(plain.sin[i], plain.cos[i], around, noise_v) == 0) {
+        out.hit[i] = 0;
+        continue;
+      }
       add(plain, i, values);
+      angles.push_back(scene.all.alpha[i]);
       ++samples;
     }
-  if (samples < kFewestSpikes)
+  if (samples < kFewestSpikes || come_with_the_angle(angles, scene.all.alpha)) {
+    std::fill(out.hit.begin(), out.hit.end(), char{0});
     return out;
+  }
   out.found = true;
   const double n = static_cast<double>(scene.all.size() + scene.spiked.size());
   const double hits = static_cast<double>(samples);

@@ -9,7 +9,7 @@
 
 #include "base/angle.h"
 #include "conversion/angle_solver.h"
-#include "diagnosis/robust.h"
+#include "base/robust.h"
 #include "diagnosis/screening.h"
 #include "motion/kinematics.h"
 #include "motion/spline.h"
@@ -131,10 +131,14 @@ void prepare_supply(const Capture &capture, Scene &scene, std::vector<double> &s
 /// parts of the capture: a rough motion makes it large, which says that it proves nothing.
 void prepare_reference_ripple(const Capture &capture, const std::vector<double> &alpha,
                               const std::vector<char> &usable, Scene &scene) {
-  constexpr std::size_t kParts = 8;
-  const std::size_t part = capture.size() / kParts;
+  constexpr double kMostParts = 8.0, kTurnsOfPart = 4.0;
+  double turns = 0.0;
+  for (std::size_t i = 1; i < alpha.size(); ++i)
+    turns += std::abs(alpha[i] - alpha[i - 1]) / kTwoPi;
+  const auto parts = static_cast<std::size_t>(std::clamp(turns / kTurnsOfPart, 3.0, kMostParts));
+  const std::size_t part = capture.size() / parts;
   std::vector<double> c, s;
-  for (std::size_t k = 0; k < kParts; ++k) {
+  for (std::size_t k = 0; k < parts; ++k) {
     const std::size_t first = k * part;
     const std::span<const double> time(capture.time_s.data() + first, part);
     const std::span<const double> angle(alpha.data() + first, part);
@@ -143,7 +147,7 @@ void prepare_reference_ripple(const Capture &capture, const std::vector<double> 
     double travel = 0.0;
     for (std::size_t i = 1; i < part; ++i)
       travel += std::abs(angle[i] - angle[i - 1]);
-    if (travel < 4.0 * kTwoPi || part < 200)
+    if (travel < 2.5 * kTwoPi || part < 200)
       continue;
     const SmoothMotion m = smooth_motion(time, angle, good, 3);
     c.push_back(m.cos[0]);
@@ -269,6 +273,17 @@ std::vector<double> corrected_angle(const Screened &look, const Model &known,
                    ? angle[i] + period * std::round((look.angle[i] - angle[i]) / period)
                    : look.angle[i];
   return angle;
+}
+
+/// Whether the samples about a spike are of use: in a stretch that is left out the angle is not known
+/// well enough to say what the spike stands out of.
+bool stands_alone(const std::vector<char> &usable, std::size_t spike) {
+  constexpr std::size_t kReach = 4;
+  const std::size_t from = spike > kReach ? spike - kReach : 0;
+  const std::size_t to = std::min(usable.size(), spike + kReach + 1);
+  const auto good = std::count(usable.begin() + static_cast<std::ptrdiff_t>(from),
+                               usable.begin() + static_cast<std::ptrdiff_t>(to), char{1});
+  return static_cast<std::size_t>(good) >= kReach;
 }
 
 /// Whether neither channel moves beyond its noise.
@@ -402,7 +417,9 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   for (std::size_t i = 0; i < capture.size(); ++i)
     if (look.usable[i])
       scene.index.push_back(static_cast<std::uint32_t>(i));
-  scene.spiked_index = look.spikes;
+  for (std::uint32_t i : look.spikes)
+    if (stands_alone(look.usable, i))
+      scene.spiked_index.push_back(i);
   Observations &all = scene.all;
   all.frame_period_s = median_step(capture.time_s);
   all.mid_v = 0.5 * scene.supply_v;

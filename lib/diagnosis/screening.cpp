@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "base/angle.h"
-#include "diagnosis/robust.h"
+#include "base/robust.h"
 
 namespace ada {
 
@@ -199,16 +199,32 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
   return all;
 }
 
-/// Samples lost at a jump, or 0 when it is no whole number of them in the sense of the rotation.
-double samples_lost(const Jump &jump) {
+/// Samples lost at a jump, or 0 when it is no whole number of them in the sense of the rotation. The
+/// angle is known up to whole periods only: a loss that turns the shaft by most of one looks like a
+/// jump back. Without a reference a small one may be a slip and stays what it seems.
+double samples_lost(const Screened &look, const Jump &jump) {
+  constexpr double kWidestSlip = 5.0 * kRadPerDeg;
+  constexpr double kMostWraps = 3.0;
+  const Capture &c = look.capture;
   if (jump.per_frame == 0.0)
     return 0.0;
-  const double lost = jump.gap / jump.per_frame;
+  const double period = kTwoPi / (c.has_reference() ? 1.0 : c.meta.periods_per_turn);
   const double error = std::abs(jump.error / jump.per_frame);
-  if (lost < 2.5 || lost < 6.0 * error)
+  const double seen = jump.gap / jump.per_frame;
+  if (std::abs(seen) < 2.5 ||
+      (seen < 0.0 && !c.has_reference() && std::abs(jump.gap) < kWidestSlip))
     return 0.0;
-  // Within its error a whole number; where the error is above a quarter this proves nothing.
-  return std::abs(lost - std::round(lost)) < std::max(4.0 * error, 0.15) ? lost : 0.0;
+  // Further periods only where a reference leaves nothing else that could jump.
+  const double most = c.has_reference() ? kMostWraps : (seen < 0.0 ? 1.0 : 0.0);
+  for (double wraps = seen < 0.0 ? 1.0 : 0.0; wraps <= most; wraps += 1.0) {
+    const double lost = seen + wraps * period / std::abs(jump.per_frame);
+    if (lost < 2.5 || lost < 6.0 * error)
+      continue;
+    // Within its error a whole number; where the error is above a quarter this proves nothing.
+    if (std::abs(lost - std::round(lost)) < std::max(4.0 * error, 0.15))
+      return lost;
+  }
+  return 0.0;
 }
 
 /// Mean of angle - speed * time over the whole turn that ends (`back`) or begins at sample `from`;
@@ -367,7 +383,7 @@ bool screen_orientation(Screened &look, const Effect &effect) {
 bool screen_losses(Screened &look, const Effect &effect) {
   double events = 0.0, samples = 0.0;
   for (const Jump &jump : jumps_of(look)) {
-    const double lost = samples_lost(jump);
+    const double lost = samples_lost(look, jump);
     if (lost == 0.0 || (!look.capture.has_reference() && turns_deny(look, look.angle, jump)))
       continue;
     events += 1.0;
@@ -392,7 +408,7 @@ bool screen_slip(Screened &look, const Effect &effect) {
   const Jump *largest = nullptr;
   const auto jumps = jumps_of(look);
   for (const Jump &jump : jumps)
-    if (samples_lost(jump) == 0.0 && (!largest || std::abs(jump.gap) > std::abs(largest->gap)))
+    if (samples_lost(look, jump) == 0.0 && (!largest || std::abs(jump.gap) > std::abs(largest->gap)))
       largest = &jump;
   // A kink of a rough motion is no jump, nor is what comes again with the angle: one slip stands
   // clear of everything else.
@@ -478,6 +494,8 @@ SmoothMotion smooth_motion_with_losses(Screened &look, int orders) {
     for (std::size_t i = look.jumps[k]; i < angle.size(); ++i)
       angle[i] -= look.jump_rad[k];
   SmoothMotion smooth = smooth_motion(look.capture.time_s, angle, look.usable, orders);
+  look.spikes.insert(look.spikes.end(), smooth.spikes.begin(), smooth.spikes.end());
+  std::sort(look.spikes.begin(), look.spikes.end());
   for (std::size_t k = 0; k < look.jumps.size(); ++k)
     for (std::size_t i = look.jumps[k]; i < angle.size(); ++i)
       smooth.motion.alpha[i] += look.jump_rad[k];

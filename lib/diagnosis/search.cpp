@@ -11,7 +11,7 @@
 #include "base/angle.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/moments.h"
-#include "diagnosis/robust.h"
+#include "base/robust.h"
 
 namespace ada {
 
@@ -203,17 +203,21 @@ Search::State Search::without(const State &now, std::size_t effect) const {
 double Search::second_order(const State &now) const {
   const Model &m = now.fit.model;
   std::vector<double> sizes{std::hypot(m.baseline.offset_sin_v, m.baseline.offset_cos_v)};
+  double sum = 0.0;
   for (std::size_t k = 0; k < m.effects.size(); ++k) {
     const Effect &effect = *m.effects[k].effect;
+    // Without a reference a ripple of the speed may be a field error, which has higher terms.
+    const bool ripple = !data_.scene->has_reference && effect.info().stage == Stage::motion;
     if (effect.info().evidence != Evidence::signal ||
-        !(is_static(effect) || effect.info().stage == Stage::converter))
+        !(is_static(effect) || effect.info().stage == Stage::converter || ripple))
       continue;
     Model less = m;
     less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(k));
     const double rss = sum_of_squares(quick_, less) - sum_of_squares(quick_, m);
     sizes.push_back(std::sqrt(std::max(0.0, rss) / static_cast<double>(quick_.size())));
+    if (ripple)
+      sum += sizes.back() * sizes.back();
   }
-  double sum = 0.0;
   for (std::size_t a = 0; a < sizes.size(); ++a)
     for (std::size_t b = 0; b < a; ++b)
       sum += sizes[a] * sizes[b];

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "base/angle.h"
-#include "diagnosis/robust.h"
+#include "base/robust.h"
 #include "motion/kinematics.h"
 
 namespace ada {

@@ -11,7 +11,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "base/angle.h"
-#include "diagnosis/robust.h"
+#include "base/robust.h"
 
 namespace ada {
 

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/angle.h"
+#include "base/robust.h"
 #include "motion/spline.h"
 
 namespace ada {
@@ -260,6 +261,25 @@ bool mask_rough(std::span<const double> angle, const std::vector<double> &residu
   return any;
 }
 
+/// Takes single samples out that stand far out of the residual: they would pass for rough motion.
+bool take_out_spikes(const std::vector<double> &residual, std::span<char> usable,
+                     std::vector<std::uint32_t> &spikes) {
+  constexpr double kFar = 8.0; // standard deviations
+  std::vector<double> values;
+  std::vector<std::uint32_t> places;
+  for (std::size_t i = 0; i < residual.size(); ++i)
+    if (usable[i]) {
+      values.push_back(residual[i]);
+      places.push_back(static_cast<std::uint32_t>(i));
+    }
+  const std::vector<std::size_t> found = standing_out(values, kFar, 0.0);
+  for (std::size_t k : found) {
+    usable[places[k]] = 0;
+    spikes.push_back(places[k]);
+  }
+  return !found.empty();
+}
+
 } // namespace
 
 void unwrap(std::vector<double> &angle, double period) {
@@ -301,6 +321,8 @@ SmoothMotion smooth_motion(std::span<const double> time, std::span<const double>
   SmoothMotion out;
   std::vector<char> dense(usable.size(), 0);
   std::vector<double> residual = split(time, angle, usable, dense, orders, out);
+  for (int pass = 0; pass < 3 && take_out_spikes(residual, usable, out.spikes); ++pass)
+    residual = split(time, angle, usable, dense, orders, out);
   // First the spline may bend more where the speed changes within a turn or so; the periodic part
   // is known from everywhere else.
   std::vector<char> smooth(usable.begin(), usable.end());

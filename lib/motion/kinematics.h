@@ -4,6 +4,7 @@
 // Angle, speed and sense of rotation over time, from a reference or from the sensor itself.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -26,12 +27,13 @@ struct SmoothMotion {
   Kinematics motion;             ///< the smooth motion alone
   std::vector<double> cos, sin;  ///< rad: periodic part, entry n - 1 is order n
   double residual_rms_rad = 0.0; ///< what neither explains
+  std::vector<std::uint32_t> spikes; ///< single samples that stand out of both
 };
 
 /// Splits an unwrapped angle into a smooth motion (a spline with knots every turn, which cannot
 /// follow a ripple of order 1) and `orders` harmonics of the turn, jointly, so that neither leaks
 /// into the other. Stretches that are no smooth motion, such as the kinks between two speeds, are
-/// marked unusable.
+/// marked unusable, and so are single samples that stand out.
 SmoothMotion smooth_motion(std::span<const double> time, std::span<const double> angle,
                            std::span<char> usable, int orders);
 

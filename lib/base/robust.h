@@ -29,6 +29,11 @@ inline double robust_spread(std::span<const double> x) {
   return 1.4826 * quantile(std::move(v), 0.5);
 }
 
+/// Places of single values that differ from the median of seven about them by more than `threshold`
+/// times the spread of that difference, or times `floor` where that is larger. None where more than
+/// one in sixty does: what is not rare is structure.
+std::vector<std::size_t> standing_out(std::span<const double> x, double threshold, double floor);
+
 /// Median of the positive steps of an ascending column.
 inline double median_step(std::span<const double> time) {
   std::vector<double> dt;

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "base/robust.h"
+
+namespace ada {
+
+std::vector<std::size_t> standing_out(std::span<const double> x, double threshold, double floor) {
+  constexpr std::size_t kFewest = 20, kReach = 3, kRare = 60;
+  const std::size_t n = x.size();
+  std::vector<std::size_t> places;
+  if (n < kFewest)
+    return places;
+  std::vector<double> off(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    double window[2 * kReach + 1];
+    std::size_t m = 0;
+    for (std::size_t k = i > kReach ? i - kReach : 0; k < std::min(n, i + kReach + 1); ++k)
+      window[m++] = x[k];
+    std::nth_element(window, window + m / 2, window + m);
+    off[i] = x[i] - window[m / 2];
+  }
+  const double sigma = std::max({robust_spread(off), floor, 1e-9});
+  for (std::size_t i = 0; i < n; ++i)
+    if (std::abs(off[i]) > threshold * sigma)
+      places.push_back(i);
+  if (places.size() > n / kRare)
+    places.clear();
+  return places;
+}
+
+} // namespace ada
