@@ -39,14 +39,23 @@ std::vector<double> local_slopes(std::span<const double> x, std::span<const doub
   return slope;
 }
 
-/// Knots at every turn of travel, at every fifth of it where `dense` says so, and at rest at least
-/// every twentieth of the record. Unusable stretches get several knots, so that what lies on both
+/// Knots at every turn of travel, at every fifth of it where `dense` says so, wherever the speed has
+/// changed by more than any ripple does, and at rest at least every twentieth of the record. Unusable stretches get several knots, so that what lies on both
 /// sides of them does not have to fit together.
 std::vector<double> knots_by_travel(std::span<const double> time, std::span<const double> angle,
                                     std::span<const char> usable, std::span<const char> dense) {
   std::vector<double> knots{time.front()};
   double travel = 0.0;
   const double longest = (time.back() - time.front()) / 20.0;
+  constexpr double kMoreThanRipple = 0.25, kLeastOfTop = 0.01;
+  const std::vector<double> speed = local_slopes(time, angle, 10 + time.size() / 2000);
+  double top = 0.0, last = speed.front();
+  for (double w : speed)
+    top = std::max(top, std::abs(w));
+  const auto bends = [&](std::size_t i) {
+    const double faster = std::max(std::abs(speed[i]), std::abs(last));
+    return std::abs(speed[i] - last) > std::max(kMoreThanRipple * faster, kLeastOfTop * top);
+  };
   std::size_t inside = 0;
   for (std::size_t i = 1; i < time.size(); ++i) {
     if (!usable[i]) {
@@ -75,8 +84,9 @@ std::vector<double> knots_by_travel(std::span<const double> time, std::span<cons
     ++inside;
     const bool far = travel >= (dense[i] ? 0.2 : 1.0) * kTwoPi;
     const bool late = time[i] - knots.back() > longest && travel < 0.5 * kTwoPi;
-    if ((far || late) && inside >= 8 && time[i] > knots.back()) {
+    if ((far || late || bends(i)) && inside >= 8 && time[i] > knots.back()) {
       knots.push_back(time[i]);
+      last = speed[i];
       travel = 0.0;
       inside = 0;
     }
@@ -321,8 +331,11 @@ SmoothMotion smooth_motion(std::span<const double> time, std::span<const double>
   SmoothMotion out;
   std::vector<char> dense(usable.size(), 0);
   std::vector<double> residual = split(time, angle, usable, dense, orders, out);
-  for (int pass = 0; pass < 3 && take_out_spikes(residual, usable, out.spikes); ++pass)
-    residual = split(time, angle, usable, dense, orders, out);
+  const auto without_spikes = [&] {
+    for (int pass = 0; pass < 3 && take_out_spikes(residual, usable, out.spikes); ++pass)
+      residual = split(time, angle, usable, dense, orders, out);
+  };
+  without_spikes();
   // First the spline may bend more where the speed changes within a turn or so; the periodic part
   // is known from everywhere else.
   std::vector<char> smooth(usable.begin(), usable.end());
@@ -330,6 +343,7 @@ SmoothMotion smooth_motion(std::span<const double> time, std::span<const double>
     for (std::size_t i = 0; i < dense.size(); ++i)
       dense[i] = usable[i] && !smooth[i];
     residual = split(time, angle, usable, dense, orders, out);
+    without_spikes();
   }
   // What is rough nearly everywhere is no exception that could be left out.
   const auto left = [](std::span<const char> mask) {
