@@ -205,7 +205,8 @@ void leave_out_reversals(const Kinematics &motion, std::vector<char> &usable) {
     };
     for (std::size_t k = i; k < n && near(k, k - i); ++k)
       out[k] = 1;
-    for (std::size_t k = i; k-- > 0 && near(k, i - k);)
+    // Before it a shaft that stood still is not left out: its sense is the old one.
+    for (std::size_t k = i; k-- > 0 && near(k, i - k) && i - k <= std::max(kReach, n / 500);)
       out[k] = 1;
   }
   const auto count = static_cast<double>(std::count(out.begin(), out.end(), char{1}));
@@ -218,18 +219,24 @@ void leave_out_reversals(const Kinematics &motion, std::vector<char> &usable) {
 
 void describe_motion(Scene &scene) {
   const Observations &all = scene.all;
-  double forward = 0.0, backward = 0.0, travel = 0.0;
+  struct Way {
+    double time = 0.0, travel = 0.0;
+  } forward, backward;
   std::vector<double> speed;
   for (std::size_t i = 0; i < all.size(); ++i) {
     speed.push_back(std::abs(all.omega[i]));
     const double dt = i > 0 ? all.time[i] - all.time[i - 1] : 0.0;
     const double step = std::min(std::abs(dt), 10.0 * all.frame_period_s) * all.omega[i];
-    (step > 0.0 ? forward : backward) += std::abs(step);
-    travel += std::abs(step);
+    if (step == 0.0)
+      continue;
+    Way &way = step > 0.0 ? forward : backward;
+    way.time += dt;
+    way.travel += std::abs(step);
   }
-  scene.turns = travel / kTwoPi;
+  scene.turns = (forward.travel + backward.travel) / kTwoPi;
   scene.both_directions =
-      std::min(forward, backward) > 0.05 * travel && std::min(forward, backward) > kTwoPi;
+      std::min(forward.time, backward.time) > 0.05 * (forward.time + backward.time) &&
+      std::min(forward.travel, backward.travel) > kTwoPi;
   scene.fastest_omega = quantile(speed, 0.98);
   scene.several_speeds = quantile(speed, 0.05) < 0.8 * scene.fastest_omega;
 }
