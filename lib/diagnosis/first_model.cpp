@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "base/angle.h"
-#include "diagnosis/fit.h"
 #include "base/robust.h"
+#include "diagnosis/fit.h"
 #include "diagnosis/search.h"
 
 namespace ada {

@@ -12,11 +12,11 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/robust.h"
 #include "calibration/dead_channel.h"
 #include "calibration/guards.h"
 #include "calibration/single.h"
 #include "conversion/frame_converter.h"
-#include "base/robust.h"
 
 namespace ada {
 

@@ -38,7 +38,8 @@ void leave_out_clusters(std::vector<char> &hit) {
         hit[i] = 0;
 }
 
-/// Mean residual of the usable samples on either side of a place: what the model misses there anyway.
+/// Mean residual of the usable samples on either side of a place: what the model misses there
+/// anyway.
 std::array<double, 2> beside(const ResidualColumns &r, std::size_t before, std::size_t after) {
   constexpr std::size_t kEach = 2;
   std::array<double, 2> sum{};
@@ -67,9 +68,9 @@ int stands_out(double sin, double cos, const std::array<double, 2> &around, doub
          (std::abs(cos - around[1]) > kStandsOut * noise_v);
 }
 
-/// Spikes come at any angle. What stands out again and again at the same angles is a corner that the
-/// model does not meet quite: Rayleigh's test at the first orders of the turn, against the angles at
-/// which the shaft was.
+/// Spikes come at any angle. What stands out again and again at the same angles is a corner that
+/// the model does not meet quite: Rayleigh's test at the first orders of the turn, against the
+/// angles at which the shaft was.
 bool come_with_the_angle(const std::vector<double> &alpha, const std::vector<double> &all) {
   constexpr int kOrders = 16;
   constexpr double kImprobable = 15.0; // e^-15 by chance, at each order

@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "base/angle.h"
-#include "conversion/angle_solver.h"
 #include "base/robust.h"
+#include "conversion/angle_solver.h"
 #include "diagnosis/screening.h"
 #include "motion/kinematics.h"
 #include "motion/spline.h"
@@ -181,9 +181,10 @@ void split_by_turns(Scene &scene) {
 /// Where the speed changes within a few samples, speed and sense of each sample are not known.
 void leave_out_kinks(const std::vector<double> &omega, std::vector<char> &usable) {
   constexpr std::size_t kReach = 6;
-  double top = 0.0;
+  std::vector<double> speed;
   for (double w : omega)
-    top = std::max(top, std::abs(w));
+    speed.push_back(std::abs(w));
+  const double top = quantile(std::move(speed), 0.99);
   for (std::size_t i = kReach; i + kReach < omega.size(); ++i)
     if (std::abs(omega[i + kReach] - omega[i - kReach]) > 0.2 * top)
       usable[i] = 0;
@@ -282,8 +283,8 @@ std::vector<double> corrected_angle(const Screened &look, const Model &known,
   return angle;
 }
 
-/// Whether the samples about a spike are of use: in a stretch that is left out the angle is not known
-/// well enough to say what the spike stands out of.
+/// Whether the samples about a spike are of use: in a stretch that is left out the angle is not
+/// known well enough to say what the spike stands out of.
 bool stands_alone(const std::vector<char> &usable, std::size_t spike) {
   constexpr std::size_t kReach = 4;
   const std::size_t from = spike > kReach ? spike - kReach : 0;

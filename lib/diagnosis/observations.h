@@ -36,7 +36,7 @@ struct Observations {
   /// Whether a second capture is judged with offsets of its own.
   bool own_offsets = false;
   double mid_shift_v = 0.0; ///< of mid-supply by the recorded VDD, as in Conditions
-  double mid_v = 2.5; ///< supply/2: the middle of the circle, near enough for a direction
+  double mid_v = 2.5;       ///< supply/2: the middle of the circle, near enough for a direction
 
   std::size_t size() const { return time.size(); }
   /// Unit vector (VSIN, VCOS) of the disturbance at sample i.

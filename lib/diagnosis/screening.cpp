@@ -199,9 +199,9 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
   return all;
 }
 
-/// Samples lost at a jump, or 0 when it is no whole number of them in the sense of the rotation. The
-/// angle is known up to whole periods only: a loss that turns the shaft by most of one looks like a
-/// jump back. Without a reference a small one may be a slip and stays what it seems.
+/// Samples lost at a jump, or 0 when it is no whole number of them in the sense of the rotation.
+/// The angle is known up to whole periods only: a loss that turns the shaft by most of one looks
+/// like a jump back. Without a reference a small one may be a slip and stays what it seems.
 double samples_lost(const Screened &look, const Jump &jump) {
   constexpr double kWidestSlip = 5.0 * kRadPerDeg;
   constexpr double kMostWraps = 3.0;
@@ -408,7 +408,8 @@ bool screen_slip(Screened &look, const Effect &effect) {
   const Jump *largest = nullptr;
   const auto jumps = jumps_of(look);
   for (const Jump &jump : jumps)
-    if (samples_lost(look, jump) == 0.0 && (!largest || std::abs(jump.gap) > std::abs(largest->gap)))
+    if (samples_lost(look, jump) == 0.0 &&
+        (!largest || std::abs(jump.gap) > std::abs(largest->gap)))
       largest = &jump;
   // A kink of a rough motion is no jump, nor is what comes again with the angle: one slip stands
   // clear of everything else.

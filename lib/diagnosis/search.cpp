@@ -9,9 +9,10 @@
 #include <utility>
 
 #include "base/angle.h"
-#include "diagnosis/candidates.h"
-#include "diagnosis/moments.h"
 #include "base/robust.h"
+#include "diagnosis/candidates.h"
+#include "diagnosis/doubt.h"
+#include "diagnosis/moments.h"
 
 namespace ada {
 
@@ -35,6 +36,8 @@ constexpr std::size_t kMostShaken = 6; ///< beyond so many the work grows too lo
 constexpr double kEntangled = 0.995;
 /// A rival that comes this close cannot be rejected.
 constexpr double kRivalNats = 8.0;
+/// What a cause leaves over of the one that yields to it, as a part of what either explains.
+constexpr double kSlight = 0.02;
 /// Prior cost of a motion whose own ripple happens to look like an error of the reference, nats.
 constexpr double kCoincidence = 20.0;
 
@@ -85,15 +88,6 @@ double side_evidence(const SearchData &data, const Model &model) {
     sum -= std::min(0.5 * z2, kCoincidence);
   }
   return sum;
-}
-
-/// Whether an effect is a function of the angle alone, so that stages blur its higher terms.
-bool is_static(const Effect &effect) {
-  const Stage stage = effect.info().stage;
-  for (const ParameterInfo &p : effect.info().parameters)
-    if (p.unit == "s" || p.unit == "Hz" || p.unit.substr(0, 2) == "V/" || p.unit == "1/V")
-      return false;
-  return stage == Stage::field || stage == Stage::bridge || stage == Stage::chain;
 }
 
 } // namespace
@@ -198,86 +192,8 @@ Search::State Search::without(const State &now, std::size_t effect) const {
   return evaluate(model, 4);
 }
 
-/// What products of the effects so far may leave over: the order in which two stages really act
-/// is not known to second order, so nothing of that size is evidence of a further cause.
-double Search::second_order(const State &now) const {
-  const Model &m = now.fit.model;
-  std::vector<double> sizes{std::hypot(m.baseline.offset_sin_v, m.baseline.offset_cos_v)};
-  double sum = 0.0;
-  for (std::size_t k = 0; k < m.effects.size(); ++k) {
-    const Effect &effect = *m.effects[k].effect;
-    // Without a reference a ripple of the speed may be a field error, which has higher terms.
-    const bool ripple = !data_.scene->has_reference && effect.info().stage == Stage::motion;
-    if (effect.info().evidence != Evidence::signal ||
-        !(is_static(effect) || effect.info().stage == Stage::converter || ripple))
-      continue;
-    Model less = m;
-    less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(k));
-    const double rss = sum_of_squares(quick_, less) - sum_of_squares(quick_, m);
-    sizes.push_back(std::sqrt(std::max(0.0, rss) / static_cast<double>(quick_.size())));
-    if (ripple)
-      sum += sizes.back() * sizes.back();
-  }
-  for (std::size_t a = 0; a < sizes.size(); ++a)
-    for (std::size_t b = 0; b < a; ++b)
-      sum += sizes[a] * sizes[b];
-  const double amplitude = m.baseline.amplitude_v;
-  return std::min(0.35 * sum / amplitude, 6e-4 * amplitude);
-}
-
-/// Largest correlation of any mixture of one effect's coordinates with any of another's, 0 to 1: at
-/// 1 the two are one in these data.
-double Search::entanglement(const FitResult &fit, std::size_t effect) {
-  std::vector<std::pair<Eigen::Index, Eigen::Index>> place; // first coordinate, count
-  Eigen::Index at = 4;
-  for (const EffectInstance &e : fit.model.effects) {
-    const auto n = static_cast<Eigen::Index>(coordinates(e));
-    place.emplace_back(at, n);
-    at += n;
-  }
-  const auto whitener = [&](std::size_t k) -> Eigen::MatrixXd {
-    const auto [first, n] = place[k];
-    const Eigen::MatrixXd block = fit.covariance.block(first, first, n, n);
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(block).operatorInverseSqrt();
-  };
-  double most = 0.0;
-  const auto [first, n] = place[effect];
-  if (n == 0)
-    return 0.0;
-  const Eigen::MatrixXd mine = whitener(effect);
-  for (std::size_t k = 0; k < place.size(); ++k) {
-    const auto [other, m] = place[k];
-    if (k == effect || m == 0)
-      continue;
-    const Eigen::MatrixXd cross = mine * fit.covariance.block(first, other, n, m) * whitener(k);
-    most = std::max(most, cross.jacobiSvd().singularValues()[0]);
-  }
-  return most;
-}
-
-/// Whether a transfer error acts on the pair with its offsets or before they are added is not known
-/// either: the difference between the two, V rms of a channel.
-double Search::offsets_in_transfer(const State &now) const {
-  const Model &m = now.fit.model;
-  Model outside = m;
-  outside.baseline.offset_sin_v = outside.baseline.offset_cos_v = 0.0;
-  const ResidualColumns a = residual_columns(quick_, m), b = residual_columns(quick_, outside);
-  const double n = static_cast<double>(quick_.size());
-  double variance = 0.0;
-  for (const auto column : {&ResidualColumns::sin, &ResidualColumns::cos}) {
-    double sum = 0.0, square = 0.0;
-    for (std::size_t i = 0; i < quick_.size(); ++i) {
-      const double d = (a.*column)[i] - (b.*column)[i];
-      sum += d;
-      square += d * d;
-    }
-    variance += square / n - sum * sum / (n * n);
-  }
-  return std::sqrt(std::max(0.0, 0.5 * variance));
-}
-
 bool Search::forward(State &now) {
-  const double allowance = second_order(now);
+  const double allowance = second_order(*data_.scene, quick_, now.fit.model);
   const std::vector<Candidate> list = candidates(*data_.scene, quick_, now.fit.model, false);
   const double scale = static_cast<double>(data_.train.size()) / static_cast<double>(quick_.size());
   const double variance = now.fit.rss / (2.0 * static_cast<double>(data_.train.size()));
@@ -366,7 +282,9 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
   const std::vector<Candidate> list =
       candidates(*data_.scene, quick_, less.fit.model, !data_.scene->has_reference);
   const double my_side = side_evidence(data_, now.fit.model);
-  const double in_transfer = offsets_in_transfer(now);
+  const double in_transfer = offsets_in_transfer(quick_, now.fit.model);
+  // Which of two stages acts first is not known to second order.
+  const double others = sizes_at_rest(*data_.scene, quick_, less.fit.model).sum();
   double highest = 0.0;
   for (const Candidate &c : list)
     if (c.effect == self)
@@ -385,18 +303,20 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
       continue;
     const double side = side_evidence(data_, rival.fit.model) - my_side;
     const double blurred =
-        std::max(std::min(4.0 * part * (part + (at_rest ? offset : 0.0)) / base.amplitude_v,
-                          (at_rest ? 0.3 : 0.1) * part),
-                 in_transfer);
+        std::max({std::min(4.0 * part * (part + (at_rest ? offset : 0.0)) / base.amplitude_v,
+                           (at_rest ? 0.3 : 0.1) * part),
+                  in_transfer, 4.0 * part * others / base.amplitude_v});
     const double left = std::sqrt(std::max(0.0, rival.heldout - now.heldout) / (2.0 * n));
     if (side < -kRivalNats || (rival.score - side < now.score - kRivalNats && left > blurred))
       continue;
     out.emplace_back(c.effect->info().id);
     const double saved =
         price(now.fit.model.effects[effect]) - price(rival.fit.model.effects.back());
-    const double needed = self->info().yields_to == c.effect->info().id ? -kRivalNats : kRivalNats;
+    const bool yields = self->info().yields_to == c.effect->info().id;
+    const double needed = yields ? -kRivalNats : kRivalNats;
     if (better && c.visible && in_range(rival.fit.model) && saved >= 0.0 &&
-        rival.score + saved > now.score + needed &&
+        (rival.score + saved > now.score + needed ||
+         (yields && left <= std::min(blurred, kSlight * part))) &&
         (!c.effect->info().signature || self->info().signature) &&
         (better->score == 0.0 || rival.score > better->score))
       *better = std::move(rival);

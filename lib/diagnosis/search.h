@@ -54,7 +54,6 @@ private:
   State evaluate(const Model &start, int iterations = 6) const;
   double log_likelihood(const FitResult &fit, double heldout) const;
   void progress(const char *what);
-  static double entanglement(const FitResult &fit, std::size_t effect);
   bool forward(State &now);
   void climb(State &now);
   void choose(State &now) const;
@@ -76,8 +75,6 @@ private:
   double contribution(const State &with, const State &less) const;
   double volts_explained(const State &with, const State &less) const;
   double reach(const Model &model, std::size_t effect) const;
-  double second_order(const State &now) const;
-  double offsets_in_transfer(const State &now) const;
 
   SearchData data_;
   Observations quick_;  ///< a thinned part of the training data, for looking around

@@ -308,9 +308,10 @@ Kinematics differentiate(std::span<const double> time, std::vector<double> alpha
   out.accel = local_slopes(time, out.omega, std::max<std::size_t>(4 * half_window, 20));
   out.direction.resize(alpha.size());
   // The sense is held through a standstill: below a thousandth of the top speed nothing turns.
-  double top = 0.0;
+  std::vector<double> speed;
   for (double w : out.omega)
-    top = std::max(top, std::abs(w));
+    speed.push_back(std::abs(w));
+  const double top = quantile(std::move(speed), 0.99); // a gap in the record is no speed
   double sense = 1.0;
   for (double w : out.omega)
     if (std::abs(w) > 1e-3 * top) {

@@ -21,7 +21,9 @@ constexpr EffectInfo kInfo{.id = "angle-slip",
                            .stage = Stage::motion,
                            .parameters = kParameters,
                            .correctable = false,
-                           .separations = kSeparations};
+                           .separations = kSeparations,
+                           // At the only reversal of a capture the two look alike.
+                           .yields_to = "hysteresis"};
 
 class AngleSlip final : public Effect {
 public:

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/doubt.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ada {
+
+bool is_static(const Effect &effect) {
+  const Stage stage = effect.info().stage;
+  for (const ParameterInfo &p : effect.info().parameters)
+    if (p.unit == "s" || p.unit == "Hz" || p.unit.substr(0, 2) == "V/" || p.unit == "1/V")
+      return false;
+  return stage == Stage::field || stage == Stage::bridge || stage == Stage::chain;
+}
+
+Sizes sizes_at_rest(const Scene &scene, const Observations &data, const Model &model) {
+  Sizes out;
+  out.each.push_back(std::hypot(model.baseline.offset_sin_v, model.baseline.offset_cos_v));
+  const double n = static_cast<double>(data.size());
+  for (std::size_t k = 0; k < model.effects.size(); ++k) {
+    const EffectInfo &info = model.effects[k].effect->info();
+    // Without a reference a ripple of the speed may be a field error, which has higher terms.
+    const bool ripple = !scene.has_reference && info.stage == Stage::motion;
+    if (info.evidence != Evidence::signal ||
+        !(is_static(*model.effects[k].effect) || info.stage == Stage::converter || ripple))
+      continue;
+    Model less = model;
+    less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(k));
+    const double square =
+        std::max(0.0, sum_of_squares(data, less) - sum_of_squares(data, model)) / n;
+    out.each.push_back(std::sqrt(square));
+    if (ripple)
+      out.own_squares += square;
+  }
+  return out;
+}
+
+double second_order(const Scene &scene, const Observations &data, const Model &model) {
+  const Sizes sizes = sizes_at_rest(scene, data, model);
+  double sum = sizes.own_squares;
+  for (std::size_t a = 0; a < sizes.each.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      sum += sizes.each[a] * sizes.each[b];
+  const double amplitude = model.baseline.amplitude_v;
+  return std::min(0.35 * sum / amplitude, 6e-4 * amplitude);
+}
+
+double offsets_in_transfer(const Observations &data, const Model &m) {
+  Model outside = m;
+  outside.baseline.offset_sin_v = outside.baseline.offset_cos_v = 0.0;
+  const ResidualColumns a = residual_columns(data, m), b = residual_columns(data, outside);
+  const double n = static_cast<double>(data.size());
+  double variance = 0.0;
+  for (const auto column : {&ResidualColumns::sin, &ResidualColumns::cos}) {
+    double sum = 0.0, square = 0.0;
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      const double d = (a.*column)[i] - (b.*column)[i];
+      sum += d;
+      square += d * d;
+    }
+    variance += square / n - sum * sum / (n * n);
+  }
+  return std::sqrt(std::max(0.0, 0.5 * variance));
+}
+
+double entanglement(const FitResult &fit, std::size_t effect) {
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> place; // first coordinate, count
+  Eigen::Index at = 4;
+  for (const EffectInstance &e : fit.model.effects) {
+    const auto n = static_cast<Eigen::Index>(e.effect->to_coordinates(e.values).size());
+    place.emplace_back(at, n);
+    at += n;
+  }
+  const auto whitener = [&](std::size_t k) -> Eigen::MatrixXd {
+    const auto [first, n] = place[k];
+    const Eigen::MatrixXd block = fit.covariance.block(first, first, n, n);
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(block).operatorInverseSqrt();
+  };
+  double most = 0.0;
+  const auto [first, n] = place[effect];
+  if (n == 0)
+    return 0.0;
+  const Eigen::MatrixXd mine = whitener(effect);
+  for (std::size_t k = 0; k < place.size(); ++k) {
+    const auto [other, m] = place[k];
+    if (k == effect || m == 0)
+      continue;
+    const Eigen::MatrixXd cross = mine * fit.covariance.block(first, other, n, m) * whitener(k);
+    most = std::max(most, cross.jacobiSvd().singularValues()[0]);
+  }
+  return most;
+}
+
+} // namespace ada

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What a model does not know about itself: how large its own second-order terms are, and which of
+// its parts the data cannot tell apart.
+#pragma once
+
+#include <numeric>
+#include <vector>
+
+#include "diagnosis/fit.h"
+#include "diagnosis/observations.h"
+
+namespace ada {
+
+/// Whether an effect is a function of the angle alone, so that stages blur its higher terms.
+bool is_static(const Effect &effect);
+
+/// Sizes of the offsets and of every effect that acts at rest, V rms of the pair.
+struct Sizes {
+  std::vector<double> each;
+  double own_squares = 0.0; ///< of those that may be the leading term of something else
+  double sum() const { return std::accumulate(each.begin(), each.end(), 0.0); }
+};
+Sizes sizes_at_rest(const Scene &scene, const Observations &data, const Model &model);
+
+/// What products of the effects so far may leave over, V rms: the order in which two stages really
+/// act is not known to second order, so nothing of that size is evidence of a further cause.
+double second_order(const Scene &scene, const Observations &data, const Model &model);
+
+/// Whether a transfer error acts on the pair with its offsets or before they are added is not known
+/// either: the difference between the two, V rms of a channel.
+double offsets_in_transfer(const Observations &data, const Model &model);
+
+/// Largest correlation of any mixture of one effect's coordinates with any of another's, 0 to 1: at
+/// 1 the two are one in these data.
+double entanglement(const FitResult &fit, std::size_t effect);
+
+} // namespace ada
