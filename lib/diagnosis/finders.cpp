@@ -147,24 +147,25 @@ std::size_t largest_split(const std::vector<double> &a, const std::vector<double
 
 } // namespace
 
-std::optional<StepGuess> find_step(const Residual &r, StepIn where) {
+std::vector<StepGuess> find_steps(const Residual &r, StepIn where) {
   const std::size_t n = r.time.size();
   if (n < 100 || turns_of(r) < kFewestTurns)
-    return std::nullopt;
+    return {};
   // Running sums of both components.
   std::vector<double> a(n + 1, 0.0), b(n + 1, 0.0);
   for (std::size_t i = 0; i < n; ++i) {
     a[i + 1] = a[i] + (where == StepIn::angle ? angle_residual(r, i) : r.sin_v[i]);
     b[i + 1] = b[i] + (where == StepIn::angle ? 0.0 : r.cos_v[i]);
   }
-  std::size_t at = sudden_step(r, a, b);
-  if (at == 0)
-    at = largest_split(a, b);
-  if (at == 0)
-    return std::nullopt;
-  const double left = static_cast<double>(at), right = static_cast<double>(n - at);
-  return StepGuess{r.time[at], (a[n] - a[at]) / right - a[at] / left,
-                   (b[n] - b[at]) / right - b[at] / left};
+  std::vector<StepGuess> out;
+  for (std::size_t at : {sudden_step(r, a, b), largest_split(a, b)}) {
+    if (at == 0)
+      continue;
+    const double left = static_cast<double>(at), right = static_cast<double>(n - at);
+    out.push_back({r.time[at], (a[n] - a[at]) / right - a[at] / left,
+                   (b[n] - b[at]) / right - b[at] / left});
+  }
+  return out;
 }
 
 std::vector<std::vector<double>> find_tones(const Residual &r) {

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <numeric>
 
 #include "diagnosis/fit.h"
 
@@ -16,13 +18,22 @@ namespace {
 /// Part of the record to look at on either side: more than the thinned samples leave out.
 constexpr double kReach = 0.03;
 
-std::vector<std::uint32_t> samples_near(const std::vector<double> &time, double moment) {
+/// Samples about a moment, across what the training part leaves out there: a long standstill may lie
+/// within one turn that is held back.
+std::vector<std::uint32_t> samples_near(const Scene &scene, double moment) {
+  const std::vector<double> &time = scene.all.time;
+  double first = moment, last = moment;
+  const auto next = std::lower_bound(scene.train.begin(), scene.train.end(), moment,
+                                     [&](std::uint32_t i, double t) { return time[i] < t; });
+  if (next != scene.train.end())
+    last = time[*next];
+  if (next != scene.train.begin())
+    first = time[*std::prev(next)];
   const double reach = kReach * (time.back() - time.front());
-  const auto from = std::lower_bound(time.begin(), time.end(), moment - reach);
-  const auto to = std::upper_bound(from, time.end(), moment + reach);
-  std::vector<std::uint32_t> out;
-  for (auto it = from; it != to; ++it)
-    out.push_back(static_cast<std::uint32_t>(it - time.begin()));
+  const auto from = std::lower_bound(time.begin(), time.end(), first - reach);
+  const auto to = std::upper_bound(from, time.end(), last + reach);
+  std::vector<std::uint32_t> out(static_cast<std::size_t>(to - from));
+  std::iota(out.begin(), out.end(), static_cast<std::uint32_t>(from - time.begin()));
   return out;
 }
 
@@ -31,7 +42,7 @@ std::vector<std::uint32_t> samples_near(const std::vector<double> &time, double 
 /// are far apart where those between them are of no use.
 void set_exact_moment(const Scene &scene, Model &model, std::size_t effect) {
   EffectInstance &e = model.effects[effect];
-  const Observations near = scene.all.select(samples_near(scene.all.time, e.values[0]));
+  const Observations near = scene.all.select(samples_near(scene, e.values[0]));
   Model less = model, always = model;
   less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   always.effects[effect].values[0] = std::numeric_limits<double>::lowest();

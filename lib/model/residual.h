@@ -40,7 +40,7 @@ struct StepGuess {
 enum class StepIn { angle, offsets };
 
 /// The moment at which the mean of the residual changes most.
-std::optional<StepGuess> find_step(const Residual &residual, StepIn where);
+std::vector<StepGuess> find_steps(const Residual &residual, StepIn where);
 
 /// Strongest lines of the residual's spectrum over time, as values of `periodic-interference`.
 std::vector<std::vector<double>> find_tones(const Residual &residual);

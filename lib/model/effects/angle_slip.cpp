@@ -34,10 +34,10 @@ public:
         w.alpha[i] += v[1] * kRadPerDeg;
   }
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
-    const auto step = find_step(r, StepIn::angle);
-    if (!step)
-      return {};
-    return {{step->time_s, step->first * kDegPerRad}};
+    std::vector<std::vector<double>> out;
+    for (const StepGuess &step : find_steps(r, StepIn::angle))
+      out.push_back({step.time_s, step.first * kDegPerRad});
+    return out;
   }
   std::string invisible(const Residual &r) const override {
     return r.has_reference ? "" : "without a reference it is looked for on the first look";

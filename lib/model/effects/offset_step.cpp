@@ -31,10 +31,10 @@ public:
       }
   }
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
-    const auto step = find_step(r, StepIn::offsets);
-    if (!step)
-      return {};
-    return {{step->time_s, step->first, step->second}};
+    std::vector<std::vector<double>> out;
+    for (const StepGuess &step : find_steps(r, StepIn::offsets))
+      out.push_back({step.time_s, step.first, step.second});
+    return out;
   }
 };
 
