@@ -162,8 +162,8 @@ std::vector<StepGuess> find_steps(const Residual &r, StepIn where) {
     if (at == 0)
       continue;
     const double left = static_cast<double>(at), right = static_cast<double>(n - at);
-    out.push_back({r.time[at], (a[n] - a[at]) / right - a[at] / left,
-                   (b[n] - b[at]) / right - b[at] / left});
+    out.push_back(
+        {r.time[at], (a[n] - a[at]) / right - a[at] / left, (b[n] - b[at]) / right - b[at] / left});
   }
   return out;
 }

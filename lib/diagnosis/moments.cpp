@@ -18,8 +18,8 @@ namespace {
 /// Part of the record to look at on either side: more than the thinned samples leave out.
 constexpr double kReach = 0.03;
 
-/// Samples about a moment, across what the training part leaves out there: a long standstill may lie
-/// within one turn that is held back.
+/// Samples about a moment, across what the training part leaves out there: a long standstill may
+/// lie within one turn that is held back.
 std::vector<std::uint32_t> samples_near(const Scene &scene, double moment) {
   const std::vector<double> &time = scene.all.time;
   double first = moment, last = moment;

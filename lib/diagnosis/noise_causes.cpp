@@ -28,26 +28,30 @@ struct ChannelValues {
   std::vector<double> plain, spiked;
 };
 
-/// A spike stands alone; several in a row are a kink of the motion or a step.
+/// A spike stands alone, or two chance to come close; several in a row are a kink of the motion or
+/// a step.
 void leave_out_clusters(std::vector<char> &hit) {
-  constexpr std::size_t kAlone = 4;
+  constexpr std::size_t kNear = 4;
+  constexpr int kMost = 2;
   const std::vector<char> all = hit;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    for (std::size_t k = i > kAlone ? i - kAlone : 0; k < std::min(all.size(), i + kAlone + 1); ++k)
-      if (all[i] && all[k] && k != i)
-        hit[i] = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!all[i])
+      continue;
+    const auto from = all.begin() + static_cast<std::ptrdiff_t>(i > kNear ? i - kNear : 0);
+    const auto to = all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), i + kNear + 1));
+    if (std::count(from, to, char{1}) > kMost)
+      hit[i] = 0;
+  }
 }
 
-/// Mean residual of the usable samples on either side of a place: what the model misses there
-/// anyway.
+/// Residual of the usable samples on either side of a place, in the middle: what the model misses
+/// there anyway, whether or not one of them is a spike as well.
 std::array<double, 2> beside(const ResidualColumns &r, std::size_t before, std::size_t after) {
   constexpr std::size_t kEach = 2;
-  std::array<double, 2> sum{};
-  double n = 0.0;
+  std::array<std::vector<double>, 2> near;
   const auto take = [&](std::size_t i) {
-    sum[0] += r.sin[i];
-    sum[1] += r.cos[i];
-    n += 1.0;
+    near[0].push_back(r.sin[i]);
+    near[1].push_back(r.cos[i]);
   };
   for (std::size_t k = 0; k < kEach; ++k) {
     if (before > k)
@@ -55,13 +59,17 @@ std::array<double, 2> beside(const ResidualColumns &r, std::size_t before, std::
     if (after + k < r.sin.size())
       take(after + k);
   }
-  return n > 0.0 ? std::array{sum[0] / n, sum[1] / n} : sum;
+  const auto middle = [](std::vector<double> &v) {
+    std::sort(v.begin(), v.end());
+    return v.empty() ? 0.0 : 0.5 * (v[(v.size() - 1) / 2] + v[v.size() / 2]);
+  };
+  return {middle(near[0]), middle(near[1])};
 }
 
 /// Channels in which a sample stands out of those about it. Where the model misses those as well it
 /// says nothing of a single sample.
 int stands_out(double sin, double cos, const std::array<double, 2> &around, double noise_v) {
-  constexpr double kMissed = 4.0; // standard deviations, of a mean of four
+  constexpr double kMissed = 4.0; // standard deviations, of the middle of four
   if (std::max(std::abs(around[0]), std::abs(around[1])) > kMissed * noise_v)
     return 0;
   return (std::abs(sin - around[0]) > kStandsOut * noise_v) +

@@ -241,15 +241,15 @@ bool Search::forward(State &now) {
 
 /// Choices that no search for a place decides, such as where a transfer is straight, are tried both
 /// ways.
-void Search::choose(State &now) const {
-  for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k)
-    for (auto &values : now.fit.model.effects[k].effect->choices(now.fit.model.effects[k].values)) {
-      Model model = now.fit.model;
-      model.effects[k].values = std::move(values);
-      State other = evaluate(model);
-      if (other.fit.determined && other.score > now.score + kNatsPerCoordinate)
-        now = std::move(other);
-    }
+void Search::choose(State &now, std::size_t effect) const {
+  const EffectInstance e = now.fit.model.effects[effect];
+  for (auto &values : e.effect->choices(e.values)) {
+    Model model = now.fit.model;
+    model.effects[effect].values = std::move(values);
+    State other = evaluate(model);
+    if (other.fit.determined && other.score > now.score + kNatsPerCoordinate)
+      now = std::move(other);
+  }
 }
 
 bool Search::backward(State &now) {
@@ -298,6 +298,7 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
     if (c.effect->info().signature && !self->info().signature && data_.scene->has_reference)
       continue;
     State rival = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
+    choose(rival, rival.fit.model.effects.size() - 1);
     const bool at_rest = is_static(*self) && is_static(*c.effect);
     if (!rival.fit.determined || !in_range(rival.fit.model, at_rest))
       continue;
@@ -475,7 +476,8 @@ void Search::climb(State &now) {
     if (!forward(now))
       break;
     weigh_motion(now);
-    choose(now);
+    for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k)
+      choose(now, k);
   }
 }
 

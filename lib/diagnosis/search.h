@@ -56,7 +56,7 @@ private:
   void progress(const char *what);
   bool forward(State &now);
   void climb(State &now);
-  void choose(State &now) const;
+  void choose(State &now, std::size_t effect) const;
   std::vector<std::size_t> suspects(const State &now) const;
   bool shake(State &now);
   bool backward(State &now);

@@ -3,7 +3,10 @@
 
 #include "diagnosis/diagnose.h"
 
+#include <algorithm>
+#include <cmath>
 #include <random>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -82,6 +85,153 @@ TEST(Diagnose, a_second_capture_judges_with_its_own_zero_angle) {
   const Diagnosis d = diagnose(train, options);
   ASSERT_EQ(d.findings.size(), 1u);
   EXPECT_NEAR(d.extended_quality.heldout.residual_rms_v, 5e-4, 2e-5);
+}
+
+TEST(Diagnose, a_second_capture_with_other_offsets_still_judges_the_rest) {
+  std::mt19937_64 rng(fresh_seed());
+  const Capture train = with({"amplitude-mismatch:k=0.01"}, rng);
+  Capture judge = with({"amplitude-mismatch:k=0.01"}, rng);
+  for (double &v : judge.vsin_v)
+    v += 0.030;
+  DiagnosisOptions options;
+  options.heldout = &judge;
+  const Diagnosis d = diagnose(train, options);
+  ASSERT_EQ(d.findings.size(), 1u);
+  EXPECT_EQ(d.findings[0].effect, find_effect("amplitude-mismatch"));
+  EXPECT_NEAR(d.extended_quality.heldout.residual_rms_v, 5e-4, 2e-5);
+  // The move itself is said, and no cause is made up for it.
+  EXPECT_EQ(d.verdict, Verdict::partly_explained);
+  ASSERT_EQ(d.structure.size(), 1u);
+  EXPECT_NE(d.structure[0].description.find("+30"), std::string::npos);
+}
+
+TEST(Diagnose, the_data_choose_whether_an_offset_comes_before_a_bent_transfer_or_after) {
+  std::mt19937_64 rng(fresh_seed());
+  const std::pair<const char *, bool> cases[] = {
+      {"quadratic-nonlinearity:q2=0.015", false},
+      {"quadratic-nonlinearity:q2=0.015,origin=1", true}};
+  for (const auto &[text, after] : cases) {
+    Model model = sound_sensor();
+    model.baseline.offset_sin_v = 0.02;
+    model.baseline.offset_cos_v = -0.025;
+    model.effects.push_back(parse_effect(text));
+    const Diagnosis d = diagnose(capture_of(model, Drive(), rng), {});
+    ASSERT_EQ(d.findings.size(), 1u) << text;
+    EXPECT_NEAR(d.findings[0].values[0], 0.015, 1e-4);
+    EXPECT_EQ(d.findings[0].values[1] == 1.0, after) << text;
+  }
+}
+
+TEST(Diagnose, mid_supply_is_that_of_the_recorded_supply) {
+  std::mt19937_64 rng(fresh_seed());
+  Model model = sound_sensor();
+  model.supply_v = 5.04;
+  model.effects.push_back(parse_effect("cubic-nonlinearity:q3=0.015"));
+  Capture c = capture_of(model, Drive(), rng);
+  c.meta.supply_v = 5.0;
+  std::normal_distribution<> noise(5.04, 1e-4);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.vdd_v.push_back(noise(rng));
+  const Diagnosis d = diagnose(c, {});
+  ASSERT_EQ(d.findings.size(), 1u);
+  EXPECT_NEAR(d.findings[0].values[0], 0.015, 1e-4);
+  EXPECT_TRUE(std::isnan(d.findings[0].values[1]));
+}
+
+TEST(Diagnose, the_moment_of_a_step_is_exact_to_the_sample_at_any_place) {
+  std::mt19937_64 rng(fresh_seed());
+  for (int k = 0; k < 3; ++k) {
+    const double time = std::uniform_real_distribution<>(1.5, 3.5)(rng);
+    const Diagnosis d = diagnose(
+        with({("offset-step:step_sin_v=0.006,step_cos_v=-0.009,time_s=" + std::to_string(time))
+                  .c_str()},
+             rng),
+        {});
+    ASSERT_EQ(d.findings.size(), 1u) << time;
+    EXPECT_NEAR(d.findings[0].values[0], time, 5e-4) << "one sample at 2 kS/s";
+    EXPECT_GT(d.findings[0].std_errors[0], 0.0);
+  }
+}
+
+TEST(Diagnose, a_slip_and_a_loss_are_seen_without_a_reference) {
+  std::mt19937_64 rng(fresh_seed());
+  Drive steady;
+  steady.turns_back = false;
+  steady.slow_rpm = steady.fast_rpm = 500.0;
+  Capture slip = with({"angle-slip:time_s=4.2,step_deg=-1.1"}, rng, steady);
+  slip.reference_deg.clear();
+  const Diagnosis slipped = diagnose(slip, {});
+  ASSERT_EQ(slipped.findings.size(), 1u);
+  EXPECT_EQ(slipped.findings[0].effect, find_effect("angle-slip"));
+  EXPECT_NEAR(slipped.findings[0].values[0], 4.2, 1e-3);
+  EXPECT_NEAR(slipped.findings[0].values[1], -1.1, 0.05);
+
+  // 90 samples turn the shaft by 135 degrees: most of one electrical period.
+  Capture loss = with({}, rng, steady);
+  loss.reference_deg.clear();
+  for (auto *column : {&loss.vsin_v, &loss.vcos_v}) {
+    column->erase(column->begin() + 7000, column->begin() + 7090);
+    loss.time_s.resize(column->size());
+  }
+  const Diagnosis lost = diagnose(loss, {});
+  ASSERT_EQ(lost.findings.size(), 1u);
+  EXPECT_EQ(lost.findings[0].effect, find_effect("sample-loss"));
+  EXPECT_EQ(lost.findings[0].values[1], 90.0);
+}
+
+TEST(Diagnose, a_loss_that_turns_the_shaft_by_more_than_half_a_turn_is_counted) {
+  std::mt19937_64 rng(fresh_seed());
+  Drive steady;
+  steady.turns_back = false;
+  steady.slow_rpm = steady.fast_rpm = 600.0; // 1.8 degrees a sample
+  Capture c = with({}, rng, steady);
+  const std::size_t lost = std::uniform_int_distribution<std::size_t>(110, 190)(rng);
+  for (auto *column : {&c.vsin_v, &c.vcos_v, &c.reference_deg}) {
+    column->erase(column->begin() + 9000, column->begin() + 9000 + static_cast<long>(lost));
+    c.time_s.resize(column->size());
+  }
+  const Diagnosis d = diagnose(c, {});
+  ASSERT_EQ(d.findings.size(), 1u);
+  EXPECT_EQ(d.findings[0].effect, find_effect("sample-loss"));
+  EXPECT_EQ(d.findings[0].values[1], static_cast<double>(lost));
+}
+
+TEST(Diagnose, a_step_without_a_reference_is_no_rough_motion) {
+  std::mt19937_64 rng(fresh_seed());
+  Drive steady;
+  steady.turns_back = false;
+  steady.slow_rpm = steady.fast_rpm = 500.0;
+  Capture c = with({"offset-step:time_s=7.5,step_sin_v=-0.004,step_cos_v=0.012"}, rng, steady);
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  ASSERT_EQ(d.findings.size(), 1u);
+  EXPECT_EQ(d.findings[0].effect, find_effect("offset-step"));
+  EXPECT_NEAR(d.findings[0].values[0], 7.5, 2e-3);
+  EXPECT_GT(d.turns, 75.0) << "of 83: no stretch was dropped in silence";
+}
+
+TEST(Diagnose, a_shaft_that_turns_by_fits_and_starts_is_judged_by_the_radius) {
+  std::mt19937_64 rng(fresh_seed());
+  Model model = sound_sensor();
+  model.effects.push_back(parse_effect("amplitude-mismatch:k=0.02"));
+  Drive drive;
+  drive.turns_back = false;
+  Capture c = capture_of(model, drive, rng);
+  // The same record as a hand would turn it: samples at the times of a jerky motion.
+  Capture jerky = c;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double t = static_cast<double>(i);
+    const double to = t + 25.0 * std::sin(t / 17.0) + 14.0 * std::sin(t / 5.3 + 1.0);
+    const auto k = static_cast<std::size_t>(std::clamp(to, 0.0, t + 40.0));
+    const std::size_t from = std::min(k, c.size() - 1);
+    jerky.vsin_v[i] = c.vsin_v[from];
+    jerky.vcos_v[i] = c.vcos_v[from];
+  }
+  jerky.reference_deg.clear();
+  const Diagnosis d = diagnose(jerky, {});
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_EQ(d.findings[0].effect, find_effect("amplitude-mismatch"));
+  EXPECT_NEAR(d.findings[0].values[0], 0.02, 1e-3);
 }
 
 } // namespace
