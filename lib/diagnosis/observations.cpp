@@ -71,35 +71,50 @@ void prepare_temperature(const Capture &capture, Scene &scene, std::vector<doubl
     return;
   }
   const auto &time = capture.time_s;
-  const std::size_t pieces = std::clamp<std::size_t>(capture.size() / 400, 4, 100);
-  CubicSpline spline(CubicSpline::uniform(time.front(), time.back(), pieces));
-  spline.fit(time, vtemp_of_temperature(capture, scene), {}, 0, {});
-  temp.resize(capture.size());
-  rate.resize(capture.size());
-  for (std::size_t i = 0; i < capture.size(); ++i) {
+  const std::size_t n = capture.size(), pieces = std::clamp<std::size_t>(n / 400, 4, 100);
+  const CubicSpline smooth(CubicSpline::uniform(time.front(), time.back(), pieces));
+  const std::vector<double> vtemp = vtemp_of_temperature(capture, scene);
+  const double mean_cos =
+      std::accumulate(capture.vcos_v.begin(), capture.vcos_v.end(), 0.0) / static_cast<double>(n);
+  const auto cosine = [&](std::size_t i) { return capture.vcos_v[i] - mean_cos; };
+
+  // What VTEMP keeps of VCOS, jointly with the temperature: a slow shaft would pass for one. Only
+  // what of VCOS no temperature could follow measures it.
+  CubicSpline of_cosine = smooth;
+  of_cosine.fit(time, capture.vcos_v, {}, 0, {});
+  double all = 0.0, fast = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double left = capture.vcos_v[i] - of_cosine.value(time[i]);
+    all += cosine(i) * cosine(i);
+    fast += left * left;
+  }
+  constexpr double kEnough = 0.01;
+  const bool measured = n > 100 && fast > kEnough * all;
+  CubicSpline spline = smooth;
+  if (measured)
+    spline.fit(time, vtemp, {}, 1, [&](std::size_t i, double *term) { *term = cosine(i); });
+  else
+    spline.fit(time, vtemp, {}, 0, {});
+  temp.resize(n);
+  rate.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
     temp[i] = spline.value(time[i]);
     rate[i] = spline.slope(time[i]);
   }
-  scene.vtemp_mean_v = std::accumulate(capture.vtemp_v.begin(), capture.vtemp_v.end(), 0.0) /
-                       static_cast<double>(capture.size());
+  scene.vtemp_mean_v =
+      std::accumulate(capture.vtemp_v.begin(), capture.vtemp_v.end(), 0.0) / static_cast<double>(n);
   if (quantile(temp, 0.98) - quantile(temp, 0.02) < kLeastTemperatureV)
     scene.why_no_temperature = "one temperature only";
-
-  // What VTEMP keeps of VCOS, apart from the temperature itself.
-  const double mean_cos = std::accumulate(capture.vcos_v.begin(), capture.vcos_v.end(), 0.0) /
-                          static_cast<double>(capture.size());
-  double cc = 0.0, ct = 0.0, tt = 0.0;
-  for (std::size_t i = 0; i < capture.size(); ++i) {
-    const double c = capture.vcos_v[i] - mean_cos, t = capture.vtemp_v[i] - temp[i];
-    cc += c * c;
-    ct += c * t;
-    tt += t * t;
-  }
-  if (cc > 0.0 && capture.size() > 100) {
-    scene.all.vtemp_on_vcos = ct / cc;
-    const double rest = std::max(tt - ct * ct / cc, 0.0) / static_cast<double>(capture.size());
+  if (measured) {
+    const double leak = spline.term_coefficients()[0];
+    double rest = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double left = vtemp[i] - temp[i] - leak * cosine(i);
+      rest += left * left / static_cast<double>(n);
+    }
+    scene.all.vtemp_on_vcos = leak;
     // The floor: a spline cannot be trusted beyond what the converter resolves.
-    scene.all.vtemp_on_vcos_error = std::max(std::sqrt(rest / cc), 2e-5);
+    scene.all.vtemp_on_vcos_error = std::max(std::sqrt(rest / fast), 2e-5);
   }
   scene.all.vtemp_scanned = true;
 }

@@ -63,21 +63,28 @@ double least_of_noise(const Effect &effect) {
   return kLeastOfNoise;
 }
 
+/// How far the leak of VCOS into VTEMP is from what the model makes it, in standard errors.
+double leak_left(const SearchData &data, const Model &model) {
+  double leak = 0.0;
+  for (const EffectInstance &e : model.effects)
+    leak += e.effect->vtemp_on_vcos(e.values);
+  const Observations &train = data.train;
+  return train.vtemp_on_vcos_error > 0.0 ? (train.vtemp_on_vcos - leak) / train.vtemp_on_vcos_error
+                                         : 0.0;
+}
+
+bool leak_unexplained(const SearchData &data, const Model &model) {
+  return 0.5 * leak_left(data, model) * leak_left(data, model) > kLeastNats;
+}
+
 /// Log likelihood of what stands beside the pair: VTEMP and the motion of the reference.
 double side_evidence(const SearchData &data, const Model &model) {
-  double sum = 0.0;
-  double leak = 0.0;
+  double sum = -0.5 * leak_left(data, model) * leak_left(data, model);
   std::array<double, 2> ripple{0.0, 0.0};
   for (const EffectInstance &e : model.effects) {
-    leak += e.effect->vtemp_on_vcos(e.values);
     const auto part = e.effect->reference_ripple(e.values);
     ripple[0] += part[0];
     ripple[1] += part[1];
-  }
-  const Observations &train = data.train;
-  if (train.vtemp_on_vcos_error > 0.0) {
-    const double z = (train.vtemp_on_vcos - leak) / train.vtemp_on_vcos_error;
-    sum -= 0.5 * z * z;
   }
   if (data.scene->reference_ripple_error > 0.0) {
     // The reference's own error must show against a smooth motion, unless the motion ripples so.
@@ -186,6 +193,16 @@ double Search::reach(const Model &model, std::size_t effect) const {
   return std::sqrt(sum / (2.0 * static_cast<double>(a.sin.size())));
 }
 
+/// What an effect explains, V rms: no more than it moves, and where the evidence stands beside the
+/// pair all of that.
+double Search::size_of(const State &with, const State &less, std::size_t effect) const {
+  const double moved = reach(with.fit.model, effect);
+  const EffectInstance &e = with.fit.model.effects[effect];
+  if (e.effect->vtemp_on_vcos(e.values) != 0.0 && leak_unexplained(data_, less.fit.model))
+    return moved;
+  return std::min(volts_explained(with, less), moved);
+}
+
 Search::State Search::without(const State &now, std::size_t effect) const {
   Model model = now.fit.model;
   model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(effect));
@@ -205,10 +222,13 @@ bool Search::forward(State &now) {
   std::vector<Option> options;
   std::size_t physical = 0, signatures = 0;
   for (const Candidate &c : list) {
-    if (scale * c.gain / (2.0 * variance) < kLeastNats)
-      break;
+    // What stands beside the pair may ask for a cause that the pair alone hardly shows.
+    const bool asked_for = leak_unexplained(data_, now.fit.model) &&
+                           c.effect->vtemp_on_vcos(c.start.effects.back().values) != 0.0;
+    if (scale * c.gain / (2.0 * variance) < kLeastNats && !asked_for)
+      continue;
     std::size_t &count = c.effect->info().signature ? signatures : physical;
-    if (count >= (c.effect->info().signature ? 2 : kShortlist))
+    if (count >= (c.effect->info().signature ? 2 : kShortlist) && !asked_for)
       continue;
     ++count;
     State state = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
@@ -218,8 +238,7 @@ bool Search::forward(State &now) {
     if (worth < kLeastNats ||
         entanglement(state.fit, state.fit.model.effects.size() - 1) > kEntangled)
       continue;
-    const double size = std::min(volts_explained(state, now),
-                                 reach(state.fit.model, state.fit.model.effects.size() - 1));
+    const double size = size_of(state, now, state.fit.model.effects.size() - 1);
     if (size < least_of_noise(*c.effect) * noise_v_ || size < allowance)
       continue;
     options.push_back({std::move(state), c.effect, worth});
@@ -259,8 +278,7 @@ bool Search::backward(State &now) {
     const double worth = now.score - less.score - price(now.fit.model.effects[k]);
     const Effect &effect = *now.fit.model.effects[k].effect;
     const bool worth_it =
-        worth > kLeastNats && std::min(volts_explained(now, less), reach(now.fit.model, k)) >
-                                  least_of_noise(effect) * noise_v_;
+        worth > kLeastNats && size_of(now, less, k) > least_of_noise(effect) * noise_v_;
     if (worth_it)
       continue;
     now = std::move(less);

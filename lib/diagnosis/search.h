@@ -75,6 +75,7 @@ private:
   double contribution(const State &with, const State &less) const;
   double volts_explained(const State &with, const State &less) const;
   double reach(const Model &model, std::size_t effect) const;
+  double size_of(const State &with, const State &less, std::size_t effect) const;
 
   SearchData data_;
   Observations quick_;  ///< a thinned part of the training data, for looking around
