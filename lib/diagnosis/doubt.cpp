@@ -66,7 +66,7 @@ double offsets_in_transfer(const Observations &data, const Model &m) {
   return std::sqrt(std::max(0.0, 0.5 * variance));
 }
 
-double entanglement(const FitResult &fit, std::size_t effect) {
+double entanglement(const FitResult &fit, std::size_t effect, std::size_t from) {
   std::vector<std::pair<Eigen::Index, Eigen::Index>> place; // first coordinate, count
   Eigen::Index at = 4;
   for (const EffectInstance &e : fit.model.effects) {
@@ -84,7 +84,7 @@ double entanglement(const FitResult &fit, std::size_t effect) {
   if (n == 0)
     return 0.0;
   const Eigen::MatrixXd mine = whitener(effect);
-  for (std::size_t k = 0; k < place.size(); ++k) {
+  for (std::size_t k = from; k < place.size(); ++k) {
     const auto [other, m] = place[k];
     if (k == effect || m == 0)
       continue;

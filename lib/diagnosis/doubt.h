@@ -32,8 +32,8 @@ double second_order(const Scene &scene, const Observations &data, const Model &m
 /// either: the difference between the two, V rms of a channel.
 double offsets_in_transfer(const Observations &data, const Model &model);
 
-/// Largest correlation of any mixture of one effect's coordinates with any of another's, 0 to 1: at
-/// 1 the two are one in these data.
-double entanglement(const FitResult &fit, std::size_t effect);
+/// Largest correlation of any mixture of one effect's coordinates with any of another's from
+/// `first` on, 0 to 1: at 1 the two are one in these data.
+double entanglement(const FitResult &fit, std::size_t effect, std::size_t first);
 
 } // namespace ada

@@ -15,12 +15,13 @@ namespace ada {
 
 namespace {
 
-/// Part of the record to look at on either side: more than the thinned samples leave out.
-constexpr double kReach = 0.03;
+/// Parts of the record to look at on either side: more than the thinned samples leave out, and more
+/// where that is not enough.
+constexpr double kReach[] = {0.03, 0.1, 0.3};
 
 /// Samples about a moment, across what the training part leaves out there: a long standstill may
 /// lie within one turn that is held back.
-std::vector<std::uint32_t> samples_near(const Scene &scene, double moment) {
+std::vector<std::uint32_t> samples_near(const Scene &scene, double moment, double part) {
   const std::vector<double> &time = scene.all.time;
   double first = moment, last = moment;
   const auto next = std::lower_bound(scene.train.begin(), scene.train.end(), moment,
@@ -29,7 +30,7 @@ std::vector<std::uint32_t> samples_near(const Scene &scene, double moment) {
     last = time[*next];
   if (next != scene.train.begin())
     first = time[*std::prev(next)];
-  const double reach = kReach * (time.back() - time.front());
+  const double reach = part * (time.back() - time.front());
   const auto from = std::lower_bound(time.begin(), time.end(), first - reach);
   const auto to = std::upper_bound(from, time.end(), last + reach);
   std::vector<std::uint32_t> out(static_cast<std::size_t>(to - from));
@@ -39,10 +40,11 @@ std::vector<std::uint32_t> samples_near(const Scene &scene, double moment) {
 
 /// The moment that leaves the least sum of squares, with the size of the step as it is: a sample
 /// before it is judged without the effect, one from it on with. It lies between two samples, which
-/// are far apart where those between them are of no use.
-void set_exact_moment(const Scene &scene, Model &model, std::size_t effect) {
+/// are far apart where those between them are of no use. False when the end of what was looked at
+/// is the best place.
+bool set_exact_moment(const Scene &scene, Model &model, std::size_t effect, double part) {
   EffectInstance &e = model.effects[effect];
-  const Observations near = scene.all.select(samples_near(scene, e.values[0]));
+  const Observations near = scene.all.select(samples_near(scene, e.values[0], part));
   Model less = model, always = model;
   less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   always.effects[effect].values[0] = std::numeric_limits<double>::lowest();
@@ -63,10 +65,11 @@ void set_exact_moment(const Scene &scene, Model &model, std::size_t effect) {
     }
   }
   if (at == 0 || at == near.size())
-    return;
+    return false;
   e.values[0] = 0.5 * (near.time[at - 1] + near.time[at]);
   e.std_errors.resize(e.values.size());
   e.std_errors[0] = (near.time[at] - near.time[at - 1]) / std::sqrt(12.0);
+  return true;
 }
 
 } // namespace
@@ -80,7 +83,9 @@ bool has_moment(const Effect &effect) {
 Model with_exact_moments(const Scene &scene, Model model, std::size_t first) {
   for (std::size_t k = first; k < model.effects.size(); ++k)
     if (has_moment(*model.effects[k].effect))
-      set_exact_moment(scene, model, k);
+      for (double part : kReach)
+        if (set_exact_moment(scene, model, k, part))
+          break;
   return model;
 }
 

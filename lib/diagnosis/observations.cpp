@@ -10,6 +10,7 @@
 #include "base/angle.h"
 #include "base/robust.h"
 #include "conversion/angle_solver.h"
+#include "diagnosis/fit.h"
 #include "diagnosis/screening.h"
 #include "motion/kinematics.h"
 #include "motion/spline.h"
@@ -274,7 +275,9 @@ std::vector<double> corrected_angle(const Screened &look, const Model &known,
   const Capture &c = look.capture;
   const Kinematics rough = differentiate(c.time_s, look.angle, 8);
   Observations every;
-  every.time = c.time_s;
+  every.time = time_with_losses(look, median_step(c.time_s));
+  every.vsin = c.vsin_v;
+  every.vcos = c.vcos_v;
   every.alpha = rough.alpha;
   every.omega = rough.omega;
   every.accel.assign(c.size(), 0.0);
@@ -283,13 +286,28 @@ std::vector<double> corrected_angle(const Screened &look, const Model &known,
   every.supply = supply;
   every.frame_period_s = median_step(c.time_s);
   every.vtemp_scanned = c.has_vtemp();
+  // What no conversion corrects, a step of an offset or a tone, would bend the motion all the same.
+  Model lasting = known;
+  std::erase_if(lasting.effects, [](const EffectInstance &e) {
+    const EffectInfo &info = e.effect->info();
+    return info.evidence == Evidence::signal && !info.correctable && info.stage != Stage::motion;
+  });
+  std::vector<double> vsin = c.vsin_v, vcos = c.vcos_v;
+  if (lasting.effects.size() < known.effects.size()) {
+    const ResidualColumns with = residual_columns(every, known);
+    const ResidualColumns without = residual_columns(every, lasting);
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      vsin[i] -= with.model_sin[i] - without.model_sin[i];
+      vcos[i] -= with.model_cos[i] - without.model_cos[i];
+    }
+  }
   const AngleSolver solver(known);
   std::vector<double> angle(c.size()), radius(c.size());
-  solver.start(c.vsin_v, c.vcos_v, angle);
+  solver.start(vsin, vcos, angle);
   const double period = kTwoPi / c.meta.periods_per_turn;
   for (std::size_t i = 0; i < angle.size(); ++i)
     angle[i] += period * std::round((look.angle[i] - angle[i]) / period);
-  solver.solve(every.conditions(), c.vsin_v, c.vcos_v, angle, radius);
+  solver.solve(every.conditions(), vsin, vcos, angle, radius);
   // Bad samples keep what the pair says, a wrong half turn is put right.
   for (std::size_t i = 0; i < angle.size(); ++i)
     angle[i] = std::isfinite(angle[i])

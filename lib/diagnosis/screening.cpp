@@ -148,7 +148,8 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
   std::vector<Jump> all;
   if (n < 4 * side)
     return all;
-  std::vector<double> gaps(n, 0.0), speeds(n, 0.0), size;
+  const double frame = median_step(t);
+  std::vector<double> gaps(n, 0.0), speeds(n, 0.0), bends(n, 0.0), size;
   for (std::size_t i = side; i + side <= n; ++i) {
     const double middle = 0.5 * (t[i] + t[i - 1]);
     double value[2], slope[2], fewest = static_cast<double>(side);
@@ -180,14 +181,17 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
     if (std::abs(slope[1] - slope[0]) > 0.3 * std::abs(slope[0] + slope[1]) * 0.5)
       continue;
     gaps[i] = value[1] - value[0];
+    bends[i] = std::abs(slope[1] - slope[0]) * static_cast<double>(side) * frame;
     size.push_back(std::abs(gaps[i]));
   }
   if (size.empty())
     return all;
   const double sigma = std::max(1.4826 * quantile(std::move(size), 0.5), floor_rad);
-  const double frame = median_step(t);
   for (std::size_t i = side; i + side <= n; ++i) {
-    if (std::abs(gaps[i]) < 8.0 * sigma || !steady(speeds, i, reach_of(speeds[i] * frame, side)))
+    // Twice what a kink anywhere between the two lines could make of them is no kink.
+    const bool clear = std::abs(gaps[i]) > 2.0 * bends[i] + 50.0 * sigma ||
+                       steady(speeds, i, reach_of(speeds[i] * frame, side));
+    if (std::abs(gaps[i]) < 8.0 * sigma || !clear)
       continue;
     const auto from = gaps.begin() + static_cast<std::ptrdiff_t>(i - side);
     const auto to = gaps.begin() + static_cast<std::ptrdiff_t>(std::min(n, i + side + 1));

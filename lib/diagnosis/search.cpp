@@ -236,7 +236,7 @@ bool Search::forward(State &now) {
       continue;
     const double worth = state.score - now.score - price(c.start.effects.back());
     if (worth < kLeastNats ||
-        entanglement(state.fit, state.fit.model.effects.size() - 1) > kEntangled)
+        entanglement(state.fit, state.fit.model.effects.size() - 1, given_) > kEntangled)
       continue;
     const double size = size_of(state, now, state.fit.model.effects.size() - 1);
     if (size < least_of_noise(*c.effect) * noise_v_ || size < allowance)

@@ -39,9 +39,10 @@ std::vector<double> local_slopes(std::span<const double> x, std::span<const doub
   return slope;
 }
 
-/// Knots at every turn of travel, at every fifth of it where `dense` says so, wherever the speed has
-/// changed by more than any ripple does, and at rest at least every twentieth of the record. Unusable stretches get several knots, so that what lies on both
-/// sides of them does not have to fit together.
+/// Knots at every turn of travel, at every fifth of it where `dense` says so, wherever the speed
+/// has changed by more than any ripple does, and at rest at least every twentieth of the record.
+/// Unusable stretches get several knots, so that what lies on both sides of them does not have to
+/// fit together.
 std::vector<double> knots_by_travel(std::span<const double> time, std::span<const double> angle,
                                     std::span<const char> usable, std::span<const char> dense) {
   std::vector<double> knots{time.front()};
