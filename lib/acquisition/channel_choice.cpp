@@ -73,7 +73,8 @@ bool serves(const IioDevice &device, const ChannelSelection &selection) {
 } // namespace
 
 std::string display_name(const IioDevice &device) {
-  return device.name.empty() ? device.id : device.name + " (" + device.id + ")";
+  const std::string label = device.label.empty() ? "" : ", label " + device.label;
+  return device.name.empty() ? device.id + label : device.name + " (" + device.id + label + ")";
 }
 
 std::string list_channels(const IioDevice &device) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -30,6 +31,10 @@ Pins open_pins(const Options &options, bool gc) {
 }
 
 int run(const Options &options) {
+  // Before the line is taken: whoever asks it to end a moment later is to find it listening.
+  std::optional<StopSignal> stop;
+  if (options.hold && !options.state.empty())
+    stop.emplace([] {});
   const bool gc = options.pin == "gc";
   const Pins pins = open_pins(options, gc);
   const ada4571_pin pin = gc ? ADA4571_PIN_GC : ADA4571_PIN_PD;
@@ -40,9 +45,8 @@ int run(const Options &options) {
     return kDone;
   }
   check(ada4571_pins_set(pins.get(), pin, options.state == "on"));
-  if (options.hold) {
+  if (stop) {
     fmt::print(stderr, "{} is {}; Ctrl-C releases the line\n", options.pin, options.state);
-    const StopSignal stop([] {});
     while (!StopSignal::requested())
       usleep(100'000);
   }
