@@ -47,8 +47,9 @@ struct Chain {
   double vtemp_centre = 0.0;    // V: VTEMP about which the drifts are counted
   ChannelOffset sine, cosine;
   double step_time = 0.0;
-  double quadratic = 0.0; // q2
-  double cubic = 0.0;     // q3
+  double quadratic = 0.0;         // q2
+  double cubic = 0.0;             // q3
+  bool offset_after_bend = false; // the bent stage comes before the offset is added
   std::vector<Harmonic> harmonics;
   ClipLevels clip_sine, clip_cosine;
   double low_pass_corner = 0.0; // Hz; 0: none
@@ -63,13 +64,14 @@ struct Chain {
     const double warm = vtemp - vtemp_centre;
     double signal = amplitude * gain * (1 + (is_sine ? mismatch : -mismatch) / 2) *
                     (1 + amplitude_drift * warm) * unit;
-    signal += o.offset + o.drift * warm + o.curvature * warm * warm + extra;
+    double offset = o.offset + o.drift * warm + o.curvature * warm * warm + extra;
     if (o.step != 0.0 && t >= step_time)
-      signal += o.step;
+      offset += o.step;
+    signal += offset;
     for (const Harmonic &harmonic : harmonics)
       if (harmonic.channel == channel)
         signal += harmonic.amplitude * amplitude * std::sin(harmonic.order * psi + harmonic.phase);
-    const double x = signal / amplitude;
+    const double x = (signal - (offset_after_bend ? offset : 0.0)) / amplitude;
     signal += amplitude * (quadratic * x * x + cubic * x * x * x);
     const double volts = supply_ratio * (supply / 2 + signal);
     const ClipLevels &clip = is_sine ? clip_sine : clip_cosine;

@@ -141,12 +141,14 @@ void temperature_lag(Random &random, Conditions &c, double scale, std::vector<Tr
 void quadratic(Random &random, Conditions &c, double scale, std::vector<Truth> &truths) {
   const double q2 = scale * random.sign() * random.uniform(0.003, 0.02);
   c.bench.chain.quadratic = q2;
+  c.bench.chain.offset_after_bend = random.chance(0.5);
   truths.push_back({"quadratic-nonlinearity", {{"q2", sized(q2, "1", 1.5e-4)}}, {}, {}});
 }
 
 void cubic(Random &random, Conditions &c, double scale, std::vector<Truth> &truths) {
   const double q3 = scale * random.sign() * random.uniform(0.003, 0.02);
   c.bench.chain.cubic = q3;
+  c.bench.chain.offset_after_bend = random.chance(0.5);
   truths.push_back({"cubic-nonlinearity", {{"q3", sized(q3, "1", 2e-4)}}, {"weak-field"}, {}});
 }
 
@@ -406,9 +408,9 @@ void excess_noise(Random &random, Conditions &c, double, std::vector<Truth> &tru
 
 void sample_loss(Random &random, Conditions &c, double, std::vector<Truth> &truths) {
   Bench &bench = c.bench;
-  // A gap of half a turn and more is also one of half a turn and less.
+  // A gap of a turn and more is also one of less.
   const double turn = bench.sampler.rate * 60.0 / c.highest_rpm;
-  const auto most = static_cast<std::size_t>(std::clamp(0.4 * turn, 5.0, 50.0));
+  const auto most = static_cast<std::size_t>(std::clamp(0.9 * turn, 5.0, 50.0));
   const std::size_t events = 1 + random.index(4);
   std::size_t total = 0;
   for (std::size_t i = 0; i < events; ++i) {
@@ -434,7 +436,9 @@ void offset_step(Random &random, Conditions &c, double scale, std::vector<Truth>
   const double angle = random.uniform(0, kTurn);
   chain.sine.step = size * std::cos(angle);
   chain.cosine.step = size * std::sin(angle);
-  chain.step_time = time_within(random, c.bench);
+  // A reference knows the angle at rest and in a ramp as well.
+  chain.step_time = c.bench.record.has_reference ? random.uniform(0.25, 0.75) * c.bench.duration()
+                                                 : time_within(random, c.bench);
   Truth truth{"offset-step", {}, {}, {}};
   truth.parameters["time_s"] = within(chain.step_time, "s", 0.005 * c.bench.duration());
   vector_pair(truth, "step_sin_v", chain.sine.step, "step_cos_v", chain.cosine.step, "V", 2e-4);
