@@ -384,7 +384,9 @@ Search::AlongSupply Search::along_supply(const State &now) const {
 /// A residual that lies mainly along the absolute voltages is weighed as that of a supply, first to
 /// see whether the rest of the model then comes out clean.
 bool Search::notice_supply(State &now) {
-  if (supply_rms_fraction_ > 0.0 || supply_rejected_ || !data_.train.supply.empty())
+  // Beside the angle that a pair gives itself anything that moves the radius looks like a supply.
+  if (supply_rms_fraction_ > 0.0 || supply_rejected_ || !data_.train.supply.empty() ||
+      data_.scene->radius_only)
     return false;
   if (!data_.scene->has_reference)
     return notice_supply_in_radius(now);
