@@ -188,7 +188,7 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
     return all;
   const double sigma = std::max(1.4826 * quantile(std::move(size), 0.5), floor_rad);
   for (std::size_t i = side; i + side <= n; ++i) {
-    // Twice what a kink anywhere between the two lines could make of them is no kink.
+    // A gap far larger than a kink between the two lines could leave is a jump at any speed.
     const bool clear = std::abs(gaps[i]) > 2.0 * bends[i] + 50.0 * sigma ||
                        steady(speeds, i, reach_of(speeds[i] * frame, side));
     if (std::abs(gaps[i]) < 8.0 * sigma || !clear)
