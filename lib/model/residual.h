@@ -39,7 +39,8 @@ struct StepGuess {
 };
 enum class StepIn { angle, offsets };
 
-/// Moments at which the mean of the residual changes: most suddenly, and most over the whole record.
+/// Moments at which the mean of the residual changes: most suddenly, and most over the whole
+/// record.
 std::vector<StepGuess> find_steps(const Residual &residual, StepIn where);
 
 /// Strongest lines of the residual's spectrum over time, as values of `periodic-interference`.
