@@ -3,12 +3,14 @@
 
 #include "diagnosis/moments.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <numeric>
 
+#include "base/angle.h"
 #include "diagnosis/fit.h"
 
 namespace ada {
@@ -38,29 +40,84 @@ std::vector<std::uint32_t> samples_near(const Scene &scene, double moment, doubl
   return out;
 }
 
-/// The moment that leaves the least sum of squares, with the size of the step as it is: a sample
-/// before it is judged without the effect, one from it on with. It lies between two samples, which
-/// are far apart where those between them are of no use. False when the end of what was looked at
-/// is the best place.
+/// Cubic B-spline on knots -2 .. 2.
+double bump(double x) {
+  const double a = std::abs(x);
+  if (a >= 2.0)
+    return 0.0;
+  const double rest = 2.0 - a;
+  return a >= 1.0 ? rest * rest * rest / 6.0 : 2.0 / 3.0 - a * a * (1.0 - 0.5 * a);
+}
+
+/// How far the motion may be wrong about a moment. Without a reference it is known from the pair
+/// alone, and bends where a step is not yet taken out, or at the wrong moment: splines within two
+/// turns of it, as columns that are orthonormal over the samples. Empty with a reference.
+Eigen::MatrixXd free_motion(const Scene &scene, const Observations &near, double moment) {
+  constexpr double kTurns = 2.0;
+  constexpr Eigen::Index kTerms = 32;
+  if (scene.has_reference)
+    return {};
+  const auto later = std::lower_bound(near.time.begin(), near.time.end(), moment);
+  const auto middle = static_cast<std::size_t>(later - near.time.begin());
+  std::size_t from = middle, to = middle;
+  const auto travel = [&](std::size_t i) { return std::abs(near.alpha[i] - near.alpha[middle]); };
+  while (from > 0 && travel(from - 1) < kTurns * kTwoPi)
+    --from;
+  while (to + 1 < near.size() && travel(to + 1) < kTurns * kTwoPi)
+    ++to;
+  if (middle == near.size() || to - from < 2 * kTerms)
+    return {};
+  const double start = near.time[from], step = (near.time[to] - start) / (kTerms - 1.0);
+  Eigen::MatrixXd basis(near.size(), kTerms);
+  for (std::size_t i = 0; i < near.size(); ++i)
+    for (Eigen::Index k = 0; k < kTerms; ++k)
+      basis(static_cast<Eigen::Index>(i), k) =
+          bump((near.time[i] - start) / step - static_cast<double>(k));
+  constexpr double kNoSample = 1e-6; // keeps a term determined that no sample sees
+  Eigen::MatrixXd gram = basis.transpose() * basis;
+  gram.diagonal().array() += kNoSample * gram.diagonal().maxCoeff();
+  return gram.llt().matrixU().solve<Eigen::OnTheRight>(basis);
+}
+
+/// A residual along the circle: what the motion can take up.
+double along_circle(const Observations &data, std::size_t i, double sin, double cos) {
+  const double us = data.vcos[i] - data.mid_v, uc = data.mid_v - data.vsin[i];
+  return (sin * us + cos * uc) / std::max(std::hypot(us, uc), 1e-12);
+}
+
+/// The moment that leaves the least sum of squares, with the size of the step as it is and the
+/// motion anew for each: a sample before it is judged without the effect, one from it on with. It
+/// lies between two samples, which are far apart where those between them are of no use. False when
+/// the end of what was looked at is the best place.
 bool set_exact_moment(const Scene &scene, Model &model, std::size_t effect, double part) {
   EffectInstance &e = model.effects[effect];
   const Observations near = scene.all.select(samples_near(scene, e.values[0], part));
   Model less = model, always = model;
   less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   always.effects[effect].values[0] = std::numeric_limits<double>::lowest();
-  const ResidualColumns before = residual_columns(near, less);
-  const ResidualColumns after = residual_columns(near, always);
-  const auto square = [&](const ResidualColumns &r, std::size_t i) {
-    double s = r.sin[i], c = r.cos[i];
-    near.whiten(i, s, c);
-    return s * s + c * c;
+  ResidualColumns before = residual_columns(near, less), after = residual_columns(near, always);
+  for (ResidualColumns *r : {&before, &after})
+    for (std::size_t i = 0; i < near.size(); ++i)
+      near.whiten(i, r->sin[i], r->cos[i]);
+  const auto square = [](const ResidualColumns &r, std::size_t i) {
+    return r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
   };
-  double sum = 0.0, least = 0.0;
+  const auto along = [&](const ResidualColumns &r, std::size_t i) {
+    return along_circle(near, i, r.sin[i], r.cos[i]);
+  };
+  const Eigen::MatrixXd motion = free_motion(scene, near, e.values[0]);
+  Eigen::VectorXd taken_up = Eigen::VectorXd::Zero(motion.cols());
+  for (Eigen::Index i = 0; i < motion.rows(); ++i)
+    taken_up += along(after, static_cast<std::size_t>(i)) * motion.row(i).transpose();
+  double sum = 0.0, least = -taken_up.squaredNorm();
   std::size_t at = 0;
   for (std::size_t i = 0; i < near.size(); ++i) {
     sum += square(before, i) - square(after, i);
-    if (sum < least) {
-      least = sum;
+    if (motion.size() > 0)
+      taken_up += (along(before, i) - along(after, i)) *
+                  motion.row(static_cast<Eigen::Index>(i)).transpose();
+    if (const double now = sum - taken_up.squaredNorm(); now < least) {
+      least = now;
       at = i + 1;
     }
   }

@@ -167,7 +167,8 @@ void widen_gaps(std::span<const double> angle, double travel, std::span<char> us
 }
 
 /// Whether a run of samples departs from the smooth motion only by what comes again every turn:
-/// then it is the signal that changed there, by a step of an offset say, and no rough motion.
+/// then it is the signal that changed there, by a step of an offset say, and no rough motion. The
+/// turns about a short run are looked at as well.
 bool repeats_every_turn(std::span<const double> angle, const std::vector<double> &residual,
                         std::span<const char> usable, std::size_t from, std::size_t to,
                         double limit) {
@@ -177,14 +178,25 @@ bool repeats_every_turn(std::span<const double> angle, const std::vector<double>
   double travel = 0.0;
   for (std::size_t i = from + 1; i < to; ++i)
     travel += std::abs(angle[i] - angle[i - 1]);
+  std::size_t first = from, last = to;
+  while (travel < kFewestTurns * kTwoPi && (first > 0 || last < angle.size())) {
+    if (first > 0) {
+      --first;
+      travel += std::abs(angle[first + 1] - angle[first]);
+    }
+    if (last < angle.size()) {
+      ++last;
+      travel += std::abs(angle[last - 1] - angle[last - 2]);
+    }
+  }
   if (travel < kFewestTurns * kTwoPi)
     return false;
   using Row = Eigen::Matrix<double, kColumns, 1>;
-  const double length = static_cast<double>(to - from);
+  const double length = static_cast<double>(last - first);
   const auto row = [&](std::size_t i) {
     Row x;
     x[0] = 1.0;
-    x[1] = static_cast<double>(i - from) / length - 0.5;
+    x[1] = static_cast<double>(i - first) / length - 0.5;
     for (int k = 1; k <= kOrders; ++k) {
       x[2 * k] = std::cos(k * angle[i]);
       x[2 * k + 1] = std::sin(k * angle[i]);
@@ -193,18 +205,28 @@ bool repeats_every_turn(std::span<const double> angle, const std::vector<double>
   };
   Eigen::Matrix<double, kColumns, kColumns> normal = decltype(normal)::Identity() * 1e-9;
   Row right = Row::Zero();
-  double square = 0.0, count = 0.0;
-  for (std::size_t i = from; i < to; ++i) {
+  double count = 0.0;
+  for (std::size_t i = first; i < last; ++i) {
     if (!usable[i])
       continue;
     const Row x = row(i);
     normal += x * x.transpose();
     right += x * residual[i];
-    square += residual[i] * residual[i];
     count += 1.0;
   }
-  const double left = square - right.dot(normal.ldlt().solve(right));
-  return count > 4.0 * kColumns && left < limit * limit * count;
+  if (count < 4.0 * kColumns)
+    return false;
+  const Row ripple = normal.ldlt().solve(right);
+  double left = 0.0;
+  count = 0.0;
+  for (std::size_t i = from; i < to; ++i) {
+    if (!usable[i])
+      continue;
+    const double rest = residual[i] - ripple.dot(row(i));
+    left += rest * rest;
+    count += 1.0;
+  }
+  return left < limit * limit * count;
 }
 
 /// Marks stretches whose residual stands far above that of the rest (`factor` 1: as far as must

@@ -44,6 +44,9 @@ protected:
 
   TempFolder folder_;
   std::string meta_path_ = folder_ / "c.sigmf-meta", data_path_ = folder_ / "c.sigmf-data";
+  /// Two nanoseconds later, and still the double nearest to whole nanoseconds.
+  static double a_little_later(double time_s) { return (std::nearbyint(time_s * 1e9) + 2.0) / 1e9; }
+
   nlohmann::json json_;
   std::mt19937_64 rng_{fresh_seed()};
 };
@@ -102,7 +105,7 @@ TEST_F(SigmfWriterTest, RecodesWhenASampleIsNoCode) {
 TEST_F(SigmfWriterTest, RecodesWithATimeChannelWhenTheClockIsRagged) {
   Capture before = converter_channels_only(counted_capture(rng_, 9000, 16, 5.0, 10000));
   const auto from = std::uniform_int_distribution<std::size_t>(0, 8999)(rng_);
-  before.time_s[from] += 2e-9;
+  before.time_s[from] = a_little_later(before.time_s[from]);
   expect_same(through(before), before);
   if (from > 0) { // the first sample only says where time begins
     EXPECT_EQ(global()["ada4571:channels"].back()["name"], "time_s");
@@ -112,7 +115,7 @@ TEST_F(SigmfWriterTest, RecodesWithATimeChannelWhenTheClockIsRagged) {
 
 TEST_F(SigmfWriterTest, RecodesBothInOneCapture) {
   Capture before = counted_capture(rng_, 9000, 16, 5.0, 10000);
-  before.time_s[4000] += 2e-9;
+  before.time_s[4000] = a_little_later(before.time_s[4000]);
   before.vsin_v[8000] += 1e-4;
   expect_same(through(before), before);
   EXPECT_EQ(global()["core:datatype"], "rf64_le");
