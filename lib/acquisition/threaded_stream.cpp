@@ -23,6 +23,8 @@ constexpr milliseconds kLongestTimeout{60000};
 /// A buffer that fails sooner than this after it was made has not timed out.
 constexpr milliseconds kTooSoon{50};
 constexpr int kFutileAttempts = 3;
+/// How long a last answer may take before the connection is cut.
+constexpr milliseconds kAnswerTime{250};
 
 class ThreadedStream final : public CaptureStream {
 public:
@@ -38,10 +40,12 @@ public:
 
   ~ThreadedStream() override {
     {
-      const std::lock_guard lock(mutex_);
+      std::unique_lock lock(mutex_);
       stop_ = true;
+      changed_.notify_all();
+      // libiio complains on stderr of a connection that is cut in the middle of an answer.
+      changed_.wait_for(lock, kAnswerTime, [this] { return ended_; });
     }
-    changed_.notify_all();
     {
       const std::lock_guard lock(buffer_mutex_);
       if (buffer_)
@@ -97,14 +101,17 @@ private:
   }
 
   void run() noexcept {
+    std::exception_ptr failure;
     try {
       while (!stopping())
         refill_once();
     } catch (...) {
-      const std::lock_guard lock(mutex_);
-      failure_ = std::current_exception();
-      changed_.notify_all();
+      failure = std::current_exception();
     }
+    const std::lock_guard lock(mutex_);
+    failure_ = failure;
+    ended_ = true;
+    changed_.notify_all();
   }
 
   void refill_once() {
@@ -185,7 +192,7 @@ private:
   std::condition_variable changed_;
   std::vector<Slot> slots_;
   std::size_t first_ = 0, filled_ = 0;
-  bool lent_ = false, stop_ = false, cancelled_ = false;
+  bool lent_ = false, stop_ = false, ended_ = false, cancelled_ = false;
   std::exception_ptr failure_;
   std::thread thread_;
 };

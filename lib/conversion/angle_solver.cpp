@@ -10,7 +10,7 @@
 #include "base/angle.h"
 #include "conversion/sample_status.h"
 #include "motion/kinematics.h"
-#include "motion/spline.h"
+#include "motion/surroundings.h"
 
 namespace ada {
 
@@ -53,23 +53,31 @@ double unevenness(std::span<const double> alpha) {
 
 /// Columns of conditions for a capture.
 struct Columns {
-  std::vector<double> temp, rate, supply, zero;
+  SupplyOverTime supply;
+  TemperatureOverTime temperature;
   Kinematics motion;
-  double mid_shift_v = 0.0;
+  /// `supply_fraction`: rms of the supply that the model was fitted with; 0: it does not matter.
+  Columns(const Capture &capture, double supply_fraction)
+      : supply(capture), temperature(capture, supply) {
+    if (supply_fraction == 0.0)
+      supply.unit.clear();
+    for (double &x : supply.unit)
+      x *= supply.rms / supply_fraction;
+  }
   Conditions view(const Capture &c, double period_s) const {
-    const auto data = [](const std::vector<double> &v) { return v.empty() ? nullptr : v.data(); };
+    const auto data = [](const auto &v) { return v.empty() ? nullptr : v.data(); };
     return {.n = c.size(),
             .time = c.time_s.data(),
             .alpha = nullptr,
             .omega = data(motion.omega),
             .accel = data(motion.accel),
             .direction = data(motion.direction),
-            .temp = data(temp),
-            .temp_rate = data(rate),
-            .supply = data(supply),
-            .vtemp_scan = data(temp),
+            .temp = data(temperature.vtemp_v),
+            .temp_rate = data(temperature.rate),
+            .supply = data(supply.unit),
+            .vtemp_scan = data(temperature.vtemp_v),
             .frame_period_s = period_s,
-            .mid_shift_v = mid_shift_v};
+            .mid_shift_v = supply.mid_shift_v};
   }
 };
 
@@ -95,8 +103,9 @@ AngleSolver::AngleSolver(const Model &model)
 void AngleSolver::start(std::span<const double> vsin, std::span<const double> vcos,
                         std::span<double> alpha) const {
   // Wiring effects turn the pair around: find the electrical angle of the model's own pair.
-  std::array<double, 64> a, s, c, zero{}, one;
-  one.fill(1.0);
+  std::array<double, 64> a, s, c, zero{};
+  std::array<signed char, 64> one;
+  one.fill(1);
   const double period = kTwoPi / periods_;
   for (std::size_t k = 0; k < a.size(); ++k)
     a[k] = period * static_cast<double>(k) / static_cast<double>(a.size());
@@ -122,8 +131,9 @@ void AngleSolver::solve(const Conditions &at, std::span<const double> vsin,
                         std::span<double> radius) const {
   constexpr int kIterations = 4;
   constexpr double kStep = 1e-4;
-  std::array<double, kWaveBlock> s0, c0, s1, c1, moved, zeros{}, ones;
-  ones.fill(1.0);
+  std::array<double, kWaveBlock> s0, c0, s1, c1, moved, zeros{};
+  std::array<signed char, kWaveBlock> ones;
+  ones.fill(1);
   for (std::size_t first = 0; first < at.n; first += kWaveBlock) {
     const std::size_t n = std::min(kWaveBlock, at.n - first);
     Conditions here = at;
@@ -166,29 +176,7 @@ void AngleSolver::capture(const Capture &capture, std::span<ada4571_angle> out) 
   const double period = kTwoPi / periods_;
   const double frame =
       n > 1 ? (capture.time_s.back() - capture.time_s.front()) / static_cast<double>(n - 1) : 0.0;
-  Columns x;
-  if (capture.has_vtemp()) {
-    if (n >= 400) {
-      CubicSpline spline(CubicSpline::uniform(capture.time_s.front(), capture.time_s.back(),
-                                              std::clamp<std::size_t>(n / 400, 4, 100)));
-      spline.fit(capture.time_s, capture.vtemp_v, {}, 0, {});
-      for (double t : capture.time_s) {
-        x.temp.push_back(spline.value(t));
-        x.rate.push_back(spline.slope(t));
-      }
-    } else {
-      x.temp = capture.vtemp_v;
-      x.rate.assign(n, 0.0);
-    }
-  }
-  if (capture.has_vdd()) {
-    const double mean =
-        std::accumulate(capture.vdd_v.begin(), capture.vdd_v.end(), 0.0) / static_cast<double>(n);
-    x.mid_shift_v = 0.5 * (mean - model_.supply_v);
-    for (double v : capture.vdd_v)
-      if (supply_fraction_ != 0.0)
-        x.supply.push_back((v / mean - 1.0) / supply_fraction_);
-  }
+  Columns x(capture, supply_fraction_);
   std::vector<double> alpha(n), radius(n);
   start(capture.vsin_v, capture.vcos_v, alpha);
   for (double &a : alpha)
@@ -254,13 +242,15 @@ void AngleSolver::frames(std::span<const Frame> frames, std::span<ada4571_angle>
         stream_.running ? stream_.alpha + stream_.omega * dt
                         : (std::isfinite(f.reference_deg) ? f.reference_deg * kRadPerDeg : alpha);
     alpha += period * std::round((expected - alpha) / period);
-    double supply = 0.0;
-    if (std::isfinite(f.vdd_v) && supply_fraction_ != 0.0) {
+    double supply = 0.0, mid_shift_v = 0.0;
+    if (std::isfinite(f.vdd_v)) {
       stream_.vdd_count = std::min(stream_.vdd_count + 1.0, 1e5);
       stream_.vdd_mean += (f.vdd_v - stream_.vdd_mean) / stream_.vdd_count;
-      supply = (f.vdd_v / stream_.vdd_mean - 1.0) / supply_fraction_;
+      mid_shift_v = 0.5 * (stream_.vdd_mean - model_.supply_v);
+      if (supply_fraction_ != 0.0)
+        supply = (f.vdd_v / stream_.vdd_mean - 1.0) / supply_fraction_;
     }
-    const double rate = 0.0;
+    const float rate = 0.0f;
     const bool has_temp = std::isfinite(f.vtemp_v);
     Conditions at{.n = 1,
                   .time = &f.time_s,
@@ -272,7 +262,8 @@ void AngleSolver::frames(std::span<const Frame> frames, std::span<ada4571_angle>
                   .temp_rate = has_temp ? &rate : nullptr,
                   .supply = supply_fraction_ != 0.0 ? &supply : nullptr,
                   .vtemp_scan = has_temp ? &f.vtemp_v : nullptr,
-                  .frame_period_s = dt};
+                  .frame_period_s = dt,
+                  .mid_shift_v = mid_shift_v};
     solve(at, {&f.vsin_v, 1}, {&f.vcos_v, 1}, {&alpha, 1}, {&radius, 1});
     const std::uint32_t status = status_of(f.vsin_v, f.vcos_v, radius, model_.supply_v);
     out[i] = {f.time_s, wrap(alpha, period) * kDegPerRad, radius, status};
@@ -280,7 +271,7 @@ void AngleSolver::frames(std::span<const Frame> frames, std::span<ada4571_angle>
       const double speed = (alpha - stream_.alpha) / dt;
       stream_.omega += (speed - stream_.omega) * -std::expm1(-dt / kSpeedTime);
       if (std::abs(stream_.omega) > 0.05)
-        stream_.sense = stream_.omega < 0.0 ? -1.0 : 1.0;
+        stream_.sense = stream_.omega < 0.0 ? -1 : 1;
     }
     stream_.running = true;
     stream_.time = f.time_s;

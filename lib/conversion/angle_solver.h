@@ -50,7 +50,8 @@ private:
 
   struct Stream {
     bool running = false;
-    double time = 0.0, alpha = 0.0, omega = 0.0, sense = 1.0, vdd_mean = 0.0, vdd_count = 0.0;
+    signed char sense = 1;
+    double time = 0.0, alpha = 0.0, omega = 0.0, vdd_mean = 0.0, vdd_count = 0.0;
   } stream_;
 };
 

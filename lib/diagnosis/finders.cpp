@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <unsupported/Eigen/FFT>
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/spectrum.h"
 #include "model/residual.h"
 
 namespace ada {
@@ -173,28 +173,23 @@ std::vector<std::vector<double>> find_tones(const Residual &r) {
   const double span = n > 1 ? r.time.back() - r.time.front() : 0.0;
   if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0 || turns_of(r) < kFewestTurns)
     return {};
-  // Samples that are missing leave zeros: they widen no line that stands clear of the others.
-  std::size_t size = 256;
-  while (static_cast<double>(size) * r.sample_period_s < span && size < (std::size_t{1} << 21))
-    size *= 2;
-  const double grid = std::max(r.sample_period_s, span / static_cast<double>(size - 1));
-  std::vector<std::complex<double>> in(size), out;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(std::lround((r.time[i] - r.time.front()) / grid));
-    if (k < size)
-      in[k] = {r.cos_v[i], r.sin_v[i]};
-  }
-  Eigen::FFT<double> fft;
-  fft.fwd(out, in);
-  const double bin = 1.0 / (static_cast<double>(size) * grid);
   const double resolution = 1.0 / span;
-  std::vector<std::pair<double, std::size_t>> peaks;
-  std::vector<double> power(size / 2, 0.0);
-  for (std::size_t k = 1; k < size / 2; ++k)
-    power[k] = std::norm(out[k]) + std::norm(out[size - k]);
+  std::vector<double> power;
+  double bin = 0.0;
+  {
+    const Spectrum spectrum = spectrum_over_time(r.time, r.sample_period_s, [&](std::size_t i) {
+      return std::complex(r.cos_v[i], r.sin_v[i]);
+    });
+    bin = spectrum.bin_hz;
+    const auto &line = spectrum.line;
+    power.resize(line.size() / 2);
+    for (std::size_t k = 1; k < power.size(); ++k)
+      power[k] = std::norm(line[k]) + std::norm(line[line.size() - k]);
+  }
   const double floor = quantile(power, 0.5);
+  std::vector<std::pair<double, std::size_t>> peaks;
   const auto first = static_cast<std::size_t>(std::ceil(4.0 * resolution / bin));
-  for (std::size_t k = std::max<std::size_t>(first, 2); k + 1 < size / 2; ++k)
+  for (std::size_t k = std::max<std::size_t>(first, 2); k + 1 < power.size(); ++k)
     if (power[k] > 12.0 * floor && power[k] >= power[k - 1] && power[k] >= power[k + 1])
       peaks.emplace_back(power[k], k);
   std::sort(peaks.rbegin(), peaks.rend());

@@ -133,9 +133,13 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   for (auto *unused : {&plain.model_sin, &plain.model_cos})
     std::vector<double>().swap(*unused); // a long capture has no memory to spare
   const ResidualColumns apart = residual_columns(scene.spiked, model);
-  ResidualColumns white = plain;
-  for (std::size_t i = 0; i < scene.all.size(); ++i)
-    scene.all.whiten(i, white.sin[i], white.cos[i]);
+  ResidualColumns whitened;
+  if (scene.all.weight_along != 1.0) {
+    whitened = plain;
+    for (std::size_t i = 0; i < scene.all.size(); ++i)
+      scene.all.whiten(i, whitened.sin[i], whitened.cos[i]);
+  }
+  const ResidualColumns &white = whitened.sin.empty() ? plain : whitened;
   // Places per channel: a disturbance on both at once counts twice.
   std::vector<std::size_t> places;
   double flagged = 0.0;

@@ -13,7 +13,7 @@
 #include "diagnosis/fit.h"
 #include "diagnosis/screening.h"
 #include "motion/kinematics.h"
-#include "motion/spline.h"
+#include "motion/surroundings.h"
 
 namespace ada {
 
@@ -40,107 +40,18 @@ std::vector<T> pick(const std::vector<T> &from, const std::vector<std::uint32_t>
   return out;
 }
 
-/// How VTEMP follows a supply that moves: 1 for a ratiometric output, 0 for one that stands on its
-/// own feet. Fitted beside a slow spline, which takes the temperature's own motion.
-double vtemp_follows_supply(const Capture &capture, double vdd_mean) {
-  CubicSpline spline(CubicSpline::uniform(capture.time_s.front(), capture.time_s.back(), 12));
-  spline.fit(capture.time_s, capture.vtemp_v, {}, 1,
-             [&](std::size_t i, double *term) { *term = capture.vdd_v[i] / vdd_mean - 1.0; });
-  const double vtemp_mean = std::accumulate(capture.vtemp_v.begin(), capture.vtemp_v.end(), 0.0) /
-                            static_cast<double>(capture.size());
-  return spline.term_coefficients()[0] / vtemp_mean > 0.5 ? 1.0 : 0.0;
-}
-
-/// VTEMP as it would be at the mean supply.
-std::vector<double> vtemp_of_temperature(const Capture &capture, const Scene &scene) {
-  std::vector<double> out = capture.vtemp_v;
-  if (scene.supply_rms < 1e-5)
-    return out;
-  const double mean = std::accumulate(capture.vdd_v.begin(), capture.vdd_v.end(), 0.0) /
-                      static_cast<double>(capture.size());
-  const double follows = vtemp_follows_supply(capture, mean);
-  for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] /= 1.0 + follows * (capture.vdd_v[i] / mean - 1.0);
-  return out;
-}
-
-/// Smooth VTEMP and its rate; says whether the capture shows a range of temperatures.
-void prepare_temperature(const Capture &capture, Scene &scene, std::vector<double> &temp,
-                         std::vector<double> &rate) {
+/// Says whether the capture shows a range of temperatures.
+void describe_temperature(const Capture &capture, Scene &scene) {
   if (!capture.has_vtemp()) {
     scene.why_no_temperature = "no VTEMP channel";
     return;
   }
-  const auto &time = capture.time_s;
-  const std::size_t n = capture.size(), pieces = std::clamp<std::size_t>(n / 400, 4, 100);
-  const CubicSpline smooth(CubicSpline::uniform(time.front(), time.back(), pieces));
-  const std::vector<double> vtemp = vtemp_of_temperature(capture, scene);
-  const double mean_cos =
-      std::accumulate(capture.vcos_v.begin(), capture.vcos_v.end(), 0.0) / static_cast<double>(n);
-  const auto cosine = [&](std::size_t i) { return capture.vcos_v[i] - mean_cos; };
-
-  // What VTEMP keeps of VCOS, jointly with the temperature: a slow shaft would pass for one. Only
-  // what of VCOS no temperature could follow measures it.
-  CubicSpline of_cosine = smooth;
-  of_cosine.fit(time, capture.vcos_v, {}, 0, {});
-  double all = 0.0, fast = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double left = capture.vcos_v[i] - of_cosine.value(time[i]);
-    all += cosine(i) * cosine(i);
-    fast += left * left;
-  }
-  constexpr double kEnough = 0.01;
-  const bool measured = n > 100 && fast > kEnough * all;
-  CubicSpline spline = smooth;
-  if (measured)
-    spline.fit(time, vtemp, {}, 1, [&](std::size_t i, double *term) { *term = cosine(i); });
-  else
-    spline.fit(time, vtemp, {}, 0, {});
-  temp.resize(n);
-  rate.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    temp[i] = spline.value(time[i]);
-    rate[i] = spline.slope(time[i]);
-  }
-  scene.vtemp_mean_v =
-      std::accumulate(capture.vtemp_v.begin(), capture.vtemp_v.end(), 0.0) / static_cast<double>(n);
+  const std::vector<double> &temp = scene.all.temp;
+  scene.vtemp_mean_v = std::accumulate(capture.vtemp_v.begin(), capture.vtemp_v.end(), 0.0) /
+                       static_cast<double>(capture.size());
   if (quantile(temp, 0.98) - quantile(temp, 0.02) < kLeastTemperatureV)
     scene.why_no_temperature = "one temperature only";
-  if (measured) {
-    const double leak = spline.term_coefficients()[0];
-    double rest = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double left = vtemp[i] - temp[i] - leak * cosine(i);
-      rest += left * left / static_cast<double>(n);
-    }
-    scene.all.vtemp_on_vcos = leak;
-    // The floor: a spline cannot be trusted beyond what the converter resolves.
-    scene.all.vtemp_on_vcos_error = std::max(std::sqrt(rest / fast), 2e-5);
-  }
   scene.all.vtemp_scanned = true;
-}
-
-void prepare_supply(const Capture &capture, Scene &scene, std::vector<double> &supply) {
-  if (!capture.has_vdd())
-    return;
-  const double mean = std::accumulate(capture.vdd_v.begin(), capture.vdd_v.end(), 0.0) /
-                      static_cast<double>(capture.size());
-  if (!(mean > 0.0))
-    return;
-  scene.all.mid_shift_v = 0.5 * (mean - scene.supply_v);
-  double sum = 0.0;
-  supply.resize(capture.size());
-  for (std::size_t i = 0; i < capture.size(); ++i) {
-    supply[i] = capture.vdd_v[i] / mean - 1.0;
-    sum += supply[i] * supply[i];
-  }
-  scene.supply_rms = std::sqrt(sum / static_cast<double>(capture.size()));
-  if (scene.supply_rms < 1e-7) {
-    supply.clear();
-    return;
-  }
-  for (double &x : supply)
-    x /= scene.supply_rms;
 }
 
 /// Order-1 ripple of the reference against a smooth motion, with an error from its scatter between
@@ -280,7 +191,7 @@ std::vector<double> corrected_angle(const Screened &look, const Model &known,
   every.vcos = c.vcos_v;
   every.alpha = rough.alpha;
   every.omega = rough.omega;
-  every.accel.assign(c.size(), 0.0);
+  every.accel.assign(c.size(), 0.0f);
   every.direction = rough.direction;
   every.temp = temp;
   every.supply = supply;
@@ -339,7 +250,7 @@ bool stands_still(const Capture &capture, double noise_v) {
 } // namespace
 
 Conditions Observations::conditions() const {
-  const auto data = [](const std::vector<double> &v) { return v.empty() ? nullptr : v.data(); };
+  const auto data = [](const auto &v) { return v.empty() ? nullptr : v.data(); };
   return {.n = size(),
           .time = data(time),
           .alpha = data(alpha),
@@ -375,10 +286,19 @@ void Observations::whiten(std::size_t i, double &sin, double &cos) const {
 
 namespace {
 
-constexpr std::vector<double> Observations::*kColumns[] = {
-    &Observations::time,      &Observations::vsin,  &Observations::vcos,      &Observations::alpha,
-    &Observations::omega,     &Observations::accel, &Observations::direction, &Observations::temp,
-    &Observations::temp_rate, &Observations::supply};
+/// Hands each column to `act`, and which member it is.
+template <class Data, class Act> void for_each_column(Data &data, Act act) {
+  act(data.time, &Observations::time);
+  act(data.vsin, &Observations::vsin);
+  act(data.vcos, &Observations::vcos);
+  act(data.alpha, &Observations::alpha);
+  act(data.omega, &Observations::omega);
+  act(data.accel, &Observations::accel);
+  act(data.direction, &Observations::direction);
+  act(data.temp, &Observations::temp);
+  act(data.temp_rate, &Observations::temp_rate);
+  act(data.supply, &Observations::supply);
+}
 
 } // namespace
 
@@ -393,16 +313,14 @@ Observations Observations::select(const std::vector<std::uint32_t> &indices) con
   out.own_offsets = own_offsets;
   out.mid_shift_v = mid_shift_v;
   out.mid_v = mid_v;
-  for (auto column : kColumns)
-    out.*column = pick(this->*column, indices);
+  for_each_column(out, [&](auto &column, auto which) { column = pick(this->*which, indices); });
   return out;
 }
 
 void Observations::keep(const std::vector<std::uint32_t> &indices) {
   if (indices.size() == size())
     return;
-  for (auto column : kColumns)
-    this->*column = pick(this->*column, indices);
+  for_each_column(*this, [&](auto &column, auto) { column = pick(column, indices); });
 }
 
 void judge_radius_only(Scene &scene) {
@@ -431,9 +349,19 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
     return scene;
   }
 
-  std::vector<double> temp, rate, supply;
-  prepare_supply(capture, scene, supply);
-  prepare_temperature(capture, scene, temp, rate);
+  Observations &all = scene.all;
+  {
+    SupplyOverTime supply(capture);
+    TemperatureOverTime temperature(capture, supply);
+    all.mid_shift_v = supply.mid_shift_v;
+    all.supply = std::move(supply.unit);
+    scene.supply_rms = supply.rms;
+    all.temp = std::move(temperature.vtemp_v);
+    all.temp_rate = std::move(temperature.rate);
+    all.vtemp_on_vcos = temperature.on_vcos;
+    all.vtemp_on_vcos_error = temperature.on_vcos_error;
+  }
+  describe_temperature(capture, scene);
 
   Kinematics motion;
   if (scene.has_reference) {
@@ -447,7 +375,7 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
     leave_out_reversals(motion, look.usable);
   } else {
     if (known)
-      look.angle = corrected_angle(look, *known, temp, supply);
+      look.angle = corrected_angle(look, *known, all.temp, all.supply);
     SmoothMotion smooth = smooth_motion_with_losses(look, kRippleOrders);
     scene.radius_only = smooth.residual_rms_rad > kRoughMotion;
     if (scene.radius_only)
@@ -461,7 +389,6 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   for (std::uint32_t i : look.spikes)
     if (stands_alone(look.usable, i))
       scene.spiked_index.push_back(i);
-  Observations &all = scene.all;
   all.frame_period_s = median_step(capture.time_s);
   all.mid_v = 0.5 * scene.supply_v;
   all.time = time_with_losses(look, all.frame_period_s);
@@ -471,9 +398,6 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   all.omega = std::move(motion.omega);
   all.accel = std::move(motion.accel);
   all.direction = std::move(motion.direction);
-  all.temp = std::move(temp);
-  all.temp_rate = std::move(rate);
-  all.supply = std::move(supply);
   scene.spiked = all.select(scene.spiked_index);
   all.keep(scene.index);
   if (all.size() < kFewestSamples) {

@@ -21,9 +21,12 @@ enum class Direction { none, supply, motion };
 /// Columns of one length, in time order.
 struct Observations {
   std::vector<double> time, vsin, vcos;
-  std::vector<double> alpha, omega, accel, direction;
-  std::vector<double> temp, temp_rate; ///< empty without VTEMP
-  std::vector<double> supply;          ///< empty without VDD
+  std::vector<double> alpha, omega;
+  std::vector<float> accel; ///< floats where they do: a long capture has no memory to spare
+  std::vector<signed char> direction;
+  std::vector<double> temp; ///< empty without VTEMP, and so is its rate
+  std::vector<float> temp_rate;
+  std::vector<double> supply; ///< empty without VDD
   double frame_period_s = 0.0;
   bool vtemp_scanned = false;
   /// Slope of VTEMP on VCOS: what a multiplexer would carry over. Standard error 0: not measured.

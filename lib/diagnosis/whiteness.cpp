@@ -8,10 +8,10 @@
 #include <complex>
 #include <fmt/format.h>
 #include <numeric>
-#include <unsupported/Eigen/FFT>
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/spectrum.h"
 
 namespace ada {
 
@@ -139,24 +139,16 @@ void report_variance(const Components &parts, const std::vector<int> &bin, int b
 void report_spectrum(const Observations &data, const Components &parts, double sigma, double least,
                      std::vector<Structure> &out) {
   const bool pair = parts.judged.size() > 1;
-  const double span = data.time.back() - data.time.front();
-  if (!(data.frame_period_s > 0.0) || span <= 0.0)
+  const Spectrum of_time = spectrum_over_time(data.time, data.frame_period_s, [&](std::size_t i) {
+    return pair ? std::complex(parts.of[1][i], parts.of[0][i]) : std::complex(parts.of[2][i]);
+  });
+  const std::vector<std::complex<float>> &spectrum = of_time.line;
+  const std::size_t size = spectrum.size();
+  const double bin = of_time.bin_hz;
+  if (size == 0)
     return;
-  std::size_t size = 256;
-  while (static_cast<double>(size) * data.frame_period_s < span && size < (std::size_t{1} << 21))
-    size *= 2;
-  const double grid = std::max(data.frame_period_s, span / static_cast<double>(size - 1));
-  std::vector<std::complex<double>> in(size), spectrum;
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    const auto k = static_cast<std::size_t>(std::lround((data.time[i] - data.time.front()) / grid));
-    if (k < size)
-      in[k] = pair ? std::complex(parts.of[1][i], parts.of[0][i]) : std::complex(parts.of[2][i]);
-  }
-  Eigen::FFT<double> fft;
-  fft.fwd(spectrum, in);
   const double n = static_cast<double>(data.size());
   const double white = (pair ? 2.0 : 1.0) * sigma * sigma * n; // expected |.|^2 of each line
-  const double bin = 1.0 / (static_cast<double>(size) * grid);
   // Bands over both signs of frequency: the pair turns, so the two differ. The record fills only a
   // part of the transform, so neighbouring lines are not independent.
   const double independent = n / static_cast<double>(size);
@@ -167,7 +159,7 @@ void report_spectrum(const Observations &data, const Components &parts, double s
     const std::size_t to = (b + 1) * size / kBands;
     double sum = 0.0;
     for (std::size_t k = from; k < to; ++k)
-      sum += std::norm(spectrum[k]);
+      sum += static_cast<double>(std::norm(spectrum[k]));
     const double lines = static_cast<double>(to - from);
     const double ratio = sum / (white * lines);
     const double z = (ratio - 1.0) * std::sqrt(lines * independent * (pair ? 1.0 : 0.5));
@@ -191,8 +183,9 @@ void report_spectrum(const Observations &data, const Components &parts, double s
   for (std::size_t k = 1; k < size; ++k)
     if (std::norm(spectrum[k]) > std::norm(spectrum[peak]))
       peak = k;
-  const double line = std::sqrt(std::norm(spectrum[peak])) / n / std::sqrt(2.0);
-  if (std::norm(spectrum[peak]) > white * (std::log(n) + 25.0) && line > least)
+  const double strongest = static_cast<double>(std::norm(spectrum[peak]));
+  const double line = std::sqrt(strongest) / n / std::sqrt(2.0);
+  if (strongest > white * (std::log(n) + 25.0) && line > least)
     out.push_back({"frequency",
                    fmt::format("a line of {:.3g} mV rms at {:.5g} Hz", 1e3 * line,
                                bin * static_cast<double>(std::min(peak, size - peak))),

@@ -6,8 +6,9 @@
 namespace ada {
 
 namespace {
-const double *offset(const double *p, std::size_t first) {
-  return p ? p + first : nullptr;
+template <class T> void advance(T *&p, std::size_t by) {
+  if (p)
+    p += by;
 }
 
 std::vector<Tap> convolve(const std::vector<Tap> &a, std::span<const Tap> b) {
@@ -23,9 +24,12 @@ std::vector<Tap> convolve(const std::vector<Tap> &a, std::span<const Tap> b) {
 Conditions Conditions::slice(std::size_t first, std::size_t count) const {
   Conditions out = *this;
   out.n = count;
-  for (const double **p : {&out.time, &out.alpha, &out.omega, &out.accel, &out.direction, &out.temp,
-                           &out.temp_rate, &out.supply, &out.vtemp_scan})
-    *p = offset(*p, first);
+  for (const double **p :
+       {&out.time, &out.alpha, &out.omega, &out.temp, &out.supply, &out.vtemp_scan})
+    advance(*p, first);
+  advance(out.accel, first);
+  advance(out.direction, first);
+  advance(out.temp_rate, first);
   return out;
 }
 

@@ -14,14 +14,14 @@ namespace ada {
 /// Conditions of each sample; arrays of one length. Optional ones are nullptr where unknown.
 struct Conditions {
   std::size_t n = 0;
-  const double *time = nullptr;       ///< s
-  const double *alpha = nullptr;      ///< true mechanical angle of the shaft, rad
-  const double *omega = nullptr;      ///< d alpha/dt, rad/s
-  const double *accel = nullptr;      ///< d omega/dt, rad/s^2, optional
-  const double *direction = nullptr;  ///< -1 or +1, the sense of the last motion
-  const double *temp = nullptr;       ///< VTEMP, V, free of noise; optional
-  const double *temp_rate = nullptr;  ///< d VTEMP/dt, V/s; optional
-  const double *supply = nullptr;     ///< (VDD/mean - 1) scaled to an rms of 1; optional
+  const double *time = nullptr;           ///< s
+  const double *alpha = nullptr;          ///< true mechanical angle of the shaft, rad
+  const double *omega = nullptr;          ///< d alpha/dt, rad/s
+  const float *accel = nullptr;           ///< d omega/dt, rad/s^2, optional
+  const signed char *direction = nullptr; ///< -1 or +1, the sense of the last motion
+  const double *temp = nullptr;           ///< VTEMP, V, free of noise; optional
+  const float *temp_rate = nullptr;       ///< d VTEMP/dt, V/s; optional
+  const double *supply = nullptr;         ///< (VDD/mean - 1) scaled to an rms of 1; optional
   const double *vtemp_scan = nullptr; ///< VTEMP as converted before VSIN, V; nullptr: not scanned
   double frame_period_s = 0.0;
   /// How far the recorded supply, on average, moves mid-supply from where the model has it, V.

@@ -124,16 +124,18 @@ std::vector<double> split(std::span<const double> time, std::span<const double> 
   }
   const std::size_t n = time.size();
   Kinematics &m = out.motion;
-  for (auto *v : {&m.alpha, &m.omega, &m.accel, &m.direction})
-    v->resize(n);
+  m.alpha.resize(n);
+  m.omega.resize(n);
+  m.accel.resize(n);
+  m.direction.resize(n);
   std::vector<double> residual(n), t(terms.size());
-  double sense = 1.0;
+  signed char sense = 1;
   for (std::size_t i = 0; i < n; ++i) {
     m.alpha[i] = spline.value(time[i]);
     m.omega[i] = spline.slope(time[i]);
-    m.accel[i] = spline.curvature(time[i]);
+    m.accel[i] = static_cast<float>(spline.curvature(time[i]));
     if (m.omega[i] != 0.0)
-      sense = m.omega[i] < 0.0 ? -1.0 : 1.0;
+      sense = m.omega[i] < 0.0 ? -1 : 1;
     m.direction[i] = sense;
     harmonics(i, t.data());
     double periodic = 0.0;
@@ -328,22 +330,26 @@ Kinematics differentiate(std::span<const double> time, std::vector<double> alpha
                          std::size_t half_window) {
   Kinematics out;
   out.omega = local_slopes(time, alpha, half_window);
-  out.accel = local_slopes(time, out.omega, std::max<std::size_t>(4 * half_window, 20));
+  {
+    const std::vector<double> accel =
+        local_slopes(time, out.omega, std::max<std::size_t>(4 * half_window, 20));
+    out.accel.assign(accel.begin(), accel.end());
+  }
   out.direction.resize(alpha.size());
   // The sense is held through a standstill: below a thousandth of the top speed nothing turns.
   std::vector<double> speed;
   for (double w : out.omega)
     speed.push_back(std::abs(w));
   const double top = quantile(std::move(speed), 0.99); // a gap in the record is no speed
-  double sense = 1.0;
+  signed char sense = 1;
   for (double w : out.omega)
     if (std::abs(w) > 1e-3 * top) {
-      sense = w < 0.0 ? -1.0 : 1.0;
+      sense = w < 0.0 ? -1 : 1;
       break;
     }
   for (std::size_t i = 0; i < alpha.size(); ++i) {
     if (std::abs(out.omega[i]) > 1e-3 * top)
-      sense = out.omega[i] < 0.0 ? -1.0 : 1.0;
+      sense = out.omega[i] < 0.0 ? -1 : 1;
     out.direction[i] = sense;
   }
   out.alpha = std::move(alpha);

@@ -10,9 +10,11 @@
 
 namespace ada {
 
-/// Columns of one length: rad, rad/s, rad/s^2, -1 or +1.
+/// Columns of one length.
 struct Kinematics {
-  std::vector<double> alpha, omega, accel, direction;
+  std::vector<double> alpha, omega;   ///< rad, rad/s
+  std::vector<float> accel;           ///< rad/s^2
+  std::vector<signed char> direction; ///< -1 or +1
 };
 
 /// Takes the jumps by whole periods out of an angle in place.
@@ -24,9 +26,9 @@ Kinematics differentiate(std::span<const double> time, std::vector<double> alpha
 
 /// What a smooth motion leaves over: its periodic part, by mechanical order.
 struct SmoothMotion {
-  Kinematics motion;             ///< the smooth motion alone
-  std::vector<double> cos, sin;  ///< rad: periodic part, entry n - 1 is order n
-  double residual_rms_rad = 0.0; ///< what neither explains
+  Kinematics motion;                 ///< the smooth motion alone
+  std::vector<double> cos, sin;      ///< rad: periodic part, entry n - 1 is order n
+  double residual_rms_rad = 0.0;     ///< what neither explains
   std::vector<std::uint32_t> spikes; ///< single samples that stand out of both
 };
 

@@ -25,9 +25,11 @@ double value_of(const Model &model, std::string_view id, double fallback) {
 } // namespace
 
 struct Generator::Columns {
-  std::vector<double> time, alpha, omega, accel, direction, temp, rate, supply;
+  std::vector<double> time, alpha, omega, temp, supply;
+  std::vector<float> accel, rate;
+  std::vector<signed char> direction;
   explicit Columns(std::size_t n)
-      : time(n), alpha(n), omega(n), accel(n), direction(n), temp(n), rate(n), supply(n) {}
+      : time(n), alpha(n), omega(n), temp(n), supply(n), accel(n), rate(n), direction(n) {}
   Conditions view(double period_s, bool vtemp_scanned) const {
     return {.n = time.size(),
             .time = time.data(),
@@ -66,12 +68,13 @@ void Generator::conditions(std::size_t count, Columns &x) {
     x.time[i] = t;
     x.alpha[i] = start_angle_ + speed_.integral(t);
     x.omega[i] = speed_.value(t);
-    x.accel[i] = speed_.slope(t);
-    x.direction[i] = x.omega[i] < 0.0 ? -1.0 : 1.0;
+    x.accel[i] = static_cast<float>(speed_.slope(t));
+    x.direction[i] = x.omega[i] < 0.0 ? -1 : 1;
     const double bridge = zero + volts * temperature_.value(t);
     if (index_ + i == 0 || lag_s_ <= 0.0)
       vtemp_ = bridge;
-    x.rate[i] = lag_s_ > 0.0 ? (bridge - vtemp_) / lag_s_ : volts * temperature_.slope(t);
+    x.rate[i] = static_cast<float>(lag_s_ > 0.0 ? (bridge - vtemp_) / lag_s_
+                                                : volts * temperature_.slope(t));
     x.temp[i] = vtemp_;
     if (lag_s_ > 0.0)
       vtemp_ += (bridge - vtemp_) * -std::expm1(-period / lag_s_);

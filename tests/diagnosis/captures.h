@@ -38,7 +38,9 @@ inline Capture capture_of(const Model &model, const Drive &drive, std::mt19937_6
   c.meta.periods_per_turn = model.periods_per_turn;
   c.meta.noise_rms_v = drive.noise_v;
   c.meta.sample_rate_hz = drive.rate_hz;
-  std::vector<double> alpha(n), omega(n), accel(n, 0.0), direction(n, 1.0);
+  std::vector<double> alpha(n), omega(n);
+  std::vector<float> accel(n, 0.0f);
+  std::vector<signed char> direction(n, 1);
   const double length = static_cast<double>(n) / drive.rate_hz;
   double angle = std::uniform_real_distribution<>(0.0, kTwoPi)(rng);
   for (std::size_t i = 0; i < n; ++i) {
@@ -49,7 +51,7 @@ inline Capture capture_of(const Model &model, const Drive &drive, std::mt19937_6
       w *= std::tanh((0.5 * length - t) / (0.02 * length));
     c.time_s.push_back(t);
     omega[i] = w;
-    direction[i] = w < 0.0 ? -1.0 : 1.0;
+    direction[i] = w < 0.0 ? -1 : 1;
     alpha[i] = angle;
     angle += w / drive.rate_hz;
   }

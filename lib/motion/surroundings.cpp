@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "motion/surroundings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "motion/spline.h"
+
+namespace ada {
+
+namespace {
+
+constexpr std::size_t kFewestSamples = 400;
+
+double mean_of(const std::vector<double> &v) {
+  return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
+}
+
+/// How VTEMP follows a supply that moves: 1 for a ratiometric output, 0 for one that stands on its
+/// own feet. Fitted beside a slow spline, which takes the temperature's own motion.
+double vtemp_follows_supply(const Capture &capture, double vdd_mean) {
+  CubicSpline spline(CubicSpline::uniform(capture.time_s.front(), capture.time_s.back(), 12));
+  spline.fit(capture.time_s, capture.vtemp_v, {}, 1,
+             [&](std::size_t i, double *term) { *term = capture.vdd_v[i] / vdd_mean - 1.0; });
+  return spline.term_coefficients()[0] / mean_of(capture.vtemp_v) > 0.5 ? 1.0 : 0.0;
+}
+
+/// VTEMP as it would be at the mean supply.
+std::vector<double> vtemp_of_temperature(const Capture &capture, const SupplyOverTime &supply) {
+  constexpr double kSteady = 1e-5;
+  std::vector<double> out = capture.vtemp_v;
+  if (supply.rms < kSteady)
+    return out;
+  const double follows = vtemp_follows_supply(capture, supply.mean_v);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] /= 1.0 + follows * (capture.vdd_v[i] / supply.mean_v - 1.0);
+  return out;
+}
+
+} // namespace
+
+SupplyOverTime::SupplyOverTime(const Capture &capture) {
+  constexpr double kConstant = 1e-7;
+  if (!capture.has_vdd())
+    return;
+  const double mean = mean_of(capture.vdd_v);
+  if (!(mean > 0.0))
+    return;
+  mean_v = mean;
+  mid_shift_v = 0.5 * (mean - capture.meta.supply_v);
+  double sum = 0.0;
+  for (double v : capture.vdd_v)
+    sum += (v / mean - 1.0) * (v / mean - 1.0);
+  rms = std::sqrt(sum / static_cast<double>(capture.size()));
+  if (rms < kConstant)
+    return;
+  unit.reserve(capture.size());
+  for (double v : capture.vdd_v)
+    unit.push_back((v / mean - 1.0) / rms);
+}
+
+TemperatureOverTime::TemperatureOverTime(const Capture &capture, const SupplyOverTime &supply) {
+  if (!capture.has_vtemp())
+    return;
+  const auto &time = capture.time_s;
+  const std::size_t n = capture.size();
+  if (n < kFewestSamples) {
+    vtemp_v = capture.vtemp_v;
+    rate.assign(n, 0.0f);
+    return;
+  }
+  const std::size_t pieces = std::clamp<std::size_t>(n / 400, 4, 100);
+  const CubicSpline smooth(CubicSpline::uniform(time.front(), time.back(), pieces));
+  vtemp_v = vtemp_of_temperature(capture, supply);
+  const double mean_cos = mean_of(capture.vcos_v);
+  const auto cosine = [&](std::size_t i) { return capture.vcos_v[i] - mean_cos; };
+
+  // What VTEMP keeps of VCOS, jointly with the temperature: a slow shaft would pass for one. Only
+  // what of VCOS no temperature could follow measures it.
+  CubicSpline of_cosine = smooth;
+  of_cosine.fit(time, capture.vcos_v, {}, 0, {});
+  double all = 0.0, fast = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double left = capture.vcos_v[i] - of_cosine.value(time[i]);
+    all += cosine(i) * cosine(i);
+    fast += left * left;
+  }
+  constexpr double kEnough = 0.01;
+  const bool measured = fast > kEnough * all;
+  CubicSpline spline = smooth;
+  if (measured)
+    spline.fit(time, vtemp_v, {}, 1, [&](std::size_t i, double *term) { *term = cosine(i); });
+  else
+    spline.fit(time, vtemp_v, {}, 0, {});
+  const double leak = measured ? spline.term_coefficients()[0] : 0.0;
+  rate.resize(n);
+  double rest = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double temperature = spline.value(time[i]);
+    const double left = vtemp_v[i] - temperature - leak * cosine(i);
+    rest += left * left / static_cast<double>(n);
+    vtemp_v[i] = temperature;
+    rate[i] = static_cast<float>(spline.slope(time[i]));
+  }
+  if (!measured)
+    return;
+  on_vcos = leak;
+  // The floor: a spline cannot be trusted beyond what the converter resolves.
+  on_vcos_error = std::max(std::sqrt(rest / fast), 2e-5);
+}
+
+} // namespace ada

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Temperature and supply over time, from VTEMP and VDD: what is known of each sample of a capture
+// beside its motion.
+#pragma once
+
+#include <vector>
+
+#include "recording/capture.h"
+
+namespace ada {
+
+/// VDD over time. All zero without the channel.
+struct SupplyOverTime {
+  std::vector<double> unit; ///< (VDD/mean - 1)/rms; empty where the supply does not move
+  double mean_v = 0.0;      ///< of VDD
+  double rms = 0.0;         ///< of VDD/mean - 1
+  double mid_shift_v = 0.0; ///< of mid-supply from half the stated supply
+  explicit SupplyOverTime(const Capture &capture);
+};
+
+/// VTEMP over time as a smooth spline, freed of the supply that it follows and of what a
+/// multiplexer leaves of VCOS in it. Columns are empty without the channel. A capture of fewer than
+/// 400 samples keeps VTEMP as it is, and its rate is 0.
+struct TemperatureOverTime {
+  std::vector<double> vtemp_v;
+  std::vector<float> rate; ///< V/s
+  /// Slope of VTEMP on VCOS and its standard error; error 0: not measured.
+  double on_vcos = 0.0, on_vcos_error = 0.0;
+  TemperatureOverTime(const Capture &capture, const SupplyOverTime &supply);
+};
+
+} // namespace ada
