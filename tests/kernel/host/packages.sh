@@ -6,7 +6,7 @@
 # only unpacked into the cache (kernel image, kernel source, the iio daemon).
 
 PACKAGES=(qemu-system-x86 busybox-static cpio kmod xz-utils bc gcc make perl
-          libiio-utils gpiod udev iproute2)
+          libiio-utils gpiod udev systemd iproute2)
 
 refuse() {
   printf 'tests/kernel: %s\n' "$*" >&2
