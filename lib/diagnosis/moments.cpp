@@ -51,33 +51,72 @@ double bump(double x) {
 
 /// How far the motion may be wrong about a moment. Without a reference it is known from the pair
 /// alone, and bends where a step is not yet taken out, or at the wrong moment: splines within two
-/// turns of it, as columns that are orthonormal over the samples. Empty with a reference.
-Eigen::MatrixXd free_motion(const Scene &scene, const Observations &near, double moment) {
-  constexpr double kTurns = 2.0;
-  constexpr Eigen::Index kTerms = 32;
-  if (scene.has_reference)
-    return {};
-  const auto later = std::lower_bound(near.time.begin(), near.time.end(), moment);
-  const auto middle = static_cast<std::size_t>(later - near.time.begin());
-  std::size_t from = middle, to = middle;
-  const auto travel = [&](std::size_t i) { return std::abs(near.alpha[i] - near.alpha[middle]); };
-  while (from > 0 && travel(from - 1) < kTurns * kTwoPi)
-    --from;
-  while (to + 1 < near.size() && travel(to + 1) < kTurns * kTwoPi)
-    ++to;
-  if (middle == near.size() || to - from < 2 * kTerms)
-    return {};
-  const double start = near.time[from], step = (near.time[to] - start) / (kTerms - 1.0);
-  Eigen::MatrixXd basis(near.size(), kTerms);
-  for (std::size_t i = 0; i < near.size(); ++i)
-    for (Eigen::Index k = 0; k < kTerms; ++k)
-      basis(static_cast<Eigen::Index>(i), k) =
-          bump((near.time[i] - start) / step - static_cast<double>(k));
-  constexpr double kNoSample = 1e-6; // keeps a term determined that no sample sees
-  Eigen::MatrixXd gram = basis.transpose() * basis;
-  gram.diagonal().array() += kNoSample * gram.diagonal().maxCoeff();
-  return gram.llt().matrixU().solve<Eigen::OnTheRight>(basis);
-}
+/// turns of it. Nothing with a reference.
+class FreeMotion {
+public:
+  FreeMotion(const Scene &scene, const Observations &near, double moment) {
+    constexpr double kTurns = 2.0;
+    if (scene.has_reference)
+      return;
+    const auto later = std::lower_bound(near.time.begin(), near.time.end(), moment);
+    const auto middle = static_cast<std::size_t>(later - near.time.begin());
+    std::size_t from = middle, to = middle;
+    const auto travel = [&](std::size_t i) { return std::abs(near.alpha[i] - near.alpha[middle]); };
+    while (from > 0 && travel(from - 1) < kTurns * kTwoPi)
+      --from;
+    while (to + 1 < near.size() && travel(to + 1) < kTurns * kTwoPi)
+      ++to;
+    if (middle == near.size() || to - from < 2 * kTerms)
+      return;
+    start_ = near.time[from];
+    step_ = (near.time[to] - start_) / (kTerms - 1.0);
+    Terms gram = Terms::Zero();
+    for (double t : near.time) {
+      const Row row = row_at(t);
+      gram.block<kWide, kWide>(row.first, row.first) += row.value * row.value.transpose();
+    }
+    constexpr double kNoSample = 1e-6; // keeps a term determined that no sample sees
+    gram.diagonal().array() += kNoSample * gram.diagonal().maxCoeff();
+    inverse_ = gram.topLeftCorner<kTerms, kTerms>().inverse();
+  }
+
+  /// Adds to the residual along the circle at a time.
+  void add(double time, double residual) {
+    if (step_ <= 0.0)
+      return;
+    const Row row = row_at(time);
+    const Eigen::Index wide = std::min<Eigen::Index>(kWide, kTerms - row.first);
+    const auto value = row.value.head(wide);
+    const Column moved = inverse_.middleCols(row.first, wide) * value * residual;
+    square_ += residual *
+               value.dot(2.0 * fitted_.segment(row.first, wide) + moved.segment(row.first, wide));
+    fitted_ += moved;
+  }
+
+  /// How much of the sum of squares the motion takes up.
+  double taken_up() const { return square_; }
+
+private:
+  static constexpr Eigen::Index kTerms = 32, kWide = 4; ///< splines, and those at one time
+  using Terms = Eigen::Matrix<double, kTerms + kWide, kTerms + kWide>;
+  using Column = Eigen::Matrix<double, kTerms, 1>;
+  struct Row {
+    Eigen::Index first;
+    Eigen::Matrix<double, kWide, 1> value;
+  };
+
+  Row row_at(double time) const {
+    const double at = (time - start_) / step_;
+    Row row{static_cast<Eigen::Index>(std::clamp(std::floor(at) - 1.0, 0.0, double{kTerms})), {}};
+    for (Eigen::Index k = 0; k < kWide; ++k)
+      row.value[k] = row.first + k < kTerms ? bump(at - static_cast<double>(row.first + k)) : 0.0;
+    return row;
+  }
+
+  double start_ = 0.0, step_ = 0.0, square_ = 0.0;
+  Eigen::Matrix<double, kTerms, kTerms> inverse_ = decltype(inverse_)::Zero();
+  Column fitted_ = Column::Zero();
+};
 
 /// A residual along the circle: what the motion can take up.
 double along_circle(const Observations &data, std::size_t i, double sin, double cos) {
@@ -105,18 +144,15 @@ bool set_exact_moment(const Scene &scene, Model &model, std::size_t effect, doub
   const auto along = [&](const ResidualColumns &r, std::size_t i) {
     return along_circle(near, i, r.sin[i], r.cos[i]);
   };
-  const Eigen::MatrixXd motion = free_motion(scene, near, e.values[0]);
-  Eigen::VectorXd taken_up = Eigen::VectorXd::Zero(motion.cols());
-  for (Eigen::Index i = 0; i < motion.rows(); ++i)
-    taken_up += along(after, static_cast<std::size_t>(i)) * motion.row(i).transpose();
-  double sum = 0.0, least = -taken_up.squaredNorm();
+  FreeMotion motion(scene, near, e.values[0]);
+  for (std::size_t i = 0; i < near.size(); ++i)
+    motion.add(near.time[i], along(after, i));
+  double sum = 0.0, least = -motion.taken_up();
   std::size_t at = 0;
   for (std::size_t i = 0; i < near.size(); ++i) {
     sum += square(before, i) - square(after, i);
-    if (motion.size() > 0)
-      taken_up += (along(before, i) - along(after, i)) *
-                  motion.row(static_cast<Eigen::Index>(i)).transpose();
-    if (const double now = sum - taken_up.squaredNorm(); now < least) {
+    motion.add(near.time[i], along(before, i) - along(after, i));
+    if (const double now = sum - motion.taken_up(); now < least) {
       least = now;
       at = i + 1;
     }
