@@ -20,9 +20,15 @@ inline double quantile(std::vector<double> v, double q) {
   return v[static_cast<std::size_t>(k)];
 }
 
-/// Standard deviation of a normal distribution with the same median absolute deviation.
+/// Standard deviation of a normal distribution with the same median absolute deviation. Of a long
+/// column only every so many values: that is exact to a fraction of a percent.
 inline double robust_spread(std::span<const double> x) {
-  std::vector<double> v(x.begin(), x.end());
+  constexpr std::size_t kEnough = 200000;
+  std::vector<double> v;
+  const std::size_t stride = x.size() / kEnough + 1;
+  v.reserve(x.size() / stride + 1);
+  for (std::size_t i = 0; i < x.size(); i += stride)
+    v.push_back(x[i]);
   const double middle = quantile(v, 0.5);
   for (double &e : v)
     e = std::abs(e - middle);

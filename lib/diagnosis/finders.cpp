@@ -86,12 +86,42 @@ int order_near(const Residual &r, double frequency, double resolution) {
 }
 
 /// Two channels a quarter of a period apart and of one size: something that turns, such as a gain
-/// that wanders, and no pickup, which reaches both wires at once.
+/// that wanders, or a pickup that happens to reach the wires so.
 bool rotates(const Line &tone) {
   const auto &a = tone.amplitudes;
   const double s = std::hypot(a[0], a[1]), c = std::hypot(a[2], a[3]);
   const double in_phase = (a[0] * a[2] + a[1] * a[3]) / std::max(s * c, 1e-30);
   return std::abs(in_phase) < 0.34 && std::max(s, c) < 1.3 * std::min(s, c);
+}
+
+/// Whether a line that rotates is a gain or an angle that wanders: seen from the turning pair that
+/// lies along the radius or across it, while a pickup turns about the pair and shows in both alike.
+/// Judged at the speed that the shaft has most, where a pickup's line is one there as well.
+bool wanders(const Residual &r, double frequency) {
+  constexpr double kOneSpeed = 0.01, kAlike = 0.25;
+  const double speed = quantile({r.omega.begin(), r.omega.end()}, 0.5);
+  const double turning = std::abs(speed) * r.periods / kTwoPi;
+  double strongest = 0.0;
+  bool one_sided = false;
+  for (double f : {std::abs(frequency - turning), frequency + turning}) {
+    std::complex<double> radial, tangential;
+    for (std::size_t i = 0; i < r.time.size(); ++i) {
+      if (std::abs(r.omega[i] - speed) > kOneSpeed * std::abs(speed))
+        continue;
+      const double c = r.model_cos_v[i] - 0.5 * r.supply_v;
+      const double s = r.model_sin_v[i] - 0.5 * r.supply_v;
+      const double inverse = 1.0 / std::max(std::hypot(c, s), 1e-9);
+      const std::complex<double> wave = std::polar(inverse, kTwoPi * f * r.time[i]);
+      radial += wave * (r.cos_v[i] * c + r.sin_v[i] * s);
+      tangential += wave * (r.sin_v[i] * c - r.cos_v[i] * s);
+    }
+    const double u = std::norm(radial), v = std::norm(tangential);
+    if (u + v > strongest) {
+      strongest = u + v;
+      one_sided = std::min(u, v) < kAlike * std::max(u, v);
+    }
+  }
+  return one_sided;
 }
 
 /// A line at an order of a steady rotation is no tone when the residual follows the angle as well.
@@ -211,7 +241,8 @@ std::vector<std::vector<double>> find_tones(const Residual &r) {
         }
       }
     }
-    if (rotates(best) || turns_with_shaft(r, order_near(r, centre, resolution), best))
+    if ((rotates(best) && wanders(r, centre)) ||
+        turns_with_shaft(r, order_near(r, centre, resolution), best))
       continue;
     const auto &a = best.amplitudes;
     tones.push_back({centre, std::hypot(a[0], a[1]), std::hypot(a[2], a[3]),

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <numeric>
 
 #include "base/angle.h"
 #include "diagnosis/fit.h"
@@ -20,6 +19,8 @@ namespace {
 /// Parts of the record to look at on either side: more than the thinned samples leave out, and more
 /// where that is not enough.
 constexpr double kReach[] = {0.03, 0.1, 0.3};
+/// Samples that are looked at; of more only every so many.
+constexpr std::size_t kMostSamples = 60000;
 
 /// Samples about a moment, across what the training part leaves out there: a long standstill may
 /// lie within one turn that is held back.
@@ -35,8 +36,11 @@ std::vector<std::uint32_t> samples_near(const Scene &scene, double moment, doubl
   const double reach = part * (time.back() - time.front());
   const auto from = std::lower_bound(time.begin(), time.end(), first - reach);
   const auto to = std::upper_bound(from, time.end(), last + reach);
-  std::vector<std::uint32_t> out(static_cast<std::size_t>(to - from));
-  std::iota(out.begin(), out.end(), static_cast<std::uint32_t>(from - time.begin()));
+  const auto count = static_cast<std::size_t>(to - from);
+  const std::size_t stride = count / kMostSamples + 1;
+  std::vector<std::uint32_t> out;
+  for (std::size_t i = 0; i < count; i += stride)
+    out.push_back(static_cast<std::uint32_t>(static_cast<std::size_t>(from - time.begin()) + i));
   return out;
 }
 
@@ -177,8 +181,11 @@ Model with_exact_moments(const Scene &scene, Model model, std::size_t first) {
   for (std::size_t k = first; k < model.effects.size(); ++k)
     if (has_moment(*model.effects[k].effect))
       for (double part : kReach)
-        if (set_exact_moment(scene, model, k, part))
+        if (set_exact_moment(scene, model, k, part)) {
+          if (part != kReach[0]) // then from all samples about it
+            set_exact_moment(scene, model, k, kReach[0]);
           break;
+        }
   return model;
 }
 

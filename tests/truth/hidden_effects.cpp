@@ -175,7 +175,7 @@ void harmonic(Random &random, Conditions &c, double scale, std::vector<Truth> &t
                     {}});
 }
 
-void clipping(Random &random, Conditions &c, double, std::vector<Truth> &truths) {
+void clipping(Random &random, Conditions &c, double scale, std::vector<Truth> &truths) {
   Chain &chain = c.bench.chain;
   const bool low = random.chance(0.6);
   const bool high = !low || random.chance(0.6);
@@ -187,7 +187,7 @@ void clipping(Random &random, Conditions &c, double, std::vector<Truth> &truths)
     const double peak_sine = sine ? chain.amplitude + side * chain.sine.offset : 0.0;
     const double peak_cosine = cosine ? chain.amplitude + side * chain.cosine.offset : 0.0;
     const double peak = std::max(peak_sine, peak_cosine);
-    const double depth = random.uniform(0.03, 0.10) * peak;
+    const double depth = scale * random.uniform(0.03, 0.10) * peak;
     const double volts = chain.supply / 2 + side * (peak - depth);
     truth.parameters[side > 0 ? "high_v" : "low_v"] =
         within(volts, "V", std::max(0.1 * depth, 3e-3));
@@ -202,8 +202,8 @@ void clipping(Random &random, Conditions &c, double, std::vector<Truth> &truths)
   truths.push_back(truth);
 }
 
-void low_pass(Random &random, Conditions &c, double, std::vector<Truth> &truths) {
-  const double corner = random.uniform(300, 1200);
+void low_pass(Random &random, Conditions &c, double scale, std::vector<Truth> &truths) {
+  const double corner = random.uniform(300, 1200) / scale;
   c.bench.chain.low_pass_corner = corner;
   truths.push_back({"low-pass-rolloff", {{"corner_hz", sized(corner, "Hz", 5)}}, {}, {}});
 }
@@ -260,8 +260,8 @@ void hysteresis(Random &random, Conditions &c, double scale, std::vector<Truth> 
   truths.push_back({"hysteresis", {{"width_deg", sized(degrees, "deg", 0.004)}}, {}, {}});
 }
 
-void slip(Random &random, Conditions &c, double, std::vector<Truth> &truths) {
-  const double degrees = random.sign() * random.log_uniform(0.3, 3.0);
+void slip(Random &random, Conditions &c, double scale, std::vector<Truth> &truths) {
+  const double degrees = scale * random.sign() * random.log_uniform(0.3, 3.0);
   c.bench.field.slip_step = degrees * kDegree;
   c.bench.field.slip_time = time_within(random, c.bench);
   truths.push_back({"angle-slip",
@@ -312,9 +312,9 @@ void memory(Random &random, Conditions &c, double scale, std::vector<Truth> &tru
       {"multiplexer-memory", {{"m", sized(c.bench.sampler.memory, "1", 1e-4)}}, {}, {}});
 }
 
-void supply_variation(Random &random, Conditions &c, double, std::vector<Truth> &truths) {
+void supply_variation(Random &random, Conditions &c, double scale, std::vector<Truth> &truths) {
   Bench &bench = c.bench;
-  const double rms = random.uniform(0.004, 0.015);
+  const double rms = scale * random.uniform(0.004, 0.015);
   const int lines = 3 + static_cast<int>(random.index(4));
   const double low = 3.0 / bench.duration();
   const double high = std::max(4 * low, std::min(8.0, bench.sampler.rate / 50));
@@ -375,9 +375,9 @@ void tone(Random &random, Conditions &c, double scale, std::vector<Truth> &truth
   truths.push_back(truth);
 }
 
-void impulses(Random &random, Conditions &c, double, std::vector<Truth> &truths) {
+void impulses(Random &random, Conditions &c, double scale, std::vector<Truth> &truths) {
   const double rate = random.log_uniform(3e-4, 5e-3);
-  const double size = random.log_uniform(0.02, 0.3);
+  const double size = scale * random.log_uniform(0.02, 0.3);
   double squares = 0.0;
   std::vector<Spike> &spikes = c.bench.converter.spikes;
   for (std::size_t k = 0; k < c.bench.samples; ++k) {
@@ -396,9 +396,9 @@ void impulses(Random &random, Conditions &c, double, std::vector<Truth> &truths)
                     {}});
 }
 
-void excess_noise(Random &random, Conditions &c, double, std::vector<Truth> &truths) {
+void excess_noise(Random &random, Conditions &c, double scale, std::vector<Truth> &truths) {
   Converter &converter = c.bench.converter;
-  converter.excess_noise = converter.noise * random.uniform(0.8, 3.0);
+  converter.excess_noise = scale * converter.noise * random.uniform(0.8, 3.0);
   Parameter rms = sized(converter.excess_noise, "V", 2e-5);
   // The name leaves open whether the excess or the whole is meant.
   rms.has_other = true;
