@@ -32,7 +32,9 @@ Sizes sizes_at_rest(const Scene &scene, const Observations &data, const Model &m
     const double square =
         std::max(0.0, sum_of_squares(data, less) - sum_of_squares(data, model)) / n;
     out.each.push_back(std::sqrt(square));
-    if (ripple)
+    // A converter that keeps a part of the channel before keeps a part of what that had kept, or
+    // not.
+    if (ripple || info.stage == Stage::converter)
       out.own_squares += square;
   }
   return out;

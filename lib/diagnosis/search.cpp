@@ -277,8 +277,9 @@ bool Search::backward(State &now) {
     State less = without(now, k);
     const double worth = now.score - less.score - price(now.fit.model.effects[k]);
     const Effect &effect = *now.fit.model.effects[k].effect;
-    const bool worth_it =
-        worth > kLeastNats && size_of(now, less, k) > least_of_noise(effect) * noise_v_;
+    const double size = size_of(now, less, k);
+    const bool worth_it = worth > kLeastNats && size > least_of_noise(effect) * noise_v_ &&
+                          size > second_order(*data_.scene, quick_, less.fit.model);
     if (worth_it)
       continue;
     now = std::move(less);
@@ -381,12 +382,23 @@ Search::AlongSupply Search::along_supply(const State &now) const {
   return out;
 }
 
+/// Weighs the residual along the absolute voltages by what lies across them, until both agree.
+Search::AlongSupply Search::weigh_supply(State &now) {
+  AlongSupply part = along_supply(now);
+  for (int pass = 0; pass < 4; ++pass) {
+    const double across = std::max(part.across, noise_v_ * noise_v_);
+    weigh(now, Direction::supply, std::sqrt(across / part.along));
+    part = along_supply(now);
+  }
+  return part;
+}
+
 /// A residual that lies mainly along the absolute voltages is weighed as that of a supply, first to
 /// see whether the rest of the model then comes out clean.
 bool Search::notice_supply(State &now) {
   // Beside the angle that a pair gives itself anything that moves the radius looks like a supply.
   if (supply_rms_fraction_ > 0.0 || supply_rejected_ || !data_.train.supply.empty() ||
-      data_.scene->radius_only)
+      data_.scene->radius_only || now.fit.model.effects.size() == looked_at_with_)
     return false;
   if (!data_.scene->has_reference)
     return notice_supply_in_radius(now);
@@ -396,15 +408,12 @@ bool Search::notice_supply(State &now) {
       part.along - part.across < 0.5 * noise2)
     return false;
   const State before = now;
-  for (int pass = 0; pass < 4; ++pass) {
-    weigh(now, Direction::supply, std::sqrt(std::max(part.across, noise2) / part.along));
-    part = along_supply(now);
-  }
+  part = weigh_supply(now);
   const bool clean = part.across < 1.6 * noise2 && part.along - part.across > 0.5 * noise2;
   if (!clean && part.along < 4.0 * part.across) {
     weigh(now, Direction::none, 1.0);
     now = before;
-    supply_rejected_ = true;
+    looked_at_with_ = now.fit.model.effects.size(); // with more found it may come out clean
     return false;
   }
   supply_rms_fraction_ = std::sqrt((part.along - part.across) / part.length2);
@@ -495,7 +504,10 @@ void Search::climb(State &now) {
       continue;
     if (!forward(now))
       break;
-    weigh_motion(now);
+    if (data_.train.disturbed == Direction::supply)
+      weigh_supply(now);
+    else
+      weigh_motion(now);
     for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k)
       choose(now, k);
   }

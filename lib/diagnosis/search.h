@@ -65,6 +65,7 @@ private:
     double along, across, length2; ///< V^2, means of a sample
   };
   AlongSupply along_supply(const State &now) const;
+  AlongSupply weigh_supply(State &now);
   bool notice_supply(State &now);
   bool doubt_supply(State &now);
   bool notice_supply_in_radius(State &now);
@@ -86,6 +87,8 @@ private:
   Report report_;
   double supply_rms_fraction_ = 0.0;
   bool supply_rejected_ = false, shaken_ = false;
+  /// Effects of the model in which no supply was seen last; one more may bring it out.
+  std::size_t looked_at_with_ = static_cast<std::size_t>(-1);
   int steps_ = 0;
 };
 

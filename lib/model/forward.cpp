@@ -100,8 +100,10 @@ void ForwardModel::until_sampler(Wave &w, double delay_s, const double *shaft) c
   for (const Step &step : bridge_)
     step.effect->apply(step.values, w);
   for (std::size_t i = 0; i < w.n; ++i) {
-    w.s[i] = baseline_.amplitude_v * w.s[i] + baseline_.offset_sin_v;
-    w.c[i] = baseline_.amplitude_v * w.c[i] + baseline_.offset_cos_v;
+    w.s[i] *= baseline_.amplitude_v;
+    w.c[i] *= baseline_.amplitude_v;
+    w.offset_s[i] = w.offset_c[i] = 0.0;
+    w.add_offset(i, baseline_.offset_sin_v, baseline_.offset_cos_v);
   }
   for (const Step &step : chain_)
     step.effect->apply(step.values, w);
@@ -186,8 +188,6 @@ void ForwardModel::block(const Conditions &at, double *vsin_v, double *vcos_v, W
 void ForwardModel::evaluate(const Conditions &at, double *vsin_v, double *vcos_v) const {
   Wave w;
   w.amplitude_v = baseline_.amplitude_v;
-  w.offset_sin_v = baseline_.offset_sin_v;
-  w.offset_cos_v = baseline_.offset_cos_v;
   w.mid_v = mid_v_;
   w.periods = periods_;
   for (std::size_t first = 0; first < at.n; first += kWaveBlock) {

@@ -40,14 +40,20 @@ struct Wave {
   std::size_t n = 0;
   Conditions at;                         ///< the conditions of this block
   double amplitude_v = 1.0;              ///< A of the baseline
-  double offset_sin_v = 0.0;             ///< O_sin of the baseline
-  double offset_cos_v = 0.0;             ///< O_cos
   double mid_v = 2.5;                    ///< supply/2
   int periods = 2;                       ///< p
   double alpha[kWaveBlock];              ///< angle of the magnet, rad
   double fx[kWaveBlock], fy[kWaveBlock]; ///< field at the sensor, magnet alone = 1
   double ex[kWaveBlock], ey[kWaveBlock]; ///< cos psi, sin psi of the field
   double c[kWaveBlock], s[kWaveBlock];   ///< the two signals
+  /// What offsets have added to each so far, V: the baseline's and those that drift or step.
+  double offset_s[kWaveBlock], offset_c[kWaveBlock];
+  void add_offset(std::size_t i, double sin_v, double cos_v) {
+    s[i] += sin_v;
+    c[i] += cos_v;
+    offset_s[i] += sin_v;
+    offset_c[i] += cos_v;
+  }
   double temp[kWaveBlock]; ///< temperature of the bridge in V of VTEMP, minus the reference
 };
 

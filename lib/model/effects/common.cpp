@@ -10,15 +10,14 @@ namespace ada {
 void TransferError::apply(Values v, Wave &w) const {
   const bool at_offset = v[1] == 1.0;
   const double a = 1.0 / w.amplitude_v;
-  const auto bend = [&](double *signal, double offset) {
-    const double origin = at_offset ? offset : w.at.mid_shift_v;
+  const auto bend = [&](double *signal, const double *offset) {
     for (std::size_t i = 0; i < w.n; ++i) {
-      const double x = a * (signal[i] - origin);
+      const double x = a * (signal[i] - (at_offset ? offset[i] : w.at.mid_shift_v));
       signal[i] += v[0] * w.amplitude_v * (order() == 2 ? x * x : x * x * x);
     }
   };
-  bend(w.s, w.offset_sin_v);
-  bend(w.c, w.offset_cos_v);
+  bend(w.s, w.offset_s);
+  bend(w.c, w.offset_c);
 }
 
 std::vector<std::vector<double>> TransferError::choices(Values v) const {

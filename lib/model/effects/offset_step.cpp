@@ -25,10 +25,8 @@ public:
   const EffectInfo &info() const override { return kInfo; }
   void apply(Values v, Wave &w) const override {
     for (std::size_t i = 0; i < w.n; ++i)
-      if (w.at.time[i] >= v[0]) {
-        w.s[i] += v[1];
-        w.c[i] += v[2];
-      }
+      if (w.at.time[i] >= v[0])
+        w.add_offset(i, v[1], v[2]);
   }
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     std::vector<std::vector<double>> out;

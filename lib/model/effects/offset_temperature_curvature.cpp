@@ -30,8 +30,7 @@ public:
   void apply(Values v, Wave &w) const override {
     for (std::size_t i = 0; i < w.n; ++i) {
       const double u2 = w.temp[i] * w.temp[i];
-      w.s[i] += v[0] * u2;
-      w.c[i] += v[1] * u2;
+      w.add_offset(i, v[0] * u2, v[1] * u2);
     }
   }
   std::string invisible(const Residual &r) const override { return r.why_no_temperature; }

@@ -22,10 +22,8 @@ class OffsetTemperatureDrift final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
   void apply(Values v, Wave &w) const override {
-    for (std::size_t i = 0; i < w.n; ++i) {
-      w.s[i] += v[0] * w.temp[i];
-      w.c[i] += v[1] * w.temp[i];
-    }
+    for (std::size_t i = 0; i < w.n; ++i)
+      w.add_offset(i, v[0] * w.temp[i], v[1] * w.temp[i]);
   }
   std::string invisible(const Residual &r) const override { return r.why_no_temperature; }
 };
