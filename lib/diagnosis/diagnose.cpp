@@ -29,6 +29,8 @@ namespace ada {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
+/// A residual this far above the noise is worth a thorough search.
+constexpr double kAboveNoise = 1.25;
 constexpr std::size_t kSearchTrain = 30000, kSearchHeldout = 15000;
 /// For the last fits; more only narrow errors that are far below anything physical.
 constexpr std::size_t kFitTrain = 160000, kFitHeldout = 80000;
@@ -75,18 +77,20 @@ public:
       return std::move(out_);
     noise_ = expected_noise(capture_, scene_, noise_stated_);
     out_.noise_rms_v = noise_;
-    search_causes();
+    search_causes(scene_.has_reference);
     if (offsets_moved()) {
       judge_->all.own_offsets = true;
-      search_causes();
+      search_causes(scene_.has_reference);
     }
     // Without a reference what was found bent the motion as well: with it taken out look again, as
     // long as that leaves less over.
     constexpr int kMostLooks = 4;
+    constexpr double kMuchLess = 0.9, kLess = 0.97;
     double before = kInfinite;
     for (int look = 1; !scene_.has_reference && look < kMostLooks; ++look) {
       const double now = found_.residual_rms_v;
-      if (found_.order.empty() || now > 0.97 * std::exchange(before, now))
+      const double less = now > kAboveNoise * floor() ? kMuchLess : kLess;
+      if (found_.order.empty() || now > less * std::exchange(before, now))
         break;
       const Model known = found_.fit.model;
       Scene again = prepare(capture_, options_.heldout == nullptr, &known);
@@ -95,8 +99,10 @@ public:
       if (scene_.radius_only)
         judge_radius_only(again);
       scene_ = std::move(again);
-      search_causes();
+      search_causes(false);
     }
+    if (!scene_.has_reference && (!found_.order.empty() || found_.supply_rms_fraction > 0.0))
+      search_causes(true);
     weigh_as(found_);
     found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
     ladder_ = build_ladder(parts_, found_);
@@ -111,7 +117,9 @@ public:
   }
 
 private:
-  void search_causes() {
+  double floor() const { return std::max(noise_, scene_.white_noise_v); }
+
+  void search_causes(bool thorough) {
     const Scene &judge = options_.heldout ? *judge_ : scene_;
     parts_.has_reference = scene_.has_reference;
     parts_.second_capture = judge_.has_value();
@@ -129,7 +137,7 @@ private:
                                      : scene_.all.select(thin(scene_.heldout, kSearchHeldout)),
                     &judge};
     Search search(std::move(data), start, noise_, options_.progress);
-    found_ = search.run();
+    found_ = search.run(thorough);
   }
 
   /// Whether the second capture has other offsets than what was found accounts for. They would hide
@@ -322,9 +330,13 @@ private:
         std::min(last_.in_sample.residual_rms_v, std::max(floor, scene_.white_noise_v));
     // A supply that is only inferred leaves its fast part over.
     const bool inferred = supply_is_inferred();
-    if (!inferred)
+    if (!inferred) {
       out_.structure =
           find_structure(scene_, scene_.all, residual, sigma, 0.12 * sigma + second_order_floor());
+      for (const auto &more :
+           {jitter_, find_structure_in_rough(scene_, out_.extended, sigma + second_order_floor())})
+        out_.structure.insert(out_.structure.end(), more.begin(), more.end());
+    }
     const double rest2 =
         last_.heldout.residual_rms_v * last_.heldout.residual_rms_v - floor * floor;
     out_.unexplained_rms_v = rest2 > 0.0 ? std::sqrt(rest2) : 0.0;
@@ -368,8 +380,11 @@ private:
       if (!hit[i])
         keep.push_back(static_cast<std::uint32_t>(i));
     scene_.all.keep(keep);
-    if (!scene_.has_reference)
-      scene_.all = at_own_angle(std::move(scene_.all), out_.extended);
+    if (scene_.has_reference)
+      return;
+    if (!scene_.radius_only)
+      jitter_ = find_jitter(scene_.all, residual_columns(scene_.all, out_.extended));
+    scene_.all = at_own_angle(std::move(scene_.all), out_.extended);
   }
 
   /// Products of what was found are not modelled to the last term.
@@ -484,7 +499,8 @@ private:
   std::vector<Finding> noise_findings_;
   Rung last_; ///< of the extended model, with what noise causes take out
   std::vector<EffectInstance>
-      recorded_; ///< causes that the extended model names but never corrects
+      recorded_;                  ///< causes that the extended model names but never corrects
+  std::vector<Structure> jitter_; ///< of the angle, where there is no reference
   double noise_ = 0.0, sigma_ = 0.0, explained_noise_ = 0.0;
   bool noise_stated_ = false, free_lag_ = false;
 };

@@ -187,7 +187,7 @@ FitResult fit(const Observations &data, const Model &start, int max_iterations) 
       }
     }
     // The normal equations of one step before are those of the end, near enough for a covariance.
-    if (!better || expected < 1e-7 * here.rss)
+    if (!better || expected < 1e-6 * here.rss)
       break;
   }
   const Scaled scaled(here.matrix);

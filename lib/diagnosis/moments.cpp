@@ -177,6 +177,59 @@ bool has_moment(const Effect &effect) {
          parameters[0].name == "time_s" && parameters[0].role == Role::chosen;
 }
 
+bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) {
+  constexpr double kFewest = 8.0, kSure = 0.15, kWhole = 0.5, kSameSpeed = 0.2;
+  const double moment = model.effects[effect].values[0];
+  Observations near = scene.all.select(samples_near(scene, moment, 0.1));
+  if (!scene.has_reference)
+    near = at_own_angle(std::move(near), model);
+  Model less = model, always = model;
+  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  always.effects[effect].values[0] = std::numeric_limits<double>::lowest();
+  const ResidualColumns without = residual_columns(near, less);
+  const ResidualColumns with = residual_columns(near, always);
+  const auto later = std::lower_bound(near.time.begin(), near.time.end(), moment);
+  const auto middle = static_cast<std::size_t>(later - near.time.begin());
+  /// How much of the effect is seen in a turn on one side, its variance, and the mean speed.
+  struct Side {
+    double part = 0.0, variance = 1.0, speed = 0.0, samples = 0.0;
+  };
+  const auto look = [&](bool back) {
+    double shape2 = 0.0, seen = 0.0, left = 0.0;
+    Side side;
+    for (std::size_t k = middle; back ? k-- > 0 : k < near.size(); k += !back) {
+      if (std::abs(near.alpha[k] - near.alpha[std::min(middle, near.size() - 1)]) > kTwoPi)
+        break;
+      double es = without.sin[k] - with.sin[k], ec = without.cos[k] - with.cos[k];
+      double rs = without.sin[k], rc = without.cos[k];
+      if (!scene.has_reference) { // only the radius tells
+        const double s = near.vsin[k] - near.mid_v, c = near.vcos[k] - near.mid_v;
+        const double inverse = 1.0 / std::max(std::hypot(s, c), 1e-12);
+        es = (es * s + ec * c) * inverse;
+        rs = (rs * s + rc * c) * inverse;
+        ec = rc = 0.0;
+      }
+      shape2 += es * es + ec * ec;
+      seen += es * rs + ec * rc;
+      left += rs * rs + rc * rc;
+      side.speed += std::abs(near.omega[k]);
+      side.samples += 1.0;
+    }
+    if (side.samples >= kFewest && shape2 > 0.0) {
+      side.part = seen / shape2;
+      side.variance = (left - seen * side.part) / (side.samples * shape2);
+      side.speed /= side.samples;
+    }
+    return side;
+  };
+  const Side before = look(true), after = look(false);
+  if (before.samples < kFewest || after.samples < kFewest ||
+      before.variance + after.variance > kSure * kSure)
+    return true;
+  return after.part - before.part > kWhole &&
+         std::abs(after.speed - before.speed) < kSameSpeed * std::max(after.speed, before.speed);
+}
+
 Model with_exact_moments(const Scene &scene, Model model, std::size_t first) {
   for (std::size_t k = first; k < model.effects.size(); ++k)
     if (has_moment(*model.effects[k].effect))

@@ -238,6 +238,20 @@ bool stands_alone(const std::vector<char> &usable, std::size_t spike) {
   return static_cast<std::size_t>(good) >= kReach;
 }
 
+/// What was usable before and no longer is, spikes aside; of much only every so many.
+std::vector<std::uint32_t> left_out(const std::vector<char> &before, const Screened &look) {
+  constexpr std::size_t kMost = 50000;
+  std::vector<std::uint32_t> out, some;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (before[i] && !look.usable[i] &&
+        !std::binary_search(look.spikes.begin(), look.spikes.end(), static_cast<std::uint32_t>(i)))
+      out.push_back(static_cast<std::uint32_t>(i));
+  const std::size_t stride = out.size() / kMost + 1;
+  for (std::size_t k = 0; k < out.size(); k += stride)
+    some.push_back(out[k]);
+  return some;
+}
+
 /// Whether neither channel moves beyond its noise.
 bool stands_still(const Capture &capture, double noise_v) {
   constexpr double kAboveNoise = 20.0;
@@ -364,6 +378,7 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   describe_temperature(capture, scene);
 
   Kinematics motion;
+  std::vector<std::uint32_t> rough;
   if (scene.has_reference) {
     std::vector<double> alpha(capture.size());
     for (std::size_t i = 0; i < alpha.size(); ++i)
@@ -376,11 +391,16 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   } else {
     if (known)
       look.angle = corrected_angle(look, *known, all.temp, all.supply);
+    const std::vector<char> before = look.usable;
     SmoothMotion smooth = smooth_motion_with_losses(look, kRippleOrders);
     scene.radius_only = smooth.residual_rms_rad > kRoughMotion;
     if (scene.radius_only)
       smooth.motion.alpha = look.angle;
+    else
+      rough = left_out(before, look);
     motion = std::move(smooth.motion);
+    for (std::uint32_t i : rough)
+      motion.alpha[i] = look.angle[i];
   }
 
   for (std::size_t i = 0; i < capture.size(); ++i)
@@ -399,6 +419,7 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   all.accel = std::move(motion.accel);
   all.direction = std::move(motion.direction);
   scene.spiked = all.select(scene.spiked_index);
+  scene.rough = all.select(rough);
   all.keep(scene.index);
   if (all.size() < kFewestSamples) {
     scene.insufficient = "only " + std::to_string(all.size()) + " usable samples";

@@ -69,10 +69,13 @@ struct Scene {
   /// is 0 without a reference.
   double reference_cos = 0.0, reference_sin = 0.0, reference_ripple_error = 0.0;
 
-  Observations all;                          ///< usable samples
-  std::vector<std::uint32_t> index;          ///< their places in the capture
-  Observations spiked;                       ///< samples left out because of a spike
-  std::vector<std::uint32_t> spiked_index;   ///< their places in the capture
+  Observations all;                        ///< usable samples
+  std::vector<std::uint32_t> index;        ///< their places in the capture
+  Observations spiked;                     ///< samples left out because of a spike
+  std::vector<std::uint32_t> spiked_index; ///< their places in the capture
+  /// Samples left out because the shaft turned too unevenly there to be its own reference: the
+  /// radius can still be judged. At the angle that the pair itself gives.
+  Observations rough;
   std::vector<std::uint32_t> train, heldout; ///< places in `all`
   std::vector<ScreenFinding> screened;
   std::string insufficient; ///< why nothing can be said; empty when something can

@@ -234,11 +234,13 @@ bool Search::forward(State &now) {
     State state = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
     if (!state.fit.determined || !in_range(state.fit.model))
       continue;
-    const double worth = state.score - now.score - price(c.start.effects.back());
-    if (worth < kLeastNats ||
-        entanglement(state.fit, state.fit.model.effects.size() - 1, given_) > kEntangled)
+    const std::size_t last = state.fit.model.effects.size() - 1;
+    if (has_moment(*c.effect) && !begins_at_once(*data_.scene, state.fit.model, last))
       continue;
-    const double size = size_of(state, now, state.fit.model.effects.size() - 1);
+    const double worth = state.score - now.score - price(c.start.effects.back());
+    if (worth < kLeastNats || entanglement(state.fit, last, given_) > kEntangled)
+      continue;
+    const double size = size_of(state, now, last);
     if (size < least_of_noise(*c.effect) * noise_v_ || size < allowance)
       continue;
     options.push_back({std::move(state), c.effect, worth});
@@ -563,7 +565,7 @@ void Search::progress(const char *what) {
     report_(1.0 - 1.0 / (1.0 + 0.25 * steps_), what);
 }
 
-SearchResult Search::run() {
+SearchResult Search::run(bool thorough) {
   progress("fitting the baseline");
   State now = evaluate(baseline_, 12);
   weigh_motion(now);
@@ -571,6 +573,8 @@ SearchResult Search::run() {
     climb(now);
     progress("dropping what is not needed");
     const bool dropped = backward(now);
+    if (!thorough)
+      break;
     progress("comparing rivals");
     const bool swapped = sideways(now);
     if (!dropped && !swapped && !shake(now) && !doubt_supply(now))
@@ -588,7 +592,7 @@ SearchResult Search::run() {
   for (const auto &[part, k] : size) {
     out.order.push_back(k);
     out.contribution.push_back(part);
-    out.alternatives.push_back(rivals(now, k, nullptr));
+    out.alternatives.push_back(thorough ? rivals(now, k, nullptr) : std::vector<std::string>{});
   }
   out.residual_rms_v = std::sqrt(now.fit.rss / (2.0 * static_cast<double>(data_.train.size())));
   out.fit = std::move(now.fit);

@@ -41,7 +41,9 @@ class Search {
 public:
   Search(SearchData data, Model baseline, double noise_v, Report report);
 
-  SearchResult run();
+  /// Not `thorough`: only what is found on the way up, without rivals and second thoughts; that
+  /// tells what bends the motion, in a part of the time.
+  SearchResult run(bool thorough);
 
 private:
   struct State {

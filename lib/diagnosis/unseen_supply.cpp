@@ -131,14 +131,6 @@ double unrest(const std::vector<double> &v) {
   return sum;
 }
 
-/// White noise of the radius from sample to sample.
-double noise_of(const std::vector<double> &v) {
-  std::vector<double> d;
-  for (std::size_t i = 3; i < v.size(); ++i)
-    d.push_back(v[i] - 3.0 * v[i - 1] + 3.0 * v[i - 2] - v[i - 3]);
-  return robust_spread(d) / std::sqrt(20.0);
-}
-
 } // namespace
 
 std::optional<Capture> with_unseen_supply(const Capture &capture) {
@@ -147,7 +139,7 @@ std::optional<Capture> with_unseen_supply(const Capture &capture) {
     return std::nullopt;
   const Radius radius = radius_of(capture);
   const double whole = rms(radius.off);
-  if (whole < kAboveNoise * noise_of(radius.off) || whole > 0.2 * radius.amplitude)
+  if (whole < kAboveNoise * noise_between(radius.off) || whole > 0.2 * radius.amplitude)
     return std::nullopt;
   // Radial part of one volt per volt of each disturbance.
   std::array<std::vector<double>, 4> shape; // supply; gain, offset of VSIN, offset of VCOS

@@ -11,6 +11,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/fit.h"
 #include "diagnosis/spectrum.h"
 
 namespace ada {
@@ -192,7 +193,72 @@ void report_spectrum(const Observations &data, const Components &parts, double s
                    line});
 }
 
+/// Radial (`along` true) or tangential part of a residual, V.
+std::vector<double> part_of(const ResidualColumns &r, double mid_v, bool radial) {
+  std::vector<double> out(r.sin.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double s = r.model_sin[i] - mid_v, c = r.model_cos[i] - mid_v;
+    const double inverse = 1.0 / std::max(std::hypot(s, c), 1e-9);
+    out[i] = (radial ? r.sin[i] * s + r.cos[i] * c : r.sin[i] * c - r.cos[i] * s) * inverse;
+  }
+  return out;
+}
+
 } // namespace
+
+std::vector<Structure> find_structure_in_rough(const Scene &scene, const Model &model,
+                                               double floor_v) {
+  constexpr std::size_t kFewest = 100;
+  constexpr double kAbove = 1.6, kSpikes = 0.99; ///< of the noise; the rest may be spikes
+  if (scene.rough.size() < kFewest)
+    return {};
+  const Observations data = at_own_angle(scene.rough, model);
+  std::vector<double> radial = part_of(residual_columns(data, model), data.mid_v, true);
+  for (double &x : radial)
+    x = std::abs(x);
+  const double most = quantile(radial, kSpikes);
+  double sum = 0.0, n = 0.0, first = data.time.back(), last = data.time.front();
+  for (std::size_t i = 0; i < radial.size(); ++i) {
+    if (radial[i] > most)
+      continue;
+    sum += radial[i] * radial[i];
+    n += 1.0;
+    if (radial[i] > 4.0 * floor_v) {
+      first = std::min(first, data.time[i]);
+      last = std::max(last, data.time[i]);
+    }
+  }
+  const double rms = std::sqrt(sum / n);
+  if (rms < kAbove * floor_v || last <= first)
+    return {};
+  return {{"time",
+           fmt::format("between {:.4g} and {:.4g} s the radius moves by {:.3g} mV rms where no "
+                       "smooth motion fits: no cause explains it",
+                       first, last, 1e3 * rms),
+           rms}};
+}
+
+std::vector<Structure> find_jitter(const Observations &data, const ResidualColumns &residual) {
+  constexpr std::size_t kFewest = 2000;
+  constexpr double kMore = 1.3;
+  if (data.size() < kFewest)
+    return {};
+  // Third differences only within runs of neighbouring samples.
+  std::vector<char> beside(data.size(), 1);
+  for (std::size_t i = 1; i < data.size(); ++i)
+    if (data.time[i] - data.time[i - 1] > 1.5 * data.frame_period_s)
+      beside[i] = 0;
+  const double radius = noise_between(part_of(residual, data.mid_v, true), beside);
+  const double angle = noise_between(part_of(residual, data.mid_v, false), beside);
+  if (angle < kMore * radius || !(radius > 0.0))
+    return {};
+  const double rms = std::sqrt(angle * angle - radius * radius);
+  return {{"frequency",
+           fmt::format("the angle moves from sample to sample by {:.3g} mV rms more than the "
+                       "radius: no noise of the pair, and no cause explains it",
+                       1e3 * rms),
+           rms}};
+}
 
 std::vector<Structure> find_structure(const Scene &scene, const Observations &data,
                                       const ResidualColumns &residual, double sigma_v,

@@ -18,4 +18,13 @@ std::vector<Structure> find_structure(const Scene &scene, const Observations &da
                                       const ResidualColumns &residual, double sigma_v,
                                       double least_rms_v);
 
+/// What shows where the motion is not known well enough for the whole pair: the radius of stretches
+/// that were left out. `floor_v`: rms of a channel that noise and what is not modelled may leave.
+std::vector<Structure> find_structure_in_rough(const Scene &scene, const Model &model,
+                                               double floor_v);
+
+/// An angle that moves from sample to sample by more than the radius does: no noise of the pair,
+/// and no shaft turns so. `data` at the angle of the smooth motion.
+std::vector<Structure> find_jitter(const Observations &data, const ResidualColumns &residual);
+
 } // namespace ada

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What no cause of the catalogue explains, without a reference: it must be said, not taken for a
+// rough motion or for a cause that is like it.
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "diagnosis/captures.h"
+#include "diagnosis/diagnose.h"
+#include "support/seed.h"
+
+namespace ada::test {
+namespace {
+
+class Leftovers : public testing::Test {
+protected:
+  /// Two speeds after each other, or one; no reference.
+  Capture sound(bool two_speeds) {
+    Drive drive;
+    drive.samples = 30000;
+    drive.turns_back = false;
+    drive.slow_rpm = drive.fast_rpm = 500.0;
+    Capture c = capture_of(sound_sensor(), drive, rng_);
+    if (two_speeds) { // the second half is another drive, joined where both stand at one angle
+      drive.slow_rpm = drive.fast_rpm = 900.0;
+      const Capture fast = capture_of(sound_sensor(), drive, rng_);
+      const std::size_t half = drive.samples / 2;
+      const double period = 360.0 / c.meta.periods_per_turn;
+      const auto from = static_cast<std::size_t>(
+          std::min_element(fast.reference_deg.begin(), fast.reference_deg.begin() + 500,
+                           [&](double a, double b) {
+                             const double at = c.reference_deg[half];
+                             return std::abs(wrap_centred(a - at, period)) <
+                                    std::abs(wrap_centred(b - at, period));
+                           }) -
+          fast.reference_deg.begin());
+      for (std::size_t i = 0; half + i < drive.samples && from + i < drive.samples; ++i) {
+        c.vsin_v[half + i] = fast.vsin_v[from + i];
+        c.vcos_v[half + i] = fast.vcos_v[from + i];
+      }
+    }
+    c.reference_deg.clear();
+    return c;
+  }
+
+  static bool says(const Diagnosis &d, const std::string &words) {
+    return std::any_of(d.structure.begin(), d.structure.end(), [&](const Structure &s) {
+      return s.description.find(words) != std::string::npos;
+    });
+  }
+
+  std::mt19937_64 rng_{fresh_seed()};
+};
+
+TEST_F(Leftovers, a_burst_of_hum_is_no_rough_motion) {
+  Capture c = sound(false);
+  for (std::size_t i = 12000; i < 18000; ++i) {
+    c.vsin_v[i] += 0.01 * std::sin(kTwoPi * 50.0 * c.time_s[i]);
+    c.vcos_v[i] += 0.007 * std::sin(kTwoPi * 50.0 * c.time_s[i] + 0.5);
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_EQ(d.verdict, Verdict::unexplained);
+  EXPECT_TRUE(says(d, "the radius moves"));
+}
+
+TEST_F(Leftovers, an_angle_that_jitters_from_sample_to_sample_is_neither_noise_nor_motion) {
+  Capture c = sound(false);
+  std::normal_distribution<> jitter(0.0, 1e-3); // rad, electrical
+  const double mid = 0.5 * c.meta.supply_v;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double turned = jitter(rng_), s = c.vsin_v[i] - mid, k = c.vcos_v[i] - mid;
+    c.vsin_v[i] += turned * k;
+    c.vcos_v[i] -= turned * s;
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_EQ(d.verdict, Verdict::unexplained);
+  EXPECT_TRUE(says(d, "from sample to sample"));
+}
+
+TEST_F(Leftovers, offsets_that_settle_slowly_are_no_step) {
+  Capture c = sound(false);
+  const double whole = c.time_s.back();
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c.vsin_v[i] += 0.015 * std::exp(-5.0 * c.time_s[i] / whole);
+    c.vcos_v[i] -= 0.008 * std::exp(-5.0 * c.time_s[i] / whole);
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_EQ(d.verdict, Verdict::unexplained);
+  EXPECT_TRUE(d.findings.empty());
+}
+
+TEST_F(Leftovers, offsets_that_come_with_the_speed_are_no_step) {
+  Capture c = sound(true);
+  for (std::size_t i = c.size() / 2; i < c.size(); ++i) {
+    c.vsin_v[i] += 0.012;
+    c.vcos_v[i] += 0.005;
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_EQ(d.verdict, Verdict::unexplained);
+  EXPECT_TRUE(d.findings.empty());
+}
+
+TEST_F(Leftovers, nothing_is_left_over_of_two_speeds_alone) {
+  const Diagnosis d = diagnose(sound(true), {});
+  EXPECT_EQ(d.verdict, Verdict::no_discrepancy);
+}
+
+} // namespace
+} // namespace ada::test
