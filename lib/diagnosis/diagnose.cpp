@@ -334,7 +334,8 @@ private:
       out_.structure =
           find_structure(scene_, scene_.all, residual, sigma, 0.12 * sigma + second_order_floor());
       for (const auto &more :
-           {jitter_, find_structure_in_rough(scene_, out_.extended, sigma + second_order_floor())})
+           {jitter_, find_structure_in_rough(scene_, out_.extended, sigma + second_order_floor()),
+            find_bursts(scene_, out_.extended, sigma + second_order_floor())})
         out_.structure.insert(out_.structure.end(), more.begin(), more.end());
     }
     const double rest2 =

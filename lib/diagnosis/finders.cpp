@@ -94,20 +94,31 @@ bool rotates(const Line &tone) {
   return std::abs(in_phase) < 0.34 && std::max(s, c) < 1.3 * std::min(s, c);
 }
 
+/// The samples at the speed that the shaft has most, with the frequency of the pair there, Hz.
+struct MostlyAt {
+  std::vector<std::size_t> samples;
+  double turning;
+};
+
+MostlyAt mostly_at(const Residual &r) {
+  constexpr double kOneSpeed = 0.01;
+  const double speed = quantile({r.omega.begin(), r.omega.end()}, 0.5);
+  MostlyAt out{{}, std::abs(speed) * r.periods / kTwoPi};
+  for (std::size_t i = 0; i < r.omega.size(); ++i)
+    if (std::abs(r.omega[i] - speed) <= kOneSpeed * std::abs(speed))
+      out.samples.push_back(i);
+  return out;
+}
+
 /// Whether a line that rotates is a gain or an angle that wanders: seen from the turning pair that
 /// lies along the radius or across it, while a pickup turns about the pair and shows in both alike.
-/// Judged at the speed that the shaft has most, where a pickup's line is one there as well.
-bool wanders(const Residual &r, double frequency) {
-  constexpr double kOneSpeed = 0.01, kAlike = 0.25;
-  const double speed = quantile({r.omega.begin(), r.omega.end()}, 0.5);
-  const double turning = std::abs(speed) * r.periods / kTwoPi;
+bool one_sided(const Residual &r, const MostlyAt &at, double frequency) {
+  constexpr double kAlike = 0.25;
   double strongest = 0.0;
-  bool one_sided = false;
-  for (double f : {std::abs(frequency - turning), frequency + turning}) {
+  bool out = false;
+  for (double f : {std::abs(frequency - at.turning), frequency + at.turning}) {
     std::complex<double> radial, tangential;
-    for (std::size_t i = 0; i < r.time.size(); ++i) {
-      if (std::abs(r.omega[i] - speed) > kOneSpeed * std::abs(speed))
-        continue;
+    for (std::size_t i : at.samples) {
       const double c = r.model_cos_v[i] - 0.5 * r.supply_v;
       const double s = r.model_sin_v[i] - 0.5 * r.supply_v;
       const double inverse = 1.0 / std::max(std::hypot(c, s), 1e-9);
@@ -118,10 +129,31 @@ bool wanders(const Residual &r, double frequency) {
     const double u = std::norm(radial), v = std::norm(tangential);
     if (u + v > strongest) {
       strongest = u + v;
-      one_sided = std::min(u, v) < kAlike * std::max(u, v);
+      out = std::min(u, v) < kAlike * std::max(u, v);
     }
   }
-  return one_sided;
+  return out;
+}
+
+/// Whether a line has a fellow on the other side of the pair's own frequency: something then
+/// modulates the pair, and neither is a tone.
+bool has_fellow(const Residual &r, const MostlyAt &at, double frequency) {
+  constexpr double kAlike = 0.3;
+  const auto power = [&](double f) {
+    std::complex<double> sin, cos;
+    for (std::size_t i : at.samples) {
+      const std::complex<double> wave = std::polar(1.0, kTwoPi * f * r.time[i]);
+      sin += wave * r.sin_v[i];
+      cos += wave * r.cos_v[i];
+    }
+    return std::norm(sin) + std::norm(cos);
+  };
+  const double here = power(frequency);
+  for (double fellow : {std::abs(2.0 * at.turning - frequency), 2.0 * at.turning + frequency})
+    if (std::abs(fellow - frequency) * (r.time.back() - r.time.front()) > 4.0 &&
+        power(fellow) > kAlike * here)
+      return true;
+  return false;
 }
 
 /// A line at an order of a steady rotation is no tone when the residual follows the angle as well.
@@ -223,6 +255,7 @@ std::vector<std::vector<double>> find_tones(const Residual &r) {
     if (power[k] > 12.0 * floor && power[k] >= power[k - 1] && power[k] >= power[k + 1])
       peaks.emplace_back(power[k], k);
   std::sort(peaks.rbegin(), peaks.rend());
+  const MostlyAt most = mostly_at(r);
   std::vector<std::vector<double>> tones;
   std::size_t looked_at = 0;
   for (const auto &[p, k] : peaks) {
@@ -241,7 +274,7 @@ std::vector<std::vector<double>> find_tones(const Residual &r) {
         }
       }
     }
-    if ((rotates(best) && wanders(r, centre)) ||
+    if ((rotates(best) && one_sided(r, most, centre)) || has_fellow(r, most, centre) ||
         turns_with_shaft(r, order_near(r, centre, resolution), best))
       continue;
     const auto &a = best.amplitudes;

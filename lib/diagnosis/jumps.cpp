@@ -44,6 +44,69 @@ bool steady(const std::vector<double> &speeds, std::size_t at, std::size_t reach
          std::abs(after - here) < 0.15 * std::abs(here);
 }
 
+/// How straight lines over `side` samples before and after a place meet.
+struct Meeting {
+  double gap, before, after; ///< rad; rad/s
+  double fewest;             ///< usable samples of the poorer side
+};
+
+Meeting lines_meet(const Screened &look, const std::vector<double> &angle, std::size_t at,
+                   std::size_t side) {
+  const std::vector<double> &t = look.capture.time_s;
+  const double middle = 0.5 * (t[at] + t[at - 1]);
+  double value[2], slope[2], fewest = static_cast<double>(side);
+  for (int s = 0; s < 2; ++s) {
+    const std::size_t from = s == 0 ? at - side : at;
+    double su = 0, sv = 0, suu = 0, suv = 0;
+    double m = 0.0;
+    for (std::size_t k = from; k < from + side; ++k) {
+      if (!look.usable[k])
+        continue;
+      m += 1.0;
+      const double u = t[k] - middle, v = angle[k] - angle[at];
+      su += u;
+      sv += v;
+      suu += u * u;
+      suv += u * v;
+    }
+    fewest = std::min(fewest, m);
+    m = std::max(m, 1.0);
+    const double d = m * suu - su * su;
+    slope[s] = d > 0.0 ? (m * suv - su * sv) / d : 0.0;
+    value[s] = (sv - slope[s] * su) / m;
+  }
+  return {value[1] - value[0], slope[0], slope[1], fewest};
+}
+
+/// Where the line over `side` samples on one side of a place arrives there, rad: by medians of
+/// slopes and of values, so that a few wild samples do not tilt it.
+double arrives(const Screened &look, const std::vector<double> &angle, std::size_t at,
+               std::size_t side, bool back) {
+  const std::vector<double> &t = look.capture.time_s;
+  const double middle = 0.5 * (t[at] + t[at - 1]);
+  std::vector<std::size_t> good;
+  for (std::size_t k = back ? at - side : at; k < (back ? at : at + side); ++k)
+    if (look.usable[k])
+      good.push_back(k);
+  std::vector<double> slopes, values;
+  for (std::size_t a : good)
+    for (std::size_t b : good)
+      if (a < b && t[b] > t[a])
+        slopes.push_back((angle[b] - angle[a]) / (t[b] - t[a]));
+  const double slope = quantile(std::move(slopes), 0.5);
+  for (std::size_t k : good)
+    values.push_back(angle[k] - angle[at] - slope * (t[k] - middle));
+  return quantile(std::move(values), 0.5);
+}
+
+/// Whether a gap is still there for lines that heed no single sample: spikes in a row make one too.
+bool stays(const Screened &look, const std::vector<double> &angle, const Jump &jump,
+           std::size_t side) {
+  const double gap =
+      arrives(look, angle, jump.at, side, false) - arrives(look, angle, jump.at, side, true);
+  return std::abs(gap - jump.gap) < 0.5 * std::abs(jump.gap) + 4.0 * jump.error;
+}
+
 std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &angle,
                              std::size_t side, double floor_rad) {
   const std::vector<double> &t = look.capture.time_s;
@@ -54,34 +117,13 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
   const double frame = median_step(t);
   std::vector<double> gaps(n, 0.0), speeds(n, 0.0), bends(n, 0.0), size;
   for (std::size_t i = side; i + side <= n; ++i) {
-    const double middle = 0.5 * (t[i] + t[i - 1]);
-    double value[2], slope[2], fewest = static_cast<double>(side);
-    for (int s = 0; s < 2; ++s) {
-      const std::size_t from = s == 0 ? i - side : i;
-      double su = 0, sv = 0, suu = 0, suv = 0;
-      double m = 0.0;
-      for (std::size_t k = from; k < from + side; ++k) {
-        if (!look.usable[k])
-          continue;
-        m += 1.0;
-        const double u = t[k] - middle, v = angle[k] - angle[i];
-        su += u;
-        sv += v;
-        suu += u * u;
-        suv += u * v;
-      }
-      fewest = std::min(fewest, m);
-      m = std::max(m, 1.0);
-      const double d = m * suu - su * su;
-      slope[s] = d > 0.0 ? (m * suv - su * sv) / d : 0.0;
-      value[s] = (sv - slope[s] * su) / m;
-    }
-    speeds[i] = 0.5 * (slope[0] + slope[1]);
+    const Meeting lines = lines_meet(look, angle, i, side);
+    speeds[i] = 0.5 * (lines.before + lines.after);
     // The edge of a jump may pass for a spike; a stretch without samples says nothing.
-    if (fewest < 0.75 * static_cast<double>(side))
+    if (lines.fewest < 0.75 * static_cast<double>(side))
       continue;
-    gaps[i] = value[1] - value[0];
-    bends[i] = std::abs(slope[1] - slope[0]) * static_cast<double>(side) * frame;
+    gaps[i] = lines.gap;
+    bends[i] = std::abs(lines.after - lines.before) * static_cast<double>(side) * frame;
     size.push_back(std::abs(gaps[i]));
   }
   if (size.empty())
@@ -103,8 +145,9 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
     const auto to = gaps.begin() + static_cast<std::ptrdiff_t>(std::min(n, i + side + 1));
     const auto largest =
         std::max_element(from, to, [](double a, double b) { return std::abs(a) < std::abs(b); });
-    if (largest - gaps.begin() == static_cast<std::ptrdiff_t>(i))
-      all.push_back({i, gaps[i], speeds[i] * frame, sigma});
+    const Jump jump{i, gaps[i], speeds[i] * frame, sigma};
+    if (largest - gaps.begin() == static_cast<std::ptrdiff_t>(i) && stays(look, angle, jump, side))
+      all.push_back(jump);
   }
   return all;
 }
@@ -182,9 +225,23 @@ bool turns_deny(const Screened &look, const std::vector<double> &angle, const Ju
   return std::abs(gap - jump.gap) > 0.4 * std::abs(jump.gap) + kCurved * std::abs(second - first);
 }
 
+/// A jump and one back soon after are the ends of a disturbance.
+void leave_out_pairs(std::vector<Jump> &jumps) {
+  constexpr std::size_t kSoon = 80;
+  std::vector<char> paired(jumps.size(), 0);
+  for (std::size_t k = 1; k < jumps.size(); ++k)
+    if (jumps[k].at - jumps[k - 1].at < kSoon && jumps[k].gap * jumps[k - 1].gap < 0.0)
+      paired[k] = paired[k - 1] = 1;
+  std::size_t k = 0;
+  std::erase_if(jumps, [&](const Jump &) { return paired[k++] != 0; });
+}
+
 std::vector<Jump> jumps_of(const Screened &look) {
-  if (!look.capture.has_reference())
-    return find_jumps(look, look.angle, 12, 1e-5);
+  if (!look.capture.has_reference()) {
+    std::vector<Jump> jumps = find_jumps(look, look.angle, 12, 1e-5);
+    leave_out_pairs(jumps);
+    return jumps;
+  }
   return find_jumps(look, reference_angle(look.capture), 6, 4e-6);
 }
 

@@ -190,15 +190,18 @@ bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) 
   const ResidualColumns with = residual_columns(near, always);
   const auto later = std::lower_bound(near.time.begin(), near.time.end(), moment);
   const auto middle = static_cast<std::size_t>(later - near.time.begin());
+  if (middle == near.size())
+    return true;
   /// How much of the effect is seen in a turn on one side, its variance, and the mean speed.
   struct Side {
     double part = 0.0, variance = 1.0, speed = 0.0, samples = 0.0;
+    bool turns_back = false;
   };
   const auto look = [&](bool back) {
     double shape2 = 0.0, seen = 0.0, left = 0.0;
     Side side;
     for (std::size_t k = middle; back ? k-- > 0 : k < near.size(); k += !back) {
-      if (std::abs(near.alpha[k] - near.alpha[std::min(middle, near.size() - 1)]) > kTwoPi)
+      if (std::abs(near.alpha[k] - near.alpha[middle]) > kTwoPi)
         break;
       double es = without.sin[k] - with.sin[k], ec = without.cos[k] - with.cos[k];
       double rs = without.sin[k], rc = without.cos[k];
@@ -213,6 +216,7 @@ bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) 
       seen += es * rs + ec * rc;
       left += rs * rs + rc * rc;
       side.speed += std::abs(near.omega[k]);
+      side.turns_back = side.turns_back || near.omega[k] * near.omega[middle] < 0.0;
       side.samples += 1.0;
     }
     if (side.samples >= kFewest && shape2 > 0.0) {
@@ -226,7 +230,10 @@ bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) 
   if (before.samples < kFewest || after.samples < kFewest ||
       before.variance + after.variance > kSure * kSure)
     return true;
-  return after.part - before.part > kWhole &&
+  if (after.part - before.part <= kWhole)
+    return false;
+  // About a reversal every speed is passed through.
+  return before.turns_back || after.turns_back ||
          std::abs(after.speed - before.speed) < kSameSpeed * std::max(after.speed, before.speed);
 }
 

@@ -252,6 +252,19 @@ std::vector<std::uint32_t> left_out(const std::vector<char> &before, const Scree
   return some;
 }
 
+/// Spikes that come in rows, as no spikes do: at least four of six samples.
+std::vector<std::uint32_t> in_rows(const std::vector<std::uint32_t> &spikes) {
+  constexpr std::size_t kFewest = 4;
+  constexpr std::uint32_t kWithin = 6;
+  std::vector<std::uint32_t> out;
+  for (std::size_t k = 0; k + kFewest <= spikes.size(); ++k)
+    if (spikes[k + kFewest - 1] - spikes[k] < kWithin)
+      for (std::size_t i = k; i < k + kFewest; ++i)
+        if (out.empty() || spikes[i] > out.back())
+          out.push_back(spikes[i]);
+  return out;
+}
+
 /// Whether neither channel moves beyond its noise.
 bool stands_still(const Capture &capture, double noise_v) {
   constexpr double kAboveNoise = 20.0;
@@ -378,7 +391,7 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   describe_temperature(capture, scene);
 
   Kinematics motion;
-  std::vector<std::uint32_t> rough;
+  std::vector<std::uint32_t> rough, bursts;
   if (scene.has_reference) {
     std::vector<double> alpha(capture.size());
     for (std::size_t i = 0; i < alpha.size(); ++i)
@@ -403,6 +416,11 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
       motion.alpha[i] = look.angle[i];
   }
 
+  if (!scene.radius_only)
+    bursts = in_rows(look.spikes);
+  if (!scene.has_reference)
+    for (std::uint32_t i : bursts)
+      motion.alpha[i] = look.angle[i];
   for (std::size_t i = 0; i < capture.size(); ++i)
     if (look.usable[i])
       scene.index.push_back(static_cast<std::uint32_t>(i));
@@ -420,6 +438,7 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   all.direction = std::move(motion.direction);
   scene.spiked = all.select(scene.spiked_index);
   scene.rough = all.select(rough);
+  scene.bursts = all.select(bursts);
   all.keep(scene.index);
   if (all.size() < kFewestSamples) {
     scene.insufficient = "only " + std::to_string(all.size()) + " usable samples";

@@ -76,6 +76,7 @@ struct Scene {
   /// Samples left out because the shaft turned too unevenly there to be its own reference: the
   /// radius can still be judged. At the angle that the pair itself gives.
   Observations rough;
+  Observations bursts; ///< samples that passed for spikes, yet several in a row
   std::vector<std::uint32_t> train, heldout; ///< places in `all`
   std::vector<ScreenFinding> screened;
   std::string insufficient; ///< why nothing can be said; empty when something can

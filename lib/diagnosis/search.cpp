@@ -34,6 +34,11 @@ constexpr std::size_t kMostShaken = 6; ///< beyond so many the work grows too lo
 /// Two causes this correlated are one and the same in the data: both together would cancel each
 /// other at sizes that mean nothing.
 constexpr double kEntangled = 0.995;
+/// Weight of the residual along a supply that is not recorded, while causes are looked for.
+constexpr double kShareInSearch = 0.15;
+/// A supply turns with the absolute voltages. Where a fixed direction leaves no more than this over
+/// of what lies across them, it may as well be an offset that wanders.
+constexpr double kTurns = 1.02;
 /// A rival that comes this close cannot be rejected.
 constexpr double kRivalNats = 8.0;
 /// What a cause leaves over of the one that yields to it, as a part of what either explains.
@@ -362,7 +367,8 @@ bool Search::sideways(State &now) {
 /// not recorded moves both outputs.
 Search::AlongSupply Search::along_supply(const State &now) const {
   const ResidualColumns r = residual_columns(data_.train, now.fit.model);
-  AlongSupply out{0.0, 0.0, 0.0};
+  AlongSupply out{0.0, 0.0, 0.0, 0.0};
+  double ss = 0.0, sc = 0.0, cc = 0.0;
   double n = 0.0, spike = 0.0;
   for (std::size_t i = 0; i < r.sin.size(); ++i)
     spike += r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
@@ -377,19 +383,25 @@ Search::AlongSupply Search::along_supply(const State &now) const {
     out.along += a * a / l2;
     out.across += b * b / l2;
     out.length2 += l2;
+    ss += r.sin[i] * r.sin[i];
+    sc += r.sin[i] * r.cos[i];
+    cc += r.cos[i] * r.cos[i];
   }
   out.along /= n;
   out.across /= n;
   out.length2 /= n;
+  out.fixed = (0.5 * (ss + cc) - std::hypot(0.5 * (ss - cc), sc)) / n;
   return out;
 }
 
-/// Weighs the residual along the absolute voltages by what lies across them, until both agree.
-Search::AlongSupply Search::weigh_supply(State &now) {
+/// Weighs the residual along the absolute voltages by what lies across them, until both agree;
+/// `share` less while causes are looked for: a supply wanders slowly, and what follows it a little
+/// way would seem to be borne out by many samples.
+Search::AlongSupply Search::weigh_supply(State &now, double share) {
   AlongSupply part = along_supply(now);
   for (int pass = 0; pass < 4; ++pass) {
     const double across = std::max(part.across, noise_v_ * noise_v_);
-    weigh(now, Direction::supply, std::sqrt(across / part.along));
+    weigh(now, Direction::supply, share * std::sqrt(across / part.along));
     part = along_supply(now);
   }
   return part;
@@ -407,10 +419,10 @@ bool Search::notice_supply(State &now) {
   const double noise2 = noise_v_ * noise_v_;
   AlongSupply part = along_supply(now);
   if (part.along < 1.5 * noise2 || part.along < 1.3 * part.across ||
-      part.along - part.across < 0.5 * noise2)
+      part.along - part.across < 0.5 * noise2 || part.fixed < kTurns * part.across)
     return false;
   const State before = now;
-  part = weigh_supply(now);
+  part = weigh_supply(now, kShareInSearch);
   const bool clean = part.across < 1.6 * noise2 && part.along - part.across > 0.5 * noise2;
   if (!clean && part.along < 4.0 * part.across) {
     weigh(now, Direction::none, 1.0);
@@ -428,8 +440,9 @@ bool Search::doubt_supply(State &now) {
     return false;
   const double noise2 = noise_v_ * noise_v_;
   if (data_.scene->has_reference) {
-    const AlongSupply part = along_supply(now);
-    if (part.across < 1.6 * noise2 && part.along - part.across > 0.5 * noise2) {
+    const AlongSupply part = weigh_supply(now, 1.0);
+    if (part.across < 1.6 * noise2 && part.along - part.across > 0.5 * noise2 &&
+        part.fixed > kTurns * part.across) {
       supply_rms_fraction_ = std::sqrt((part.along - part.across) / part.length2);
       return false;
     }
@@ -507,7 +520,7 @@ void Search::climb(State &now) {
     if (!forward(now))
       break;
     if (data_.train.disturbed == Direction::supply)
-      weigh_supply(now);
+      weigh_supply(now, kShareInSearch);
     else
       weigh_motion(now);
     for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k)
@@ -579,6 +592,15 @@ SearchResult Search::run(bool thorough) {
     const bool swapped = sideways(now);
     if (!dropped && !swapped && !shake(now) && !doubt_supply(now))
       break;
+  }
+  if (data_.train.disturbed == Direction::supply) {
+    const AlongSupply part = weigh_supply(now, 1.0);
+    const double more = part.along - part.across;
+    supply_rms_fraction_ = more > 0.5 * noise_v_ * noise_v_ && part.fixed > kTurns * part.across
+                               ? std::sqrt(more / part.length2)
+                               : 0.0;
+    if (supply_rms_fraction_ == 0.0)
+      weigh(now, Direction::none, 1.0);
   }
   SearchResult out;
   const std::size_t n = now.fit.model.effects.size();

@@ -65,9 +65,10 @@ private:
   bool sideways(State &now);
   struct AlongSupply {
     double along, across, length2; ///< V^2, means of a sample
+    double fixed;                  ///< across the best fixed direction instead
   };
   AlongSupply along_supply(const State &now) const;
-  AlongSupply weigh_supply(State &now);
+  AlongSupply weigh_supply(State &now, double share);
   bool notice_supply(State &now);
   bool doubt_supply(State &now);
   bool notice_supply_in_radius(State &now);

@@ -238,6 +238,27 @@ std::vector<Structure> find_structure_in_rough(const Scene &scene, const Model &
            rms}};
 }
 
+std::vector<Structure> find_bursts(const Scene &scene, const Model &model, double floor_v) {
+  constexpr std::size_t kFewest = 12;
+  constexpr double kAbove = 6.0;
+  if (scene.bursts.size() < kFewest)
+    return {};
+  const Observations data = scene.has_reference ? scene.bursts : at_own_angle(scene.bursts, model);
+  const ResidualColumns r = residual_columns(data, model);
+  std::vector<double> off;
+  for (std::size_t i = 0; i < data.size(); ++i)
+    off.push_back(std::hypot(r.sin[i], r.cos[i]));
+  const double middle = quantile(off, 0.5);
+  if (middle < kAbove * floor_v)
+    return {};
+  return {{"time",
+           fmt::format("from {:.4g} s on {} samples stand out by {:.3g} mV, several in a row: no "
+                       "spikes, and no cause explains it",
+                       data.time.front(), data.size(), 1e3 * middle),
+           middle * std::sqrt(static_cast<double>(data.size()) /
+                              static_cast<double>(scene.all.size() + data.size()))}};
+}
+
 std::vector<Structure> find_jitter(const Observations &data, const ResidualColumns &residual) {
   constexpr std::size_t kFewest = 2000;
   constexpr double kMore = 1.3;

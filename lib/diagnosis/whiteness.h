@@ -23,6 +23,9 @@ std::vector<Structure> find_structure(const Scene &scene, const Observations &da
 std::vector<Structure> find_structure_in_rough(const Scene &scene, const Model &model,
                                                double floor_v);
 
+/// Samples in a row that passed for spikes and that the model does not meet either.
+std::vector<Structure> find_bursts(const Scene &scene, const Model &model, double floor_v);
+
 /// An angle that moves from sample to sample by more than the radius does: no noise of the pair,
 /// and no shaft turns so. `data` at the angle of the smooth motion.
 std::vector<Structure> find_jitter(const Observations &data, const ResidualColumns &residual);
