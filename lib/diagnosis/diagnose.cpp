@@ -224,7 +224,29 @@ private:
     noise_findings_.push_back(std::move(finding));
   }
 
+  /// Whether a supply that only the radius shows accounts for what the radius does. Otherwise it
+  /// would hide what nothing explains.
+  bool supply_accounts_for_radius() const {
+    constexpr double kMore = 1.5;
+    const Observations &data = parts_.heldout;
+    const ResidualColumns r = residual_columns(data, out_.extended);
+    double radial2 = 0.0, reach2 = 0.0;
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      const double s = r.model_sin[i] - data.mid_v, c = r.model_cos[i] - data.mid_v;
+      const double square = std::max(s * s + c * c, 1e-12);
+      const double radial = r.sin[i] * s + r.cos[i] * c;
+      const double reach = data.vsin[i] * s + data.vcos[i] * c;
+      radial2 += radial * radial / square;
+      reach2 += reach * reach / square;
+    }
+    const double n = static_cast<double>(std::max<std::size_t>(1, data.size()));
+    const double f = found_.supply_rms_fraction;
+    return radial2 / n < kMore * (floor() * floor() + f * f * reach2 / n);
+  }
+
   void noise_causes() {
+    if (!scene_.has_reference && found_.supply_rms_fraction > 0.0 && !supply_accounts_for_radius())
+      found_.supply_rms_fraction = 0.0;
     if (found_.supply_rms_fraction > 0.0) {
       const Effect *effect = find_effect("supply-variation");
       const double f = found_.supply_rms_fraction;
