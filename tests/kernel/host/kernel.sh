@@ -93,7 +93,7 @@ build_replay() {
 
 extract_kernel() {
   bash "$KERNEL/source/scripts/extract-vmlinux" "$KERNEL/image/boot/vmlinuz-$VERSION" \
-    >"$KERNEL/vmlinux" || refuse "cannot unpack vmlinuz-$VERSION"
+    >"$KERNEL/vmlinux" && [[ -s $KERNEL/vmlinux ]] || refuse "cannot unpack vmlinuz-$VERSION"
 }
 
 # busybox and what it takes to mount the machine's own root by 9p.

@@ -5,7 +5,7 @@
 # What the kernel tests take from Debian: packages that are installed, and packages that are
 # only unpacked into the cache (kernel image, kernel source, the iio daemon).
 
-PACKAGES=(qemu-system-x86 busybox-static cpio kmod xz-utils bc gcc make perl
+PACKAGES=(qemu-system-x86 busybox-static cpio kmod xz-utils zstd bc gcc make perl
           libiio-utils gpiod udev systemd iproute2)
 
 refuse() {
