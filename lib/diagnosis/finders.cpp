@@ -101,11 +101,23 @@ struct MostlyAt {
 };
 
 MostlyAt mostly_at(const Residual &r) {
-  constexpr double kOneSpeed = 0.01;
-  const double speed = quantile({r.omega.begin(), r.omega.end()}, 0.5);
-  MostlyAt out{{}, std::abs(speed) * r.periods / kTwoPi};
+  constexpr double kOneSpeed = 0.02; // from the slowest to the fastest of them
+  std::vector<double> sorted(r.omega.begin(), r.omega.end());
+  std::sort(sorted.begin(), sorted.end());
+  std::size_t from = 0, most = 0;
+  double slowest = 0.0, fastest = 0.0;
+  for (std::size_t to = 0; to < sorted.size(); ++to) {
+    while (sorted[to] - sorted[from] > kOneSpeed * std::abs(sorted[to]))
+      ++from;
+    if (to - from + 1 > most) {
+      most = to - from + 1;
+      slowest = sorted[from];
+      fastest = sorted[to];
+    }
+  }
+  MostlyAt out{{}, std::abs(0.5 * (slowest + fastest)) * r.periods / kTwoPi};
   for (std::size_t i = 0; i < r.omega.size(); ++i)
-    if (std::abs(r.omega[i] - speed) <= kOneSpeed * std::abs(speed))
+    if (r.omega[i] >= slowest && r.omega[i] <= fastest)
       out.samples.push_back(i);
   return out;
 }
@@ -138,7 +150,7 @@ bool one_sided(const Residual &r, const MostlyAt &at, double frequency) {
 /// Whether a line has a fellow on the other side of the pair's own frequency: something then
 /// modulates the pair, and neither is a tone.
 bool has_fellow(const Residual &r, const MostlyAt &at, double frequency) {
-  constexpr double kAlike = 0.3;
+  constexpr double kAlike = 0.3, kWidths = 3.0;
   const auto power = [&](double f) {
     std::complex<double> sin, cos;
     for (std::size_t i : at.samples) {
@@ -149,9 +161,10 @@ bool has_fellow(const Residual &r, const MostlyAt &at, double frequency) {
     return std::norm(sin) + std::norm(cos);
   };
   const double here = power(frequency);
+  // The lines of so few samples are as wide as this.
+  const double width = 1.0 / (static_cast<double>(at.samples.size()) * r.sample_period_s);
   for (double fellow : {std::abs(2.0 * at.turning - frequency), 2.0 * at.turning + frequency})
-    if (std::abs(fellow - frequency) * (r.time.back() - r.time.front()) > 4.0 &&
-        power(fellow) > kAlike * here)
+    if (std::abs(fellow - frequency) > kWidths * width && power(fellow) > kAlike * here)
       return true;
   return false;
 }
