@@ -73,6 +73,8 @@ private:
   bool doubt_supply(State &now);
   bool notice_supply_in_radius(State &now);
   void weigh_motion(State &now);
+  void weigh_anew(State &now);
+  void settle_supply(State &now);
   void weigh(State &now, Direction direction, double weight);
   State without(const State &now, std::size_t effect) const;
   std::vector<std::string> rivals(const State &now, std::size_t effect, State *better) const;

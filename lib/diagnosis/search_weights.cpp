@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// How the search weighs residuals: a supply that is not recorded moves both outputs along the
+// absolute voltages, a motion that is known from the pair alone moves them along the circle.
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/search.h"
+
+namespace ada {
+
+namespace {
+
+/// Weight of the residual along a supply that is not recorded, while causes are looked for.
+constexpr double kShareInSearch = 0.15;
+/// A supply turns with the absolute voltages. Where a fixed direction leaves no more than this over
+/// of what lies across them, it may as well be an offset that wanders.
+constexpr double kTurns = 1.02;
+
+} // namespace
+
+/// Residual variance along and across the pair of absolute voltages, which is how a supply that is
+/// not recorded moves both outputs.
+Search::AlongSupply Search::along_supply(const State &now) const {
+  const ResidualColumns r = residual_columns(data_.train, now.fit.model);
+  AlongSupply out{0.0, 0.0, 0.0, 0.0};
+  double ss = 0.0, sc = 0.0, cc = 0.0;
+  double n = 0.0, spike = 0.0;
+  for (std::size_t i = 0; i < r.sin.size(); ++i)
+    spike += r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
+  spike = 25.0 * spike / static_cast<double>(r.sin.size()); // spikes are no supply
+  for (std::size_t i = 0; i < r.sin.size(); ++i) {
+    if (r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i] > spike)
+      continue;
+    n += 1.0;
+    const double vs = data_.train.vsin[i], vc = data_.train.vcos[i];
+    const double l2 = vs * vs + vc * vc;
+    const double a = (r.sin[i] * vs + r.cos[i] * vc), b = (r.sin[i] * vc - r.cos[i] * vs);
+    out.along += a * a / l2;
+    out.across += b * b / l2;
+    out.length2 += l2;
+    ss += r.sin[i] * r.sin[i];
+    sc += r.sin[i] * r.cos[i];
+    cc += r.cos[i] * r.cos[i];
+  }
+  out.along /= n;
+  out.across /= n;
+  out.length2 /= n;
+  out.fixed = (0.5 * (ss + cc) - std::hypot(0.5 * (ss - cc), sc)) / n;
+  return out;
+}
+
+/// Weighs the residual along the absolute voltages by what lies across them, until both agree;
+/// `share` less while causes are looked for: a supply wanders slowly, and what follows it a little
+/// way would seem to be borne out by many samples.
+Search::AlongSupply Search::weigh_supply(State &now, double share) {
+  AlongSupply part = along_supply(now);
+  for (int pass = 0; pass < 4; ++pass) {
+    const double across = std::max(part.across, noise_v_ * noise_v_);
+    weigh(now, Direction::supply, share * std::sqrt(across / part.along));
+    part = along_supply(now);
+  }
+  return part;
+}
+
+/// A residual that lies mainly along the absolute voltages is weighed as that of a supply, first to
+/// see whether the rest of the model then comes out clean.
+bool Search::notice_supply(State &now) {
+  // Beside the angle that a pair gives itself anything that moves the radius looks like a supply.
+  if (supply_rms_fraction_ > 0.0 || supply_rejected_ || !data_.train.supply.empty() ||
+      data_.scene->radius_only || now.fit.model.effects.size() == looked_at_with_)
+    return false;
+  if (!data_.scene->has_reference)
+    return notice_supply_in_radius(now);
+  const double noise2 = noise_v_ * noise_v_;
+  AlongSupply part = along_supply(now);
+  if (part.along < 1.5 * noise2 || part.along < 1.3 * part.across ||
+      part.along - part.across < 0.5 * noise2 || part.fixed < kTurns * part.across)
+    return false;
+  const State before = now;
+  part = weigh_supply(now, kShareInSearch);
+  const bool clean = part.across < 1.6 * noise2 && part.along - part.across > 0.5 * noise2;
+  if (!clean && part.along < 4.0 * part.across) {
+    weigh(now, Direction::none, 1.0);
+    now = before;
+    looked_at_with_ = now.fit.model.effects.size(); // with more found it may come out clean
+    return false;
+  }
+  supply_rms_fraction_ = std::sqrt((part.along - part.across) / part.length2);
+  return true;
+}
+
+/// With everything else found, is it still a supply?
+bool Search::doubt_supply(State &now) {
+  if (supply_rms_fraction_ <= 0.0)
+    return false;
+  const double noise2 = noise_v_ * noise_v_;
+  if (data_.scene->has_reference) {
+    const AlongSupply part = weigh_supply(now, 1.0);
+    if (part.across < 1.6 * noise2 && part.along - part.across > 0.5 * noise2 &&
+        part.fixed > kTurns * part.across) {
+      supply_rms_fraction_ = std::sqrt((part.along - part.across) / part.length2);
+      return false;
+    }
+    weigh(now, Direction::none, 1.0);
+  } else {
+    supply_rms_fraction_ = 0.0;
+    if (notice_supply_in_radius(now))
+      return false;
+  }
+  supply_rms_fraction_ = 0.0;
+  supply_rejected_ = true;
+  return true;
+}
+
+/// Without a reference only the radius tells: its variance then follows the square of the part of
+/// the absolute voltages that lies along the radius, which no other cause does.
+bool Search::notice_supply_in_radius(State &now) {
+  const ResidualColumns r = residual_columns(data_.train, now.fit.model);
+  double n = 0.0, g1 = 0.0, g2 = 0.0, v1 = 0.0, gv = 0.0, v2 = 0.0;
+  for (std::size_t i = 0; i < r.sin.size(); ++i) {
+    const double s = r.model_sin[i] - data_.train.mid_v, c = r.model_cos[i] - data_.train.mid_v;
+    const double inverse = 1.0 / std::hypot(s, c);
+    const double radial = (r.sin[i] * s + r.cos[i] * c) * inverse;
+    const double reach = (data_.train.vsin[i] * s + data_.train.vcos[i] * c) * inverse;
+    const double v = radial * radial, g = reach * reach;
+    n += 1.0;
+    g1 += g;
+    g2 += g * g;
+    v1 += v;
+    v2 += v * v;
+    gv += g * v;
+  }
+  const double slope = (n * gv - g1 * v1) / (n * g2 - g1 * g1);
+  const double intercept = (v1 - slope * g1) / n;
+  const double noise2 = noise_v_ * noise_v_;
+  if (slope * g1 / n < 0.5 * noise2 || intercept > 2.0 * noise2 ||
+      intercept < -0.3 * slope * g1 / n)
+    return false;
+  supply_rms_fraction_ = std::sqrt(slope);
+  return true;
+}
+
+void Search::weigh(State &now, Direction direction, double weight) {
+  for (Observations *o : {&data_.train, &data_.heldout, &quick_, &coarse_}) {
+    o->disturbed = direction;
+    o->weight_along = weight;
+  }
+  now = evaluate(now.fit.model, 4);
+}
+
+/// Without a reference the smooth motion is itself an estimate. What the true motion does beyond it
+/// lies along the circle, so that direction weighs as much as its own scatter allows.
+void Search::weigh_motion(State &now) {
+  if (data_.scene->has_reference || data_.scene->radius_only ||
+      data_.train.disturbed == Direction::supply)
+    return;
+  data_.train.disturbed = Direction::motion;
+  const ResidualColumns r = residual_columns(data_.train, now.fit.model);
+  double along = 0.0, across = 0.0;
+  for (std::size_t i = 0; i < r.sin.size(); ++i) {
+    const auto [us, uc] = data_.train.direction_at(i);
+    const double a = r.sin[i] * us + r.cos[i] * uc, b = r.sin[i] * uc - r.cos[i] * us;
+    along += a * a;
+    across += b * b;
+  }
+  weigh(now, Direction::motion, std::min(1.0, std::sqrt(across / along)));
+}
+
+void Search::weigh_anew(State &now) {
+  if (data_.train.disturbed == Direction::supply)
+    weigh_supply(now, kShareInSearch);
+  else
+    weigh_motion(now);
+}
+
+/// In the end a supply has its full weight, and must still be one.
+void Search::settle_supply(State &now) {
+  if (data_.train.disturbed != Direction::supply)
+    return;
+  const AlongSupply part = weigh_supply(now, 1.0);
+  const double more = part.along - part.across;
+  supply_rms_fraction_ = more > 0.5 * noise_v_ * noise_v_ && part.fixed > kTurns * part.across
+                             ? std::sqrt(more / part.length2)
+                             : 0.0;
+  if (supply_rms_fraction_ == 0.0)
+    weigh(now, Direction::none, 1.0);
+}
+
+} // namespace ada
