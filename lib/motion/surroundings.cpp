@@ -28,6 +28,22 @@ double vtemp_follows_supply(const Capture &capture, double vdd_mean) {
   return spline.term_coefficients()[0] / mean_of(capture.vtemp_v) > 0.5 ? 1.0 : 0.0;
 }
 
+/// Whole swings of a channel about its mean: electrical periods, whatever their sense.
+std::size_t swings(const std::vector<double> &v, double mean) {
+  constexpr double kClear = 0.3; // of the largest departure, so that noise crosses nothing
+  double largest = 0.0;
+  for (double x : v)
+    largest = std::max(largest, std::abs(x - mean));
+  std::size_t crossings = 0;
+  int side = 0;
+  for (double x : v) {
+    const int now = x - mean > kClear * largest ? 1 : x - mean < -kClear * largest ? -1 : side;
+    crossings += side != 0 && now != side;
+    side = now;
+  }
+  return crossings / 2;
+}
+
 /// VTEMP as it would be at the mean supply.
 std::vector<double> vtemp_of_temperature(const Capture &capture, const SupplyOverTime &supply) {
   constexpr double kSteady = 1e-5;
@@ -72,10 +88,12 @@ TemperatureOverTime::TemperatureOverTime(const Capture &capture, const SupplyOve
     rate.assign(n, 0.0f);
     return;
   }
-  const std::size_t pieces = std::clamp<std::size_t>(n / 400, 4, 100);
+  const double mean_cos = mean_of(capture.vcos_v);
+  // Not so fine that it could follow the shaft.
+  const std::size_t slower = std::max<std::size_t>(4, swings(capture.vcos_v, mean_cos) / 2);
+  const std::size_t pieces = std::min(std::clamp<std::size_t>(n / 400, 4, 100), slower);
   const CubicSpline smooth(CubicSpline::uniform(time.front(), time.back(), pieces));
   vtemp_v = vtemp_of_temperature(capture, supply);
-  const double mean_cos = mean_of(capture.vcos_v);
   const auto cosine = [&](std::size_t i) { return capture.vcos_v[i] - mean_cos; };
 
   // What VTEMP keeps of VCOS, jointly with the temperature: a slow shaft would pass for one. Only
