@@ -202,6 +202,10 @@ private:
       // Spikes are measured against the final model.
       if (f.effect == find_effect("impulse-noise") || given(f.effect))
         continue;
+      // Without a reference the ends of a burst jump as well.
+      if (in_bursts_ && !scene_.has_reference &&
+          (f.effect == find_effect("sample-loss") || f.effect == find_effect("angle-slip")))
+        continue;
       const bool correctable = f.effect->info().correctable;
       out.push_back({f.effect,
                      f.values,
@@ -355,9 +359,11 @@ private:
     if (!inferred) {
       out_.structure =
           find_structure(scene_, scene_.all, residual, sigma, 0.12 * sigma + second_order_floor());
+      const double least = sigma + second_order_floor();
+      const std::vector<Structure> bursts = find_bursts(scene_, out_.extended, least);
+      in_bursts_ = !bursts.empty();
       for (const auto &more :
-           {jitter_, find_structure_in_rough(scene_, out_.extended, sigma + second_order_floor()),
-            find_bursts(scene_, out_.extended, sigma + second_order_floor())})
+           {jitter_, find_structure_in_rough(scene_, out_.extended, least), bursts})
         out_.structure.insert(out_.structure.end(), more.begin(), more.end());
     }
     const double rest2 =
@@ -526,6 +532,7 @@ private:
   std::vector<Structure> jitter_; ///< of the angle, where there is no reference
   double noise_ = 0.0, sigma_ = 0.0, explained_noise_ = 0.0;
   bool noise_stated_ = false, free_lag_ = false;
+  bool in_bursts_ = false; ///< samples in a row are left over
 };
 
 } // namespace
