@@ -164,6 +164,12 @@ TEST(ModelFile, ChecksumSeesEveryChangedByte) {
   }
 }
 
+TEST(ModelFile, AChecksumThatIsACommentIsNone) {
+  std::string text = model_to_toml(Model());
+  text[text.find("\nchecksum")] = '#'; // one byte, and the line is a comment
+  EXPECT_NE(failure([&] { model_from_toml(text, "m"); }), "");
+}
+
 TEST(ModelFile, ChecksumAllowsOtherLineEnds) {
   std::string text = model_to_toml(Model()), dos;
   for (const char c : text)
