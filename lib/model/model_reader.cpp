@@ -145,7 +145,7 @@ void check_checksum(StrictTable &root, std::string_view text) {
   const auto given = root.words("checksum");
   if (!given) {
     // Written by hand, unless the line is there and something has made it unreadable.
-    const std::size_t at = text.find("checksum = \"crc32:");
+    const std::size_t at = text.find("hecksum = \"crc32:"); // its first letter may be the #
     if (at == std::string_view::npos)
       return;
     const auto line =

