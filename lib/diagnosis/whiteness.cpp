@@ -193,7 +193,7 @@ void report_spectrum(const Observations &data, const Components &parts, double s
                    line});
 }
 
-/// Radial (`along` true) or tangential part of a residual, V.
+/// Radial or tangential part of a residual, V.
 std::vector<double> part_of(const ResidualColumns &r, double mid_v, bool radial) {
   std::vector<double> out(r.sin.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
