@@ -269,8 +269,7 @@ private:
   }
 
   void spikes() {
-    const double floor = std::max(noise_, scene_.white_noise_v);
-    const Spikes spikes = spikes_against(scene_, out_.extended, scene_.heldout, floor);
+    const Spikes spikes = spikes_against(scene_, out_.extended, scene_.heldout, floor());
     if (!spikes.found)
       return;
     leave_out(spikes.hit);
@@ -400,7 +399,7 @@ private:
     std::vector<char> hit(scene_.all.size(), 0);
     std::vector<std::size_t> places;
     for (const auto *v : {&r.sin, &r.cos}) {
-      find_spikes(*v, 6.0, std::max(noise_, scene_.white_noise_v), places);
+      find_spikes(*v, 6.0, floor(), places);
       for (std::size_t i : places)
         hit[i] = 1;
     }

@@ -64,13 +64,15 @@ public:
       return;
     const auto later = std::lower_bound(near.time.begin(), near.time.end(), moment);
     const auto middle = static_cast<std::size_t>(later - near.time.begin());
+    if (middle == near.size()) // later than all of them
+      return;
     std::size_t from = middle, to = middle;
     const auto travel = [&](std::size_t i) { return std::abs(near.alpha[i] - near.alpha[middle]); };
     while (from > 0 && travel(from - 1) < kTurns * kTwoPi)
       --from;
     while (to + 1 < near.size() && travel(to + 1) < kTurns * kTwoPi)
       ++to;
-    if (middle == near.size() || to - from < 2 * kTerms)
+    if (to - from < 2 * kTerms)
       return;
     start_ = near.time[from];
     step_ = (near.time[to] - start_) / (kTerms - 1.0);
