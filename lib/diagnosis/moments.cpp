@@ -22,28 +22,6 @@ constexpr double kReach[] = {0.03, 0.1, 0.3};
 /// Samples that are looked at; of more only every so many.
 constexpr std::size_t kMostSamples = 60000;
 
-/// Samples about a moment, across what the training part leaves out there: a long standstill may
-/// lie within one turn that is held back.
-std::vector<std::uint32_t> samples_near(const Scene &scene, double moment, double part) {
-  const std::vector<double> &time = scene.all.time;
-  double first = moment, last = moment;
-  const auto next = std::lower_bound(scene.train.begin(), scene.train.end(), moment,
-                                     [&](std::uint32_t i, double t) { return time[i] < t; });
-  if (next != scene.train.end())
-    last = time[*next];
-  if (next != scene.train.begin())
-    first = time[*std::prev(next)];
-  const double reach = part * (time.back() - time.front());
-  const auto from = std::lower_bound(time.begin(), time.end(), first - reach);
-  const auto to = std::upper_bound(from, time.end(), last + reach);
-  const auto count = static_cast<std::size_t>(to - from);
-  const std::size_t stride = count / kMostSamples + 1;
-  std::vector<std::uint32_t> out;
-  for (std::size_t i = 0; i < count; i += stride)
-    out.push_back(static_cast<std::uint32_t>(static_cast<std::size_t>(from - time.begin()) + i));
-  return out;
-}
-
 /// Cubic B-spline on knots -2 .. 2.
 double bump(double x) {
   const double a = std::abs(x);
@@ -173,70 +151,30 @@ bool set_exact_moment(const Scene &scene, Model &model, std::size_t effect, doub
 
 } // namespace
 
+std::vector<std::uint32_t> samples_near(const Scene &scene, double moment, double part) {
+  const std::vector<double> &time = scene.all.time;
+  double first = moment, last = moment;
+  const auto next = std::lower_bound(scene.train.begin(), scene.train.end(), moment,
+                                     [&](std::uint32_t i, double t) { return time[i] < t; });
+  if (next != scene.train.end())
+    last = time[*next];
+  if (next != scene.train.begin())
+    first = time[*std::prev(next)];
+  const double reach = part * (time.back() - time.front());
+  const auto from = std::lower_bound(time.begin(), time.end(), first - reach);
+  const auto to = std::upper_bound(from, time.end(), last + reach);
+  const auto count = static_cast<std::size_t>(to - from);
+  const std::size_t stride = count / kMostSamples + 1;
+  std::vector<std::uint32_t> out;
+  for (std::size_t i = 0; i < count; i += stride)
+    out.push_back(static_cast<std::uint32_t>(static_cast<std::size_t>(from - time.begin()) + i));
+  return out;
+}
+
 bool has_moment(const Effect &effect) {
   const auto parameters = effect.info().parameters;
   return effect.info().evidence == Evidence::signal && !parameters.empty() &&
          parameters[0].name == "time_s" && parameters[0].role == Role::chosen;
-}
-
-bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) {
-  constexpr double kFewest = 8.0, kSure = 0.15, kWhole = 0.5, kSameSpeed = 0.2;
-  const double moment = model.effects[effect].values[0];
-  Observations near = scene.all.select(samples_near(scene, moment, 0.1));
-  if (!scene.has_reference)
-    near = at_own_angle(std::move(near), model);
-  Model less = model, always = model;
-  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
-  always.effects[effect].values[0] = std::numeric_limits<double>::lowest();
-  const ResidualColumns without = residual_columns(near, less);
-  const ResidualColumns with = residual_columns(near, always);
-  const auto later = std::lower_bound(near.time.begin(), near.time.end(), moment);
-  const auto middle = static_cast<std::size_t>(later - near.time.begin());
-  if (middle == near.size())
-    return true;
-  /// How much of the effect is seen in a turn on one side, its variance, and the mean speed.
-  struct Side {
-    double part = 0.0, variance = 1.0, speed = 0.0, samples = 0.0;
-    bool turns_back = false;
-  };
-  const auto look = [&](bool back) {
-    double shape2 = 0.0, seen = 0.0, left = 0.0;
-    Side side;
-    for (std::size_t k = middle; back ? k-- > 0 : k < near.size(); k += !back) {
-      if (std::abs(near.alpha[k] - near.alpha[middle]) > kTwoPi)
-        break;
-      double es = without.sin[k] - with.sin[k], ec = without.cos[k] - with.cos[k];
-      double rs = without.sin[k], rc = without.cos[k];
-      if (!scene.has_reference) { // only the radius tells
-        const double s = near.vsin[k] - near.mid_v, c = near.vcos[k] - near.mid_v;
-        const double inverse = 1.0 / std::max(std::hypot(s, c), 1e-12);
-        es = (es * s + ec * c) * inverse;
-        rs = (rs * s + rc * c) * inverse;
-        ec = rc = 0.0;
-      }
-      shape2 += es * es + ec * ec;
-      seen += es * rs + ec * rc;
-      left += rs * rs + rc * rc;
-      side.speed += std::abs(near.omega[k]);
-      side.turns_back = side.turns_back || near.omega[k] * near.omega[middle] < 0.0;
-      side.samples += 1.0;
-    }
-    if (side.samples >= kFewest && shape2 > 0.0) {
-      side.part = seen / shape2;
-      side.variance = (left - seen * side.part) / (side.samples * shape2);
-      side.speed /= side.samples;
-    }
-    return side;
-  };
-  const Side before = look(true), after = look(false);
-  if (before.samples < kFewest || after.samples < kFewest ||
-      before.variance + after.variance > kSure * kSure)
-    return true;
-  if (after.part - before.part <= kWhole)
-    return false;
-  // About a reversal every speed is passed through.
-  return before.turns_back || after.turns_back ||
-         std::abs(after.speed - before.speed) < kSameSpeed * std::max(after.speed, before.speed);
 }
 
 Model with_exact_moments(const Scene &scene, Model model, std::size_t first) {

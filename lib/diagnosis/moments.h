@@ -17,9 +17,8 @@ bool has_moment(const Effect &effect);
 /// samples nearby see it.
 Model with_exact_moments(const Scene &scene, Model model, std::size_t first);
 
-/// Whether the data bear out that an effect with a moment begins at once there: within a turn
-/// before it nothing of it is seen, within a turn after it all, and the speed does not change there
-/// as well. What comes slowly, or with the speed, is no step. True where too little is seen to say.
-bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect);
+/// Samples within `part` of the record about a moment, across what the training part leaves out
+/// there: a long standstill may lie within one turn that is held back.
+std::vector<std::uint32_t> samples_near(const Scene &scene, double moment, double part);
 
 } // namespace ada

@@ -222,8 +222,7 @@ Spikes spikes_against(const Scene &scene, const Model &model,
 double rms_in_any_direction(const Observations &data, const Model &model, bool has_reference) {
   const ResidualColumns r =
       residual_columns(has_reference ? data : at_own_angle(data, model), model);
-  std::array<double, 4> sum{};
-  double radial = 0.0;
+  std::array<double, 5> sum{};
   for (std::size_t i = 0; i < data.size(); ++i) {
     const double x = r.sin[i], y = r.cos[i];
     const double vs = r.model_sin[i], vc = r.model_cos[i];
@@ -231,12 +230,11 @@ double rms_in_any_direction(const Observations &data, const Model &model, bool h
     const double along = (x * vs + y * vc) / std::hypot(vs, vc);
     const double across = (x * vc - y * vs) / std::hypot(vs, vc);
     const double outward = (x * s + y * c) / std::hypot(s, c);
-    const std::array<double, 4> part{x, y, along, across};
+    const std::array<double, 5> part{x, y, along, across, outward};
     for (std::size_t k = 0; k < part.size(); ++k)
       sum[k] += part[k] * part[k];
-    radial += outward * outward;
   }
-  const double least = has_reference ? *std::min_element(sum.begin(), sum.end()) : radial;
+  const double least = has_reference ? *std::min_element(sum.begin(), sum.end()) : sum.back();
   return std::sqrt(least / static_cast<double>(std::max<std::size_t>(1, data.size())));
 }
 

@@ -13,6 +13,7 @@
 #include "diagnosis/candidates.h"
 #include "diagnosis/doubt.h"
 #include "diagnosis/moments.h"
+#include "diagnosis/onset.h"
 
 namespace ada {
 

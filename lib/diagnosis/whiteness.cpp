@@ -105,6 +105,65 @@ void report_bins(const Components &parts, const std::vector<int> &bin, int bins,
                    strongest.rms_v});
 }
 
+/// The step of the converter, V, as the values show it; 0 when they show none.
+double step_of(const std::vector<double> &values) {
+  constexpr std::size_t kLookedAt = 20000;
+  constexpr double kNone = 1e-8; ///< V, rounding of the record
+  std::vector<double> sorted(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                                  values.size(), kLookedAt)));
+  std::sort(sorted.begin(), sorted.end());
+  double step = 0.0;
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    const double gap = sorted[i] - sorted[i - 1];
+    if (gap > kNone && (step == 0.0 || gap < step))
+      step = gap;
+  }
+  return step;
+}
+
+/// A converter whose steps are uneven errs with the level of a channel, finer than any bin of the
+/// angle: means over narrow bins of the modelled level (the measured one carries the noise along),
+/// none so narrow that an even converter's own steps show.
+void report_levels(const Observations &data, const ResidualColumns &residual,
+                   const Components &parts, double sigma, double least,
+                   std::vector<Structure> &out) {
+  constexpr double kSteps = 4.0, kEach = 16.0, kFewest = 128.0, kMost = 8192.0;
+  constexpr double kFiner = 1.2; ///< more than the bins of the angle show
+  const double n = static_cast<double>(data.size());
+  double known = least;
+  for (const Structure &s : out)
+    if (s.along == "angle")
+      known = std::max(known, kFiner * s.rms_v);
+  const auto look = [&](const std::vector<double> &level, const std::vector<double> &measured,
+                        const std::vector<double> &component, const char *name) {
+    const auto [low, high] = std::minmax_element(level.begin(), level.end());
+    const double span = *high - *low, step = step_of(measured);
+    BinTest strongest{0.0, 0.0};
+    double width = 0.0;
+    std::vector<int> bin(level.size());
+    for (double bins = std::min({kMost, n / kEach, step > 0.0 ? span / (kSteps * step) : kMost});
+         bins >= kFewest; bins /= 4.0) {
+      const int count = static_cast<int>(bins);
+      for (std::size_t i = 0; i < level.size(); ++i)
+        bin[i] = std::min(count - 1, static_cast<int>((level[i] - *low) / span * count));
+      const BinTest t = test_bins(component, bin, count, sigma);
+      if (t.z > 8.0 && t.rms_v > strongest.rms_v) {
+        strongest = t;
+        width = span / count;
+      }
+    }
+    if (strongest.rms_v > known)
+      out.push_back({"angle",
+                     fmt::format("{} errs with its own level by {:.3g} mV rms, in ranges of about "
+                                 "{:.2g} mV: the steps of the converter may be uneven",
+                                 name, 1e3 * strongest.rms_v, 1e3 * width),
+                     strongest.rms_v});
+  };
+  const bool pair = parts.judged.size() > 1;
+  look(residual.model_sin, data.vsin, parts.of[pair ? 0 : 2], kComponent[0]);
+  look(residual.model_cos, data.vcos, parts.of[pair ? 1 : 2], kComponent[1]);
+}
+
 /// Noise that comes and goes.
 void report_variance(const Components &parts, const std::vector<int> &bin, int bins, double sigma,
                      double least, std::vector<Structure> &out) {
@@ -294,6 +353,7 @@ std::vector<Structure> find_structure(const Scene &scene, const Observations &da
   for (std::size_t i = 0; i < n; ++i)
     angle[i] = std::min(71, static_cast<int>(wrap(data.alpha[i], kTwoPi) / kTwoPi * 72.0));
   report_bins(parts, angle, 72, sigma_v, least_rms_v, "angle", "the angle within the turn", out);
+  report_levels(data, residual, parts, sigma_v, least_rms_v, out);
 
   const int time_bins = static_cast<int>(std::clamp<std::size_t>(n / 300, 8, 100));
   const std::vector<int> time = bins_of(data.time, time_bins);

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/onset.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/angle.h"
+#include "diagnosis/fit.h"
+#include "diagnosis/moments.h"
+
+namespace ada {
+
+namespace {
+
+/// The effect as it would be at one sample, had it always been there, and what is seen there.
+struct Sight {
+  double effect[2], seen[2], speed;
+};
+
+/// Part of the record that is looked at on either side.
+constexpr double kReach = 0.1;
+
+/// How much of the effect is seen on one side of the moment.
+struct Side {
+  double part = 0.0, variance = 1.0;
+};
+
+Side look_at(const std::vector<Sight> &sights) {
+  double shape2 = 0.0, seen = 0.0, left = 0.0;
+  for (const Sight &s : sights)
+    for (int c = 0; c < 2; ++c) {
+      shape2 += s.effect[c] * s.effect[c];
+      seen += s.effect[c] * s.seen[c];
+      left += s.seen[c] * s.seen[c];
+    }
+  Side side;
+  if (shape2 > 0.0) {
+    side.part = seen / shape2;
+    side.variance = (left - seen * side.part) / (static_cast<double>(sights.size()) * shape2);
+  }
+  return side;
+}
+
+/// Sum of squares that is left where the effect's size may be a constant and, on top of it, a step
+/// (`terms` of 2) or a second-order polynomial of the speed (3).
+double left_over(const std::vector<Sight> &before, const std::vector<Sight> &after, double fastest,
+                 int terms) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Identity() * 1e-12;
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  double sum = 0.0;
+  for (const auto *side : {&before, &after})
+    for (const Sight &s : *side) {
+      const double speed = s.speed / fastest;
+      const Eigen::Vector3d basis = terms == 2
+                                        ? Eigen::Vector3d(1.0, side == &after ? 1.0 : 0.0, 0.0)
+                                        : Eigen::Vector3d(1.0, speed, speed * speed);
+      for (int c = 0; c < 2; ++c) {
+        const Eigen::Vector3d row = basis * s.effect[c];
+        normal += row * row.transpose();
+        right += row * s.seen[c];
+        sum += s.seen[c] * s.seen[c];
+      }
+    }
+  return sum - right.dot(normal.ldlt().solve(right));
+}
+
+/// Whether an offset that follows the speed would be seen just so.
+bool goes_with_the_speed(const std::vector<Sight> &before, const std::vector<Sight> &after) {
+  constexpr double kNoWorse = 10.0; // nats, of the noise that the step leaves
+  double fastest = 0.0;
+  for (const auto *side : {&before, &after})
+    for (const Sight &s : *side)
+      fastest = std::max(fastest, std::abs(s.speed));
+  if (!(fastest > 0.0))
+    return false;
+  const double step = left_over(before, after, fastest, 2);
+  const double speed = left_over(before, after, fastest, 3);
+  const double n = static_cast<double>(before.size() + after.size());
+  return speed < step * (1.0 + 2.0 * kNoWorse / n);
+}
+
+} // namespace
+
+bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) {
+  constexpr std::size_t kFewest = 8;
+  constexpr double kSure = 0.15, kWhole = 0.5;
+  const double moment = model.effects[effect].values[0];
+  Observations near = scene.all.select(samples_near(scene, moment, kReach));
+  if (!scene.has_reference)
+    near = at_own_angle(std::move(near), model);
+  Model less = model, always = model;
+  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  always.effects[effect].values[0] = std::numeric_limits<double>::lowest();
+  const ResidualColumns without = residual_columns(near, less);
+  const ResidualColumns with = residual_columns(near, always);
+  const auto later = std::lower_bound(near.time.begin(), near.time.end(), moment);
+  const auto middle = static_cast<std::size_t>(later - near.time.begin());
+  if (middle == near.size())
+    return true;
+  const auto sight = [&](std::size_t k) {
+    Sight out{{without.sin[k] - with.sin[k], without.cos[k] - with.cos[k]},
+              {without.sin[k], without.cos[k]},
+              near.omega[k]};
+    if (!scene.has_reference) { // only the radius tells
+      const double s = near.vsin[k] - near.mid_v, c = near.vcos[k] - near.mid_v;
+      const double inverse = 1.0 / std::max(std::hypot(s, c), 1e-12);
+      for (double *v : {out.effect, out.seen}) {
+        v[0] = (v[0] * s + v[1] * c) * inverse;
+        v[1] = 0.0;
+      }
+    }
+    return out;
+  };
+  const auto within_a_turn = [&](std::size_t k) {
+    return std::abs(near.alpha[k] - near.alpha[middle]) <= kTwoPi;
+  };
+  std::vector<Sight> before, after;
+  for (std::size_t k = middle; k-- > 0 && within_a_turn(k);)
+    before.push_back(sight(k));
+  for (std::size_t k = middle; k < near.size() && within_a_turn(k); ++k)
+    after.push_back(sight(k));
+  if (before.size() < kFewest || after.size() < kFewest)
+    return true;
+  const Side first = look_at(before), second = look_at(after);
+  if (first.variance + second.variance > kSure * kSure)
+    return true;
+  return second.part - first.part > kWhole && !goes_with_the_speed(before, after);
+}
+
+} // namespace ada

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Whether what a fit takes for a step begins like one. Offsets that settle, and offsets that come
+// with the speed, are fitted best by a step at some moment, and are none.
+#pragma once
+
+#include "diagnosis/observations.h"
+#include "model/model.h"
+
+namespace ada {
+
+/// Whether the data bear out that an effect with a moment begins at once there: within a turn
+/// before it nothing of it is seen, within a turn after it all, and no smooth function of the speed
+/// does as well. True where too little is seen to say.
+bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect);
+
+} // namespace ada
