@@ -10,19 +10,18 @@
 #include <fmt/format.h>
 #include <iterator>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "base/angle.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/first_model.h"
 #include "diagnosis/ladder.h"
+#include "diagnosis/leftovers.h"
 #include "diagnosis/moments.h"
 #include "diagnosis/noise_causes.h"
 #include "diagnosis/parts.h"
 #include "diagnosis/search.h"
 #include "diagnosis/unseen_supply.h"
-#include "diagnosis/whiteness.h"
 
 namespace ada {
 
@@ -34,8 +33,6 @@ constexpr double kAboveNoise = 1.25;
 constexpr std::size_t kSearchTrain = 30000, kSearchHeldout = 15000;
 /// For the last fits; more only narrow errors that are far below anything physical.
 constexpr std::size_t kFitTrain = 160000, kFitHeldout = 80000;
-/// For the last look at what is left over: a few long runs.
-constexpr std::size_t kLookedAt = 300000, kLookedAtRun = 25000;
 
 std::string now_utc() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(
@@ -73,8 +70,10 @@ public:
   Diagnosis run() {
     describe_capture(given_, scene_, out_);
     out_.baseline_name = options_.baseline_name;
-    if (!usable())
+    if (!usable()) {
+      name_dead_channel();
       return std::move(out_);
+    }
     noise_ = expected_noise(capture_, scene_, noise_stated_);
     out_.noise_rms_v = noise_;
     search_causes(scene_.has_reference);
@@ -109,7 +108,7 @@ public:
     out_.extended = ladder_.extended;
     last_ = ladder_.last;
     noise_causes();
-    drop_spikes();
+    angle_left_ = keep_for_last_look(scene_, out_.extended, floor());
     look_at_leftovers();
     drop_doubtful();
     conclude();
@@ -187,6 +186,15 @@ private:
       o->disturbed = found.disturbed;
       o->weight_along = found.disturbed == Direction::supply ? 1.0 : found.weight_along;
     }
+  }
+
+  /// A channel that died leaves little to judge; that it died is known all the same.
+  void name_dead_channel() {
+    for (Finding &f : screened_findings())
+      if (f.effect == find_effect("stuck-channel")) {
+        out_.reason = f.explanation + " Beyond that: " + out_.reason;
+        out_.findings.push_back(std::move(f));
+      }
   }
 
   bool given(const Effect *effect) const {
@@ -347,35 +355,14 @@ private:
     explained_noise_ = sigma_;
   }
 
-  /// Whiteness is judged on everything that no cause took out, held out or not.
   void look_at_leftovers() {
-    const ResidualColumns residual = residual_columns(scene_.all, out_.extended);
-    const double floor = explained_noise_ > 0.0 ? explained_noise_ : noise_;
-    const double sigma =
-        std::min(last_.in_sample.residual_rms_v, std::max(floor, scene_.white_noise_v));
-    // A supply that is only inferred leaves its fast part over.
-    const bool inferred = supply_is_inferred();
-    if (!inferred) {
-      out_.structure =
-          find_structure(scene_, scene_.all, residual, sigma, 0.12 * sigma + second_order_floor());
-      const double least = sigma + second_order_floor();
-      const std::vector<Structure> bursts = find_bursts(scene_, out_.extended, least);
-      in_bursts_ = !bursts.empty();
-      for (const auto &more :
-           {jitter_, find_structure_in_rough(scene_, out_.extended, least), bursts})
-        out_.structure.insert(out_.structure.end(), more.begin(), more.end());
-    }
-    const double rest2 =
-        last_.heldout.residual_rms_v * last_.heldout.residual_rms_v - floor * floor;
-    out_.unexplained_rms_v = rest2 > 0.0 ? std::sqrt(rest2) : 0.0;
-    if (out_.structure.empty() && !inferred && noise_stated_ &&
-        (scene_.has_reference
-             ? last_.heldout.residual_rms_v
-             : rms_in_any_direction(parts_.heldout, out_.extended, false)) > 1.15 * floor)
-      out_.structure.push_back({"time",
-                                "the residual is larger than the stated noise, yet not white "
-                                "noise of both channels",
-                                out_.unexplained_rms_v});
+    const Explained explained{explained_noise_ > 0.0 ? explained_noise_ : noise_,
+                              second_order_floor(out_.extended, found_.contribution), noise_stated_,
+                              supply_is_inferred()};
+    LeftOver left = left_over(scene_, parts_, out_.extended, explained, last_, angle_left_);
+    out_.structure = std::move(left.structure);
+    out_.unexplained_rms_v = left.unexplained_rms_v;
+    in_bursts_ = left.bursts;
   }
 
   /// Residual rms of a channel as it is, however residuals are weighed.
@@ -388,42 +375,6 @@ private:
 
   bool supply_is_inferred() const {
     return found_.supply_rms_fraction > 0.0 || (with_supply_ && with_supply_->has_vdd());
-  }
-
-  /// Leaves only the samples that no spike stands out of, for the last look.
-  void drop_spikes() {
-    std::vector<std::uint32_t> some(scene_.all.size());
-    std::iota(some.begin(), some.end(), 0u);
-    scene_.all.keep(thin(some, kLookedAt, kLookedAtRun));
-    const ResidualColumns r = residual_columns(scene_.all, out_.extended);
-    std::vector<char> hit(scene_.all.size(), 0);
-    std::vector<std::size_t> places;
-    for (const auto *v : {&r.sin, &r.cos}) {
-      find_spikes(*v, 6.0, floor(), places);
-      for (std::size_t i : places)
-        hit[i] = 1;
-    }
-    std::vector<std::uint32_t> keep;
-    for (std::size_t i = 0; i < hit.size(); ++i)
-      if (!hit[i])
-        keep.push_back(static_cast<std::uint32_t>(i));
-    scene_.all.keep(keep);
-    if (scene_.has_reference)
-      return;
-    if (!scene_.radius_only)
-      jitter_ = find_jitter(scene_.all, residual_columns(scene_.all, out_.extended));
-    scene_.all = at_own_angle(std::move(scene_.all), out_.extended);
-  }
-
-  /// Products of what was found are not modelled to the last term.
-  double second_order_floor() const {
-    double largest =
-        std::hypot(out_.extended.baseline.offset_sin_v, out_.extended.baseline.offset_cos_v);
-    double sum = 0.0;
-    for (double c : found_.contribution)
-      sum += c;
-    const double a = out_.extended.baseline.amplitude_v;
-    return std::min(0.3 * sum * (sum + largest) / a, 5e-4 * a);
   }
 
   void note_invisible(const Effect &effect) {
@@ -527,8 +478,8 @@ private:
   std::vector<Finding> noise_findings_;
   Rung last_; ///< of the extended model, with what noise causes take out
   std::vector<EffectInstance>
-      recorded_;                  ///< causes that the extended model names but never corrects
-  std::vector<Structure> jitter_; ///< of the angle, where there is no reference
+      recorded_;                      ///< causes that the extended model names but never corrects
+  std::vector<Structure> angle_left_; ///< what the last look kept of the angle
   double noise_ = 0.0, sigma_ = 0.0, explained_noise_ = 0.0;
   bool noise_stated_ = false, free_lag_ = false;
   bool in_bursts_ = false; ///< samples in a row are left over

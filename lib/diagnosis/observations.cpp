@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <numeric>
 
 #include "base/angle.h"
@@ -26,6 +27,7 @@ constexpr double kRoughMotion = 1.0 * kRadPerDeg;
 /// stays determined.
 constexpr double kWeightOfOwnAngle = 0.02;
 constexpr double kFewestTurns = 6.0;        ///< so that both parts hold whole turns
+constexpr double kFewestTurnsLeft = 3.0;    ///< before a channel died: nothing better will come
 constexpr double kLeastTemperatureV = 0.03; ///< about 2 degrees Celsius at 5 V
 constexpr int kRippleOrders = 20;           ///< clipping alone shows up to order 16
 
@@ -274,6 +276,54 @@ bool stands_still(const Capture &capture, double noise_v) {
   return true;
 }
 
+/// Whether a channel died: what was before is judged as far as it goes.
+bool is_dead(const Screened &look) {
+  return std::any_of(look.findings.begin(), look.findings.end(), [](const ScreenFinding &f) {
+    return f.effect == find_effect("stuck-channel");
+  });
+}
+
+/// The first looks at a capture. `known`: jumps are looked for once more at the angle that this
+/// model gives, as what bends the pair hides them.
+Screened screen(const Capture &capture, const Model *known, const std::vector<double> &temp,
+                const std::vector<double> &supply) {
+  Screened look = first_look(capture);
+  if (known && !capture.has_reference()) {
+    Screened before = look;
+    look_at_record(before);
+    look.angle = corrected_angle(before, *known, temp, supply);
+  }
+  look_at_record(look);
+  return look;
+}
+
+Kinematics motion_by_reference(Screened &look, Scene &scene) {
+  const Capture &capture = look.capture;
+  std::vector<double> alpha(capture.size());
+  for (std::size_t i = 0; i < alpha.size(); ++i)
+    alpha[i] = capture.reference_deg[i] * kRadPerDeg;
+  unwrap(alpha, kTwoPi);
+  prepare_reference_ripple(capture, alpha, look.usable, scene);
+  Kinematics motion = differentiate(capture.time_s, std::move(alpha), 4);
+  leave_out_kinks(motion.omega, look.usable);
+  leave_out_reversals(motion, look.usable);
+  return motion;
+}
+
+/// `rough`: what is left out of the smooth motion, at the pair's own angle.
+Kinematics motion_by_pair(Screened &look, Scene &scene, std::vector<std::uint32_t> &rough) {
+  const std::vector<char> before = look.usable;
+  SmoothMotion smooth = smooth_motion_with_losses(look, kRippleOrders);
+  scene.radius_only = smooth.residual_rms_rad > kRoughMotion;
+  if (scene.radius_only)
+    smooth.motion.alpha = look.angle;
+  else
+    rough = left_out(before, look);
+  for (std::uint32_t i : rough)
+    smooth.motion.alpha[i] = look.angle[i];
+  return std::move(smooth.motion);
+}
+
 } // namespace
 
 Conditions Observations::conditions() const {
@@ -367,15 +417,6 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
                          std::to_string(kFewestSamples) + " are needed";
     return scene;
   }
-  Screened look = screen(capture);
-  scene.screened = look.findings;
-  scene.white_noise_v = look.white_noise_v;
-
-  if (stands_still(capture, look.white_noise_v)) {
-    scene.insufficient = "the shaft does not turn: both signals stand still";
-    return scene;
-  }
-
   Observations &all = scene.all;
   {
     SupplyOverTime supply(capture);
@@ -388,34 +429,18 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
     all.vtemp_on_vcos = temperature.on_vcos;
     all.vtemp_on_vcos_error = temperature.on_vcos_error;
   }
+  Screened look = screen(capture, known, all.temp, all.supply);
+  scene.screened = look.findings;
+  scene.white_noise_v = look.white_noise_v;
+  if (stands_still(capture, look.white_noise_v)) {
+    scene.insufficient = "the shaft does not turn: both signals stand still";
+    return scene;
+  }
   describe_temperature(capture, scene);
 
-  Kinematics motion;
   std::vector<std::uint32_t> rough, bursts;
-  if (scene.has_reference) {
-    std::vector<double> alpha(capture.size());
-    for (std::size_t i = 0; i < alpha.size(); ++i)
-      alpha[i] = capture.reference_deg[i] * kRadPerDeg;
-    unwrap(alpha, kTwoPi);
-    prepare_reference_ripple(capture, alpha, look.usable, scene);
-    motion = differentiate(capture.time_s, std::move(alpha), 4);
-    leave_out_kinks(motion.omega, look.usable);
-    leave_out_reversals(motion, look.usable);
-  } else {
-    if (known)
-      look.angle = corrected_angle(look, *known, all.temp, all.supply);
-    const std::vector<char> before = look.usable;
-    SmoothMotion smooth = smooth_motion_with_losses(look, kRippleOrders);
-    scene.radius_only = smooth.residual_rms_rad > kRoughMotion;
-    if (scene.radius_only)
-      smooth.motion.alpha = look.angle;
-    else
-      rough = left_out(before, look);
-    motion = std::move(smooth.motion);
-    for (std::uint32_t i : rough)
-      motion.alpha[i] = look.angle[i];
-  }
-
+  Kinematics motion =
+      scene.has_reference ? motion_by_reference(look, scene) : motion_by_pair(look, scene, rough);
   if (!scene.radius_only)
     bursts = in_rows(look.spikes);
   if (!scene.has_reference)
@@ -453,14 +478,34 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
     scene.train.resize(all.size());
     std::iota(scene.train.begin(), scene.train.end(), 0u);
   }
-  const double needed = needs_split ? kFewestTurns : 1.0;
+  const double needed = !needs_split ? 1.0 : is_dead(look) ? kFewestTurnsLeft : kFewestTurns;
   if (scene.turns < needed * 0.98)
     scene.insufficient =
         "the shaft makes " + std::to_string(scene.turns).substr(0, 4) + " turns; " +
-        (needs_split ? std::string("at least 6 are needed to hold whole revolutions back, or a "
-                                   "second capture")
-                     : std::string("at least one is needed"));
+        (needs_split
+             ? fmt::format("at least {:g} are needed to hold whole revolutions back, or a second "
+                           "capture",
+                           needed)
+             : std::string("at least one is needed"));
   return scene;
+}
+
+std::vector<std::uint32_t> thin(const std::vector<std::uint32_t> &indices, std::size_t most,
+                                std::size_t run) {
+  if (indices.size() <= most)
+    return indices;
+  const std::size_t runs = std::max<std::size_t>(1, most / run);
+  const std::size_t length = most / runs;
+  const std::size_t share = indices.size() / runs;
+  std::vector<std::uint32_t> out;
+  // Uneven places: evenly spaced runs would see a tone at several frequencies alike.
+  std::minstd_rand place(1);
+  for (std::size_t r = 0; r < runs; ++r) {
+    const std::size_t from = r * share + place() % (share - length + 1);
+    for (std::size_t k = from; k < std::min(from + length, indices.size()); ++k)
+      out.push_back(indices[k]);
+  }
+  return out;
 }
 
 } // namespace ada

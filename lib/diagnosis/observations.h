@@ -90,4 +90,8 @@ void judge_radius_only(Scene &scene);
 /// that is `insufficient`.
 Scene prepare(const Capture &capture, bool needs_split, const Model *known = nullptr);
 
+/// Keeps runs of `run` samples spread over the whole, at most about `most` in all.
+std::vector<std::uint32_t> thin(const std::vector<std::uint32_t> &indices, std::size_t most,
+                                std::size_t run = 400);
+
 } // namespace ada

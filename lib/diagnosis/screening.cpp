@@ -253,21 +253,23 @@ bool screen_spikes(Screened &look, const Effect &effect) {
   return true;
 }
 
-Screened screen(const Capture &capture) {
+Screened first_look(const Capture &capture) {
   Screened look{capture, std::vector<char>(capture.size(), 1), {}, {}, {}, {}, {}, {}, 0.0};
   for (std::size_t i = 0; i < capture.size(); ++i)
     look.usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
   // A dead channel would spoil every other look, spikes those for jumps: they go first.
-  const auto look_for = [&](std::string_view id) { find_effect(id)->screen(look); };
-  look_for("stuck-channel");
+  find_effect("stuck-channel")->screen(look);
   rough_angle(look);
   look.white_noise_v = white_noise(look);
-  look_for("impulse-noise");
+  find_effect("impulse-noise")->screen(look);
+  return look;
+}
+
+void look_at_record(Screened &look) {
   for (const Effect *effect : catalogue())
     if (effect->info().id != "stuck-channel" && effect->info().id != "impulse-noise")
       effect->screen(look);
   look.white_noise_v = white_noise(look);
-  return look;
 }
 
 SmoothMotion smooth_motion_with_losses(Screened &look, int orders) {

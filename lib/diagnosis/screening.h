@@ -9,8 +9,11 @@
 
 namespace ada {
 
-/// Lets every effect of the catalogue have its first look.
-Screened screen(const Capture &capture);
+/// Dead channels and spikes, and the angle of the pair itself.
+Screened first_look(const Capture &capture);
+
+/// Lets every other effect of the catalogue have its first look, at `look.angle` as it is.
+void look_at_record(Screened &look);
 
 /// The reference, rad, unwrapped.
 std::vector<double> reference_angle(const Capture &capture);

@@ -100,24 +100,6 @@ double side_evidence(const SearchData &data, const Model &model) {
 
 } // namespace
 
-std::vector<std::uint32_t> thin(const std::vector<std::uint32_t> &indices, std::size_t most,
-                                std::size_t run) {
-  if (indices.size() <= most)
-    return indices;
-  const std::size_t runs = std::max<std::size_t>(1, most / run);
-  const std::size_t length = most / runs;
-  const std::size_t share = indices.size() / runs;
-  std::vector<std::uint32_t> out;
-  // Uneven places: evenly spaced runs would see a tone at several frequencies alike.
-  std::minstd_rand place(1);
-  for (std::size_t r = 0; r < runs; ++r) {
-    const std::size_t from = r * share + place() % (share - length + 1);
-    for (std::size_t k = from; k < std::min(from + length, indices.size()); ++k)
-      out.push_back(indices[k]);
-  }
-  return out;
-}
-
 void SearchResult::forget(std::size_t place) {
   const auto drop = [](auto &from, std::size_t at) {
     from.erase(from.begin() + static_cast<std::ptrdiff_t>(at));

@@ -97,8 +97,4 @@ private:
   int steps_ = 0;
 };
 
-/// Keeps runs of `run` samples spread over the whole, at most about `most` in all.
-std::vector<std::uint32_t> thin(const std::vector<std::uint32_t> &indices, std::size_t most,
-                                std::size_t run = 400);
-
 } // namespace ada

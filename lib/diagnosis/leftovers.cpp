@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/leftovers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "diagnosis/fit.h"
+#include "diagnosis/noise_causes.h"
+#include "diagnosis/whiteness.h"
+#include "model/residual.h"
+
+namespace ada {
+
+namespace {
+
+constexpr std::size_t kLookedAt = 300000, kLookedAtRun = 25000;
+constexpr double kStandsOut = 6.0;      ///< standard deviations
+constexpr double kOfNoise = 0.12;       ///< the least structure that is worth a word
+constexpr double kMoreThanNoise = 1.15; ///< of a residual that is not white
+
+} // namespace
+
+std::vector<Structure> keep_for_last_look(Scene &scene, const Model &model, double noise_v) {
+  std::vector<std::uint32_t> some(scene.all.size());
+  std::iota(some.begin(), some.end(), 0u);
+  scene.all.keep(thin(some, kLookedAt, kLookedAtRun));
+  const ResidualColumns r = residual_columns(scene.all, model);
+  std::vector<char> hit(scene.all.size(), 0);
+  std::vector<std::size_t> places;
+  for (const auto *v : {&r.sin, &r.cos}) {
+    find_spikes(*v, kStandsOut, noise_v, places);
+    for (std::size_t i : places)
+      hit[i] = 1;
+  }
+  std::vector<std::uint32_t> keep;
+  for (std::size_t i = 0; i < hit.size(); ++i)
+    if (!hit[i])
+      keep.push_back(static_cast<std::uint32_t>(i));
+  scene.all.keep(keep);
+  std::vector<Structure> angle;
+  if (scene.has_reference)
+    return angle;
+  if (!scene.radius_only)
+    angle = find_jitter(scene.all, residual_columns(scene.all, model));
+  scene.all = at_own_angle(std::move(scene.all), model);
+  return angle;
+}
+
+LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
+                   const Explained &explained, const Rung &last,
+                   const std::vector<Structure> &angle) {
+  LeftOver out;
+  const double sigma =
+      std::min(last.in_sample.residual_rms_v, std::max(explained.noise_v, scene.white_noise_v));
+  // A supply that is only inferred leaves its fast part over.
+  if (!explained.supply_inferred) {
+    out.structure = find_structure(scene, scene.all, residual_columns(scene.all, model), sigma,
+                                   kOfNoise * sigma + explained.second_order_v);
+    const double least = sigma + explained.second_order_v;
+    const std::vector<Structure> bursts = find_bursts(scene, model, least);
+    out.bursts = !bursts.empty();
+    for (const auto &more : {angle, find_structure_in_rough(scene, model, least), bursts})
+      out.structure.insert(out.structure.end(), more.begin(), more.end());
+  }
+  const double rest2 = last.heldout.residual_rms_v * last.heldout.residual_rms_v -
+                       explained.noise_v * explained.noise_v;
+  out.unexplained_rms_v = rest2 > 0.0 ? std::sqrt(rest2) : 0.0;
+  if (!out.structure.empty() || explained.supply_inferred || !explained.noise_stated)
+    return out;
+  const double rms = scene.has_reference ? last.heldout.residual_rms_v
+                                         : rms_in_any_direction(parts.heldout, model, false);
+  if (rms > kMoreThanNoise * explained.noise_v)
+    out.structure.push_back({"time",
+                             "the residual is larger than the stated noise, yet not white noise "
+                             "of both channels",
+                             out.unexplained_rms_v});
+  return out;
+}
+
+double second_order_floor(const Model &model, const std::vector<double> &contribution) {
+  constexpr double kPart = 0.3, kMost = 5e-4; // of the product; of the amplitude
+  const double offsets = std::hypot(model.baseline.offset_sin_v, model.baseline.offset_cos_v);
+  const double sum = std::accumulate(contribution.begin(), contribution.end(), 0.0);
+  const double amplitude = model.baseline.amplitude_v;
+  return std::min(kPart * sum * (sum + offsets) / amplitude, kMost * amplitude);
+}
+
+} // namespace ada

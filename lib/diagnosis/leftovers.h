@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The last look: what no cause took out, and where it lives.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/observations.h"
+#include "diagnosis/parts.h"
+#include "diagnosis/result.h"
+#include "model/model.h"
+
+namespace ada {
+
+struct LeftOver {
+  std::vector<Structure> structure;
+  double unexplained_rms_v = 0.0;
+  bool bursts = false; ///< samples in a row are left over
+};
+
+/// What a last look may take for explained.
+struct Explained {
+  double noise_v = 0.0;        ///< white noise, excess-noise included
+  double second_order_v = 0.0; ///< products of what was found
+  bool noise_stated = false;   ///< by the capture; otherwise it is the residual's own
+  bool supply_inferred = false;
+};
+
+/// Leaves in `scene.all` a few long runs of what no spike stands out of, without a reference at
+/// the pair's own angle. Returns what the angle showed before that.
+std::vector<Structure> keep_for_last_look(Scene &scene, const Model &model, double noise_v);
+
+/// Whiteness is judged on everything that is kept, held out or not. `last`: quality of the model
+/// with what noise causes take out; `angle`: what keep_for_last_look returned.
+LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
+                   const Explained &explained, const Rung &last,
+                   const std::vector<Structure> &angle);
+
+/// Products of what was found are not modelled to the last term: rms to expect of them, V.
+/// `contribution`: rms of each finding, V.
+double second_order_floor(const Model &model, const std::vector<double> &contribution);
+
+} // namespace ada
