@@ -127,7 +127,7 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
   const ResidualColumns columns = residual_columns(data, model);
   ResidualColumns white = columns; // what a search for lines and steps may trust
   for (std::size_t i = 0; i < data.size(); ++i)
-    data.whiten(i, white.sin[i], white.cos[i]);
+    data.whiten(i, columns.model_sin[i], columns.model_cos[i], white.sin[i], white.cos[i]);
   const Residual residual =
       residual_view(scene, data, white, scene.white_noise_v, model.baseline.amplitude_v);
   const std::vector<Variant> all = variants(scene, residual, model, rivals);
@@ -164,7 +164,7 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
         const std::size_t at_i = first + i;
         double ds = k < total ? (s[i] - columns.model_sin[at_i]) * inverse : columns.sin[at_i];
         double dc = k < total ? (c[i] - columns.model_cos[at_i]) * inverse : columns.cos[at_i];
-        data.whiten(at_i, ds, dc);
+        data.whiten(at_i, columns.model_sin[at_i], columns.model_cos[at_i], ds, dc);
         rows(k, static_cast<Eigen::Index>(2 * i)) = ds;
         rows(k, static_cast<Eigen::Index>(2 * i + 1)) = dc;
       }

@@ -102,7 +102,12 @@ public:
     }
     if (!scene_.has_reference && (!found_.order.empty() || found_.supply_rms_fraction > 0.0))
       search_causes(true);
-    weigh_as(found_);
+    if (!scene_.has_reference && found_.supply_rms_fraction > 0.0 && !supply_accounts_for_radius())
+      found_.supply_rms_fraction = 0.0;
+    for (Observations *o : {&scene_.all, &scene_.spiked}) {
+      o->disturbed = found_.disturbed;
+      o->weight_along = found_.weight_along;
+    }
     found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
     ladder_ = build_ladder(parts_, found_);
     out_.extended = ladder_.extended;
@@ -179,15 +184,6 @@ private:
     return out_.reason.empty();
   }
 
-  /// A disturbance that is not recorded changes how residuals are weighed from here on; a supply
-  /// counts as a finding and so only from its own rung on.
-  void weigh_as(const SearchResult &found) {
-    for (Observations *o : {&parts_.train, &parts_.heldout, &scene_.all}) {
-      o->disturbed = found.disturbed;
-      o->weight_along = found.disturbed == Direction::supply ? 1.0 : found.weight_along;
-    }
-  }
-
   /// A channel that died leaves little to judge; that it died is known all the same.
   void name_dead_channel() {
     for (Finding &f : screened_findings())
@@ -241,7 +237,7 @@ private:
   bool supply_accounts_for_radius() const {
     constexpr double kMore = 1.5;
     const Observations &data = parts_.heldout;
-    const ResidualColumns r = residual_columns(data, out_.extended);
+    const ResidualColumns r = residual_columns(data, found_.fit.model);
     double radial2 = 0.0, reach2 = 0.0;
     for (std::size_t i = 0; i < data.size(); ++i) {
       const double s = r.model_sin[i] - data.mid_v, c = r.model_cos[i] - data.mid_v;
@@ -257,21 +253,6 @@ private:
   }
 
   void noise_causes() {
-    if (!scene_.has_reference && found_.supply_rms_fraction > 0.0 && !supply_accounts_for_radius())
-      found_.supply_rms_fraction = 0.0;
-    if (found_.supply_rms_fraction > 0.0) {
-      const Effect *effect = find_effect("supply-variation");
-      const double f = found_.supply_rms_fraction;
-      if (found_.disturbed == Direction::supply)
-        parts_.train.weight_along = parts_.heldout.weight_along = found_.weight_along;
-      const Rung after = parts_.rung(out_.extended);
-      Finding finding{
-          effect, {f},   {f / std::sqrt(2.0 * static_cast<double>(parts_.train.size()))},
-          {},     {},    {},
-          last_,  after, false};
-      last_ = after;
-      add_noise_cause(finding);
-    }
     spikes();
     excess_noise();
   }
@@ -365,10 +346,11 @@ private:
     in_bursts_ = left.bursts;
   }
 
-  /// Residual rms of a channel as it is, however residuals are weighed.
+  /// Residual rms of a channel as it is, without what a supply that is not recorded does.
   double rms_of_all() const {
     Observations plain = parts_.heldout;
-    plain.weight_along = 1.0;
+    if (plain.disturbed != Direction::supply)
+      plain.weight_along = 1.0;
     const double n = static_cast<double>(std::max<std::size_t>(1, plain.size()));
     return std::sqrt(sum_of_squares(plain, out_.extended) / (2.0 * n));
   }
@@ -406,10 +388,14 @@ private:
     for (const Structure &s : out_.structure)
       left = std::max(left, s.rms_v);
     std::vector<std::size_t> small;
-    for (std::size_t i = 0; left > 0.0 && i < ladder_.findings.size(); ++i) {
+    for (std::size_t i = 0; i < ladder_.findings.size(); ++i) {
       const double before = ladder_.findings[i].before.heldout.residual_rms_v;
       const double after = ladder_.findings[i].after.heldout.residual_rms_v;
-      if (before != after && before * before - after * after < 4.0 * left * left)
+      // What follows a supply a little way gains where it was looked for, and nowhere else.
+      const bool followed = ladder_.supply && after > before;
+      const bool little =
+          left > 0.0 && before != after && before * before - after * after < 4.0 * left * left;
+      if (followed || little)
         small.push_back(i);
     }
     if (small.empty())
@@ -431,6 +417,8 @@ private:
     out_.extended_quality = last_;
     out_.ladder = std::move(ladder_.models);
     out_.findings = screened_findings();
+    if (ladder_.supply)
+      out_.findings.push_back(std::move(*ladder_.supply));
     for (auto *findings : {&ladder_.findings, &noise_findings_})
       std::move(findings->begin(), findings->end(), std::back_inserter(out_.findings));
     if (free_lag_)

@@ -51,7 +51,7 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
     const auto columns = static_cast<Eigen::Index>(2 * n);
     for (std::size_t i = 0; i < n; ++i) {
       double s = data.vsin[first + i] - s0[i], c = data.vcos[first + i] - c0[i];
-      data.whiten(first + i, s, c);
+      data.whiten(first + i, s0[i], c0[i], s, c);
       residual[static_cast<Eigen::Index>(2 * i)] = s;
       residual[static_cast<Eigen::Index>(2 * i + 1)] = c;
     }
@@ -60,7 +60,7 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
       const double inverse = 1.0 / step[static_cast<std::size_t>(k)];
       for (std::size_t i = 0; i < n; ++i) {
         double s = (s1[i] - s0[i]) * inverse, c = (c1[i] - c0[i]) * inverse;
-        data.whiten(first + i, s, c);
+        data.whiten(first + i, s0[i], c0[i], s, c);
         rows(k, static_cast<Eigen::Index>(2 * i)) = s;
         rows(k, static_cast<Eigen::Index>(2 * i + 1)) = c;
       }
@@ -149,7 +149,7 @@ double sum_of_squares(const Observations &data, const Model &model) {
     forward.evaluate(all.slice(first, n), s.data(), c.data());
     for (std::size_t i = 0; i < n; ++i) {
       double rs = data.vsin[first + i] - s[i], rc = data.vcos[first + i] - c[i];
-      data.whiten(first + i, rs, rc);
+      data.whiten(first + i, s[i], c[i], rs, rc);
       sum += rs * rs + rc * rc;
     }
   }
@@ -217,12 +217,12 @@ Model as_seen_by(const Observations &data, Model model) {
     Eigen::Vector3d right = Eigen::Vector3d::Zero(), ds = right, dc = right;
     for (std::size_t i = 0; i < data.size(); ++i) {
       double s = here.sin[i], c = here.cos[i];
-      data.whiten(i, s, c);
+      data.whiten(i, here.model_sin[i], here.model_cos[i], s, c);
       for (std::size_t k = 0; k < own; ++k) {
         const auto row = static_cast<Eigen::Index>(k);
         ds[row] = (there[k].model_sin[i] - here.model_sin[i]) / kStep[k];
         dc[row] = (there[k].model_cos[i] - here.model_cos[i]) / kStep[k];
-        data.whiten(i, ds[row], dc[row]);
+        data.whiten(i, here.model_sin[i], here.model_cos[i], ds[row], dc[row]);
       }
       matrix += ds * ds.transpose() + dc * dc.transpose();
       right += s * ds + c * dc;

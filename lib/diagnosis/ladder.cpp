@@ -4,6 +4,7 @@
 #include "diagnosis/ladder.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "diagnosis/explain.h"
 #include "model/effect_text.h"
@@ -20,13 +21,23 @@ const EffectInstance *same_instance(const Model &model, const EffectInstance &e)
   return nullptr;
 }
 
-/// The model without anything that was found, fitted.
-Model without_findings(const Parts &parts, Model model, const SearchResult &found) {
+/// The model without anything that was found.
+Model without_findings(const SearchResult &found) {
+  Model model = found.fit.model;
   std::vector<std::size_t> drop = found.order;
   std::sort(drop.rbegin(), drop.rend());
   for (std::size_t k : drop)
     model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(k));
-  return fit(parts.train, model, 6).model;
+  return model;
+}
+
+Finding supply_finding(const Parts &parts, double rms_fraction, const Rung &before,
+                       const Rung &after) {
+  const double error = rms_fraction / std::sqrt(2.0 * static_cast<double>(parts.train.size()));
+  Finding out{
+      find_effect("supply-variation"), {rms_fraction}, {error}, {}, {}, {}, before, after, false};
+  put_in_words(out);
+  return out;
 }
 
 } // namespace
@@ -36,15 +47,26 @@ void put_in_words(Finding &finding) {
   finding.explanation = explanation(finding);
 }
 
-Ladder build_ladder(const Parts &parts, const SearchResult &found) {
-  FitResult whole = fit(parts.train, found.fit.model, 5);
-  attach_errors(whole);
+Ladder build_ladder(Parts &parts, const SearchResult &found) {
+  // A supply that is not recorded counts as a finding, and so from its own rung on.
+  const bool supply = found.disturbed == Direction::supply;
+  parts.weigh(found.disturbed, supply ? 1.0 : found.weight_along);
   Ladder out;
-  out.extended = std::move(whole.model);
-  const Model &model = out.extended;
-  Model step = out.baseline = without_findings(parts, model, found);
+  Model step = out.baseline = fit(parts.train, without_findings(found), 6).model;
   out.models.push_back(step);
   out.first = out.last = parts.rung(step);
+  parts.weigh(found.disturbed, found.weight_along);
+  if (found.supply_rms_fraction > 0.0) {
+    if (supply)
+      step = fit(parts.train, step, 6).model;
+    const Rung after = parts.rung(step);
+    out.supply = supply_finding(parts, found.supply_rms_fraction, out.first, after);
+    out.last = after;
+  }
+  FitResult whole = fit(parts.train, found.fit.model, 5);
+  attach_errors(whole);
+  out.extended = std::move(whole.model);
+  const Model &model = out.extended;
   for (std::size_t i = 0; i < found.order.size(); ++i) {
     const EffectInstance &e = model.effects[found.order[i]];
     step.effects.push_back(e);

@@ -4,6 +4,7 @@
 // From the baseline up, one finding at a time: what each of them gains.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "diagnosis/parts.h"
@@ -13,14 +14,15 @@ namespace ada {
 
 struct Ladder {
   Model baseline, extended;
-  std::vector<Model> models; ///< the baseline first, then the model after each finding
-  std::vector<Finding> findings;
+  std::vector<Model> models;     ///< the baseline first, then the model after each finding
+  std::optional<Finding> supply; ///< one that is not recorded: it weighs every later rung
+  std::vector<Finding> findings; ///< in the order of `found`
   Rung first, last;
 };
 
 /// Findings in the order of their size, each rung fitted to the training part and judged on the
-/// rest.
-Ladder build_ladder(const Parts &parts, const SearchResult &found);
+/// rest. Leaves `parts` weighed as what was found asks for.
+Ladder build_ladder(Parts &parts, const SearchResult &found);
 
 /// Adds what a person reads: the cause in a sentence, and what would tell it from its rivals.
 void put_in_words(Finding &finding);

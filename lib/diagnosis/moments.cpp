@@ -121,7 +121,7 @@ bool set_exact_moment(const Scene &scene, Model &model, std::size_t effect, doub
   ResidualColumns before = residual_columns(near, less), after = residual_columns(near, always);
   for (ResidualColumns *r : {&before, &after})
     for (std::size_t i = 0; i < near.size(); ++i)
-      near.whiten(i, r->sin[i], r->cos[i]);
+      near.whiten(i, r->model_sin[i], r->model_cos[i], r->sin[i], r->cos[i]);
   const auto square = [](const ResidualColumns &r, std::size_t i) {
     return r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
   };

@@ -19,6 +19,8 @@ namespace {
 constexpr double kStandsOut = 5.5;       ///< standard deviations
 constexpr std::size_t kFewestSpikes = 8; ///< a few may be the edges of something else
 
+using Pair = std::array<double, 2>; ///< VSIN, VCOS
+
 double log_normal(double x, double variance) {
   return -0.5 * (std::log(kTwoPi * variance) + x * x / variance);
 }
@@ -46,7 +48,7 @@ void leave_out_clusters(std::vector<char> &hit) {
 
 /// Residual of the usable samples on either side of a place, in the middle: what the model misses
 /// there anyway, whether or not one of them is a spike as well.
-std::array<double, 2> beside(const ResidualColumns &r, std::size_t before, std::size_t after) {
+Pair beside(const ResidualColumns &r, std::size_t before, std::size_t after) {
   constexpr std::size_t kEach = 2;
   std::array<std::vector<double>, 2> near;
   const auto take = [&](std::size_t i) {
@@ -68,7 +70,7 @@ std::array<double, 2> beside(const ResidualColumns &r, std::size_t before, std::
 
 /// Channels in which a sample stands out of those about it. Where the model misses those as well it
 /// says nothing of a single sample.
-int stands_out(double sin, double cos, const std::array<double, 2> &around, double noise_v) {
+int stands_out(double sin, double cos, const Pair &around, double noise_v) {
   constexpr double kMissed = 4.0; // standard deviations, of the middle of four
   if (std::max(std::abs(around[0]), std::abs(around[1])) > kMissed * noise_v)
     return 0;
@@ -97,9 +99,10 @@ bool come_with_the_angle(const std::vector<double> &alpha, const std::vector<dou
   return false;
 }
 
-void add(const ResidualColumns &r, std::size_t i, std::vector<double> &out) {
-  out.push_back(r.sin[i]);
-  out.push_back(r.cos[i]);
+void add(const ResidualColumns &r, std::size_t i, std::vector<double> &out,
+         const Pair &around = {}) {
+  out.push_back(r.sin[i] - around[0]);
+  out.push_back(r.cos[i] - around[1]);
 }
 
 double mean_square(const std::vector<double> &v) {
@@ -123,6 +126,16 @@ double likelihood(const ChannelValues &values, double variance, double share, do
   return n > 0.0 ? sum / n : 0.0;
 }
 
+/// Residuals as `data` weighs them.
+ResidualColumns whitened(const Observations &data, const ResidualColumns &r) {
+  ResidualColumns out;
+  out.sin = r.sin;
+  out.cos = r.cos;
+  for (std::size_t i = 0; i < data.size(); ++i)
+    data.whiten(i, r.model_sin[i], r.model_cos[i], out.sin[i], out.cos[i]);
+  return out;
+}
+
 } // namespace
 
 Spikes spikes_against(const Scene &scene, const Model &model,
@@ -130,16 +143,19 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   Spikes out;
   out.hit.assign(scene.all.size(), 0);
   ResidualColumns plain = residual_columns(scene.all, model);
+  const ResidualColumns apart = residual_columns(scene.spiked, model);
+  ResidualColumns weighed, apart_weighed;
+  if (scene.all.weight_along != 1.0)
+    weighed = whitened(scene.all, plain);
+  // A supply that is not recorded moves the neighbours as well, and is taken off.
+  const bool supply = scene.all.disturbed == Direction::supply && scene.all.weight_along != 1.0;
+  if (supply)
+    apart_weighed = whitened(scene.spiked, apart);
   for (auto *unused : {&plain.model_sin, &plain.model_cos})
     std::vector<double>().swap(*unused); // a long capture has no memory to spare
-  const ResidualColumns apart = residual_columns(scene.spiked, model);
-  ResidualColumns whitened;
-  if (scene.all.weight_along != 1.0) {
-    whitened = plain;
-    for (std::size_t i = 0; i < scene.all.size(); ++i)
-      scene.all.whiten(i, whitened.sin[i], whitened.cos[i]);
-  }
-  const ResidualColumns &white = whitened.sin.empty() ? plain : whitened;
+  const ResidualColumns &white = weighed.sin.empty() ? plain : weighed;
+  const ResidualColumns &here = supply ? white : plain;
+  const ResidualColumns &there = supply ? apart_weighed : apart;
   // Places per channel: a disturbance on both at once counts twice.
   std::vector<std::size_t> places;
   double flagged = 0.0;
@@ -157,23 +173,21 @@ Spikes spikes_against(const Scene &scene, const Model &model,
     const auto next = static_cast<std::size_t>(
         std::lower_bound(scene.index.begin(), scene.index.end(), scene.spiked_index[i]) -
         scene.index.begin());
-    const std::array<double, 2> around = beside(plain, next, next);
-    const int channels = stands_out(apart.sin[i], apart.cos[i], around, noise_v);
+    const int channels = stands_out(there.sin[i], there.cos[i], beside(here, next, next), noise_v);
     if (channels == 0)
       continue;
     angles.push_back(scene.spiked.alpha[i]);
-    add(apart, i, values);
+    add(apart, i, values, supply ? beside(plain, next, next) : Pair{});
     flagged += channels;
     ++samples;
   }
   for (std::size_t i = 0; i < out.hit.size(); ++i)
     if (out.hit[i]) {
-      const std::array<double, 2> around = beside(plain, i, i + 1);
-      if (stands_out(plain.sin[i], plain.cos[i], around, noise_v) == 0) {
+      if (stands_out(here.sin[i], here.cos[i], beside(here, i, i + 1), noise_v) == 0) {
         out.hit[i] = 0;
         continue;
       }
-      add(plain, i, values);
+      add(plain, i, values, supply ? beside(plain, i, i + 1) : Pair{});
       angles.push_back(scene.all.alpha[i]);
       ++samples;
     }

@@ -342,8 +342,9 @@ Conditions Observations::conditions() const {
           .mid_shift_v = mid_shift_v};
 }
 
-std::array<double, 2> Observations::direction_at(std::size_t i) const {
-  double us = vsin[i], uc = vcos[i];
+std::array<double, 2> Observations::direction_at(std::size_t i, double model_sin,
+                                                 double model_cos) const {
+  double us = model_sin, uc = model_cos;
   if (disturbed == Direction::motion) {
     us = vcos[i] - mid_v;
     uc = mid_v - vsin[i];
@@ -352,10 +353,11 @@ std::array<double, 2> Observations::direction_at(std::size_t i) const {
   return {us * inverse, uc * inverse};
 }
 
-void Observations::whiten(std::size_t i, double &sin, double &cos) const {
+void Observations::whiten(std::size_t i, double model_sin, double model_cos, double &sin,
+                          double &cos) const {
   if (weight_along == 1.0)
     return;
-  const auto [us, uc] = direction_at(i);
+  const auto [us, uc] = direction_at(i, model_sin, model_cos);
   const double along = weight_along * (sin * us + cos * uc), across = sin * uc - cos * us;
   sin = along * us + across * uc;
   cos = along * uc - across * us;

@@ -42,10 +42,12 @@ struct Observations {
   double mid_v = 2.5;       ///< supply/2: the middle of the circle, near enough for a direction
 
   std::size_t size() const { return time.size(); }
-  /// Unit vector (VSIN, VCOS) of the disturbance at sample i.
-  std::array<double, 2> direction_at(std::size_t i) const;
+  /// Unit vector (VSIN, VCOS) of the disturbance at sample i. A supply moves what the model gives
+  /// there, absolute volts: the measured pair carries noise, and a model that shrinks would seem to
+  /// leave less of it across.
+  std::array<double, 2> direction_at(std::size_t i, double model_sin, double model_cos) const;
   /// Makes a pair of residuals of sample i white: identity unless weight_along says otherwise.
-  void whiten(std::size_t i, double &sin, double &cos) const;
+  void whiten(std::size_t i, double model_sin, double model_cos, double &sin, double &cos) const;
   Conditions conditions() const;
   Observations select(const std::vector<std::uint32_t> &indices) const;
   /// The same in place, with one column more in memory at a time.

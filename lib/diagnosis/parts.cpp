@@ -53,6 +53,13 @@ Quality quality(const Observations &data, const Model &model, double sigma, bool
 
 } // namespace
 
+void Parts::weigh(Direction direction, double weight) {
+  for (Observations *o : {&train, &heldout}) {
+    o->disturbed = direction;
+    o->weight_along = weight;
+  }
+}
+
 Rung Parts::rung(const Model &model) const {
   Rung r;
   r.in_sample = quality(train, model, 0.0, has_reference);

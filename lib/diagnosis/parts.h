@@ -14,6 +14,8 @@ struct Parts {
   bool has_reference = false;
   bool second_capture = false; ///< judges, with a zero angle of its own
 
+  /// How residuals weigh along a disturbance that is not recorded, in fits and in judging.
+  void weigh(Direction direction, double weight);
   Rung rung(const Model &model) const;
 };
 

@@ -421,6 +421,8 @@ SearchResult Search::run(bool thorough) {
       break;
   }
   settle_supply(now);
+  if (data_.train.disturbed == Direction::supply) // what followed the supply loses its ground
+    backward(now);
   SearchResult out;
   const std::size_t n = now.fit.model.effects.size();
   std::vector<std::pair<double, std::size_t>> size;

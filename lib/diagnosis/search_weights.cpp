@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/robust.h"
 #include "diagnosis/search.h"
 
 namespace ada {
@@ -27,15 +28,19 @@ Search::AlongSupply Search::along_supply(const State &now) const {
   const ResidualColumns r = residual_columns(data_.train, now.fit.model);
   AlongSupply out{0.0, 0.0, 0.0, 0.0};
   double ss = 0.0, sc = 0.0, cc = 0.0;
-  double n = 0.0, spike = 0.0;
-  for (std::size_t i = 0; i < r.sin.size(); ++i)
-    spike += r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
-  spike = 25.0 * spike / static_cast<double>(r.sin.size()); // spikes are no supply
+  // Spikes are no supply: what lies too far across is one.
+  constexpr double kStandsOut = 6.0;
+  std::vector<double> across(r.sin.size());
+  for (std::size_t i = 0; i < across.size(); ++i)
+    across[i] = std::abs(r.sin[i] * r.model_cos[i] - r.cos[i] * r.model_sin[i]) /
+                std::hypot(r.model_sin[i], r.model_cos[i]);
+  const double most = kStandsOut * quantile(across, 0.6827);
+  double n = 0.0;
   for (std::size_t i = 0; i < r.sin.size(); ++i) {
-    if (r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i] > spike)
+    if (across[i] > most)
       continue;
     n += 1.0;
-    const double vs = data_.train.vsin[i], vc = data_.train.vcos[i];
+    const double vs = r.model_sin[i], vc = r.model_cos[i];
     const double l2 = vs * vs + vc * vc;
     const double a = (r.sin[i] * vs + r.cos[i] * vc), b = (r.sin[i] * vc - r.cos[i] * vs);
     out.along += a * a / l2;
@@ -161,7 +166,7 @@ void Search::weigh_motion(State &now) {
   const ResidualColumns r = residual_columns(data_.train, now.fit.model);
   double along = 0.0, across = 0.0;
   for (std::size_t i = 0; i < r.sin.size(); ++i) {
-    const auto [us, uc] = data_.train.direction_at(i);
+    const auto [us, uc] = data_.train.direction_at(i, r.model_sin[i], r.model_cos[i]);
     const double a = r.sin[i] * us + r.cos[i] * uc, b = r.sin[i] * uc - r.cos[i] * us;
     along += a * a;
     across += b * b;

@@ -4,11 +4,15 @@
 #include "diagnosis/unseen_supply.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
+#include <vector>
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/spectrum.h"
 #include "motion/kinematics.h"
 
 namespace ada {
@@ -16,6 +20,7 @@ namespace ada {
 namespace {
 
 constexpr std::size_t kFewest = 2000;
+constexpr double kMostOfAmplitude = 0.2;
 constexpr double kAboveNoise = 2.0; ///< the radius must move at least so much
 constexpr double kExplained = 0.4;  ///< of its rms that may be left over
 constexpr double kBetter = 1.4;     ///< times less left over than any rival leaves
@@ -122,6 +127,84 @@ double rms(const std::vector<double> &v) {
   return std::sqrt(sum / static_cast<double>(v.size()));
 }
 
+using Shapes = std::vector<const std::vector<double> *>;
+
+/// Least squares of the radius on shapes that swing at one frequency.
+struct Swing {
+  double explained = 0.0; ///< of the sum of squares
+  Eigen::VectorXd size;   ///< cosine and sine of each shape
+};
+
+Swing swing_at(const Radius &r, const std::vector<double> &time, const Shapes &shapes, double hz) {
+  constexpr std::size_t kMostSamples = 30000;
+  const auto columns = 2 * static_cast<Eigen::Index>(shapes.size());
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(columns, columns) * 1e-12;
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(columns), row(columns);
+  const std::size_t stride = std::max<std::size_t>(1, time.size() / kMostSamples);
+  for (std::size_t i = 0; i < time.size(); i += stride) {
+    const double c = std::cos(kTwoPi * hz * time[i]), s = std::sin(kTwoPi * hz * time[i]);
+    for (Eigen::Index k = 0; k < columns; k += 2) {
+      const double shape = (*shapes[static_cast<std::size_t>(k / 2)])[i];
+      row[k] = shape * c;
+      row[k + 1] = shape * s;
+    }
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(row);
+    right += r.off[i] * row;
+  }
+  Swing out;
+  out.size = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+  out.explained = right.dot(out.size) * static_cast<double>(stride);
+  return out;
+}
+
+/// The frequency at which a supply that swings would explain most of the radius, Hz; 0: none.
+double frequency_of(const Capture &c, const Radius &r, const std::vector<double> &supply) {
+  constexpr std::size_t kSlow = 20; ///< lines that are no swing but what is slow
+  const Spectrum spectrum = spectrum_over_time(c.time_s, median_step(c.time_s), [&](std::size_t i) {
+    return std::complex(r.off[i] * supply[i]);
+  });
+  std::size_t peak = 0;
+  for (std::size_t k = kSlow; k < spectrum.line.size() / 2; ++k)
+    if (peak == 0 || std::norm(spectrum.line[k]) > std::norm(spectrum.line[peak]))
+      peak = k;
+  double best = static_cast<double>(peak) * spectrum.bin_hz, most = 0.0;
+  for (double reach = spectrum.bin_hz; peak > 0 && reach > 1e-3 * spectrum.bin_hz; reach *= 0.25) {
+    const double middle = best;
+    for (int k = -4; k <= 4; ++k) {
+      const double hz = middle + 0.25 * k * reach;
+      const double explained = swing_at(r, c.time_s, {&supply}, hz).explained;
+      if (explained > most) {
+        most = explained;
+        best = hz;
+      }
+    }
+  }
+  return best;
+}
+
+/// A supply that swings at one frequency moves the radius by what no tone on the channels, with
+/// twice as many numbers to choose, and no swing of the gain or of an offset does. `shape` as in
+/// with_unseen_supply; the swing per sample, empty when there is none.
+std::vector<double> swinging_supply(const Capture &c, const Radius &r,
+                                    const std::array<std::vector<double>, 4> &shape) {
+  constexpr double kStandsOut = 100.0; ///< nats, of the radius as it is
+  constexpr double kMore = 1.2;        ///< times as much explained as by any rival
+  const double hz = frequency_of(c, r, shape[0]);
+  if (hz <= 0.0)
+    return {};
+  const Swing supply = swing_at(r, c.time_s, {&shape[0]}, hz);
+  const double whole = rms(r.off);
+  const bool clear = supply.explained > 2.0 * kStandsOut * whole * whole;
+  for (const Shapes &rival : {Shapes{&shape[2], &shape[3]}, Shapes{&shape[1]}})
+    if (!clear || supply.explained < kMore * swing_at(r, c.time_s, rival, hz).explained)
+      return {};
+  std::vector<double> out;
+  for (double t : c.time_s)
+    out.push_back(supply.size[0] * std::cos(kTwoPi * hz * t) +
+                  supply.size[1] * std::sin(kTwoPi * hz * t));
+  return out;
+}
+
 /// How much a column moves within a hundredth of the record.
 double unrest(const std::vector<double> &v) {
   const std::size_t lag = v.size() / 100;
@@ -129,6 +212,13 @@ double unrest(const std::vector<double> &v) {
   for (std::size_t i = lag; i < v.size(); ++i)
     sum += (v[i] - v[i - lag]) * (v[i] - v[i - lag]);
   return sum;
+}
+
+/// `part`: what the supply moves by at each sample, of itself.
+Capture with_vdd(Capture capture, const std::vector<double> &part) {
+  for (double u : part)
+    capture.vdd_v.push_back(capture.meta.supply_v * (1.0 + u));
+  return capture;
 }
 
 } // namespace
@@ -139,7 +229,7 @@ std::optional<Capture> with_unseen_supply(const Capture &capture) {
     return std::nullopt;
   const Radius radius = radius_of(capture);
   const double whole = rms(radius.off);
-  if (whole < kAboveNoise * noise_between(radius.off) || whole > 0.2 * radius.amplitude)
+  if (whole > kMostOfAmplitude * radius.amplitude)
     return std::nullopt;
   // Radial part of one volt per volt of each disturbance.
   std::array<std::vector<double>, 4> shape; // supply; gain, offset of VSIN, offset of VCOS
@@ -150,6 +240,11 @@ std::optional<Capture> with_unseen_supply(const Capture &capture) {
     shape[2].push_back(s);
     shape[3].push_back(c);
   }
+  if (!capture.has_reference())
+    if (const std::vector<double> swing = swinging_supply(capture, radius, shape); !swing.empty())
+      return with_vdd(capture, swing);
+  if (whole < kAboveNoise * noise_between(radius.off))
+    return std::nullopt;
   const std::vector<std::size_t> quarter = quarter_period_ends(radius.angle);
   const Slow supply = slow_part(radius, shape[0], quarter);
   if (supply.left_v > kExplained * whole)
@@ -157,12 +252,9 @@ std::optional<Capture> with_unseen_supply(const Capture &capture) {
   for (std::size_t k = 1; k < shape.size(); ++k)
     if (slow_part(radius, shape[k], quarter).left_v < kBetter * supply.left_v)
       return std::nullopt;
+  if (!capture.has_reference())
+    return with_vdd(capture, supply.value);
   Capture out = capture;
-  if (!capture.has_reference()) {
-    for (double u : supply.value)
-      out.vdd_v.push_back(capture.meta.supply_v * (1.0 + u));
-    return out;
-  }
   for (std::size_t i = 0; i < out.size(); ++i)
     out.vtemp_v[i] /= 1.0 + supply.value[i];
   return unrest(out.vtemp_v) < unrest(capture.vtemp_v) ? std::optional(out) : std::nullopt;
