@@ -109,9 +109,8 @@ public:
       o->weight_along = found_.weight_along;
     }
     found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
-    ladder_ = build_ladder(parts_, found_);
-    out_.extended = ladder_.extended;
-    last_ = ladder_.last;
+    take(build_ladder(parts_, found_));
+    first_ = ladder_.first;
     noise_causes();
     angle_left_ = keep_for_last_look(scene_, out_.extended, floor());
     look_at_leftovers();
@@ -211,15 +210,8 @@ private:
           (f.effect == find_effect("sample-loss") || f.effect == find_effect("angle-slip")))
         continue;
       const bool correctable = f.effect->info().correctable;
-      out.push_back({f.effect,
-                     f.values,
-                     f.std_errors,
-                     f.alternatives,
-                     {},
-                     {},
-                     ladder_.first,
-                     ladder_.first,
-                     correctable});
+      out.push_back(
+          {f.effect, f.values, f.std_errors, f.alternatives, {}, {}, first_, first_, correctable});
       put_in_words(out.back());
       if (!correctable)
         recorded_.push_back({f.effect, f.values, f.std_errors});
@@ -227,9 +219,11 @@ private:
     return out;
   }
 
-  void add_noise_cause(Finding finding) {
+  /// A cause that the extended model names and no conversion corrects.
+  Finding recorded(Finding finding) {
     put_in_words(finding);
-    noise_findings_.push_back(std::move(finding));
+    recorded_.push_back({finding.effect, finding.values, finding.std_errors});
+    return finding;
   }
 
   /// Whether a supply that only the radius shows accounts for what the radius does. Otherwise it
@@ -261,24 +255,30 @@ private:
     const Spikes spikes = spikes_against(scene_, out_.extended, scene_.heldout, floor());
     if (!spikes.found)
       return;
+    // Those that no first look took out have bent the fits.
+    const Rung with = ladder_.first;
     leave_out(spikes.hit);
-    const Rung clean = parts_.rung(out_.extended);
+    take(build_ladder(parts_, found_));
+    if (given(find_effect("impulse-noise")))
+      return;
     Finding finding{find_effect("impulse-noise"),
                     {spikes.rate, spikes.amplitude_v},
                     {spikes.rate_error, spikes.amplitude_error_v},
                     {},
                     {},
                     {},
-                    last_,
-                    clean,
+                    with,
+                    ladder_.first,
                     false};
-    last_ = clean;
-    if (given(find_effect("impulse-noise")))
-      return;
     finding.before.heldout.log_likelihood = spikes.before;
     finding.after.heldout.log_likelihood = spikes.after;
-    recorded_.push_back({finding.effect, finding.values, finding.std_errors});
-    add_noise_cause(finding);
+    spikes_ = recorded(std::move(finding));
+  }
+
+  void take(Ladder ladder) {
+    ladder_ = std::move(ladder);
+    out_.extended = ladder_.extended;
+    last_ = ladder_.last;
   }
 
   /// Takes samples out of everything that is judged from here on.
@@ -331,14 +331,13 @@ private:
         sigma_ * sigma_ / excess / std::sqrt(4.0 * static_cast<double>(parts_.train.size()));
     Finding finding{
         find_effect("excess-noise"), {excess}, {error}, {}, {}, {}, before, last_, false};
-    recorded_.push_back({finding.effect, finding.values, finding.std_errors});
-    add_noise_cause(finding);
+    excess_ = recorded(std::move(finding));
     explained_noise_ = sigma_;
   }
 
   void look_at_leftovers() {
     const Explained explained{explained_noise_ > 0.0 ? explained_noise_ : noise_,
-                              second_order_floor(out_.extended, found_.contribution), noise_stated_,
+                              second_order_floor(out_.extended, found_), noise_stated_,
                               supply_is_inferred()};
     LeftOver left = left_over(scene_, parts_, out_.extended, explained, last_, angle_left_);
     out_.structure = std::move(left.structure);
@@ -370,19 +369,20 @@ private:
       out_.invisible.push_back({std::string(effect.info().id), why});
   }
 
+  void withdraw(std::optional<Finding> &finding) {
+    if (!finding)
+      return;
+    std::erase_if(recorded_, [&](const EffectInstance &e) { return e.effect == finding->effect; });
+    finding.reset();
+  }
+
   /// Noise is not judged beside what nothing explains, nor spikes that hardly stand out of it, nor
   /// a cause that explains little beside it: what remains is fitted without them.
   void drop_doubtful() {
     if (!out_.structure.empty() || supply_is_inferred()) {
-      const double rest = rms_of_all();
-      std::erase_if(noise_findings_, [&](const Finding &f) {
-        const bool doubtful =
-            f.effect == find_effect("excess-noise") ||
-            (f.effect == find_effect("impulse-noise") && f.values[1] < 15.0 * rest);
-        if (doubtful)
-          std::erase_if(recorded_, [&](const EffectInstance &e) { return e.effect == f.effect; });
-        return doubtful;
-      });
+      withdraw(excess_);
+      if (spikes_ && spikes_->values[1] < 15.0 * rms_of_all())
+        withdraw(spikes_);
     }
     double left = supply_is_inferred() ? 2.0 * out_.unexplained_rms_v : 0.0;
     for (const Structure &s : out_.structure)
@@ -402,9 +402,7 @@ private:
       return;
     for (std::size_t i : std::vector(small.rbegin(), small.rend()))
       found_.forget(i);
-    ladder_ = build_ladder(parts_, found_);
-    out_.extended = ladder_.extended;
-    last_ = ladder_.last;
+    take(build_ladder(parts_, found_));
     out_.structure.clear();
     look_at_leftovers();
   }
@@ -413,14 +411,16 @@ private:
   void conclude() {
     report_moved_offsets();
     out_.baseline = ladder_.baseline;
-    out_.baseline_quality = ladder_.first;
+    out_.baseline_quality = first_;
     out_.extended_quality = last_;
     out_.ladder = std::move(ladder_.models);
     out_.findings = screened_findings();
-    if (ladder_.supply)
-      out_.findings.push_back(std::move(*ladder_.supply));
-    for (auto *findings : {&ladder_.findings, &noise_findings_})
-      std::move(findings->begin(), findings->end(), std::back_inserter(out_.findings));
+    for (std::optional<Finding> *finding : {&spikes_, &ladder_.supply})
+      if (*finding)
+        out_.findings.push_back(std::move(**finding));
+    std::move(ladder_.findings.begin(), ladder_.findings.end(), std::back_inserter(out_.findings));
+    if (excess_)
+      out_.findings.push_back(std::move(*excess_));
     if (free_lag_)
       for (Model *m : {&out_.baseline, &out_.extended})
         std::erase_if(m->effects, [](const EffectInstance &e) {
@@ -463,8 +463,9 @@ private:
   Parts parts_;
   SearchResult found_;
   Ladder ladder_;
-  std::vector<Finding> noise_findings_;
-  Rung last_; ///< of the extended model, with what noise causes take out
+  std::optional<Finding> spikes_, excess_;
+  Rung first_; ///< of the baseline, spikes and all
+  Rung last_;  ///< of the extended model, with what noise causes take out
   std::vector<EffectInstance>
       recorded_;                      ///< causes that the extended model names but never corrects
   std::vector<Structure> angle_left_; ///< what the last look kept of the angle

@@ -24,7 +24,7 @@ Sizes sizes_at_rest(const Scene &scene, const Observations &data, const Model &m
     const EffectInfo &info = model.effects[k].effect->info();
     // Without a reference a ripple of the speed may be a field error, which has higher terms.
     const bool ripple = !scene.has_reference && info.stage == Stage::motion;
-    if (info.evidence != Evidence::signal ||
+    if (info.evidence != Evidence::signal || info.recorded ||
         !(is_static(*model.effects[k].effect) || info.stage == Stage::converter || ripple))
       continue;
     Model less = model;

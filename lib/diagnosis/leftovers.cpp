@@ -81,10 +81,13 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
   return out;
 }
 
-double second_order_floor(const Model &model, const std::vector<double> &contribution) {
+double second_order_floor(const Model &model, const SearchResult &found) {
   constexpr double kPart = 0.3, kMost = 5e-4; // of the product; of the amplitude
   const double offsets = std::hypot(model.baseline.offset_sin_v, model.baseline.offset_cos_v);
-  const double sum = std::accumulate(contribution.begin(), contribution.end(), 0.0);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < found.order.size(); ++k)
+    if (!found.fit.model.effects[found.order[k]].effect->info().recorded)
+      sum += found.contribution[k];
   const double amplitude = model.baseline.amplitude_v;
   return std::min(kPart * sum * (sum + offsets) / amplitude, kMost * amplitude);
 }

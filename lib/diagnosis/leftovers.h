@@ -9,6 +9,7 @@
 #include "diagnosis/observations.h"
 #include "diagnosis/parts.h"
 #include "diagnosis/result.h"
+#include "diagnosis/search.h"
 #include "model/model.h"
 
 namespace ada {
@@ -38,7 +39,6 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
                    const std::vector<Structure> &angle);
 
 /// Products of what was found are not modelled to the last term: rms to expect of them, V.
-/// `contribution`: rms of each finding, V.
-double second_order_floor(const Model &model, const std::vector<double> &contribution);
+double second_order_floor(const Model &model, const SearchResult &found);
 
 } // namespace ada

@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -108,6 +109,40 @@ double along_circle(const Observations &data, std::size_t i, double sin, double 
   return (sin * us + cos * uc) / std::max(std::hypot(us, uc), 1e-12);
 }
 
+double radial(const Observations &data, const ResidualColumns &r, std::size_t i) {
+  const double s = data.vsin[i] - data.mid_v, c = data.vcos[i] - data.mid_v;
+  return (r.sin[i] * s + r.cos[i] * c) / std::max(std::hypot(s, c), 1e-12);
+}
+
+/// The two samples between which the step lies, where the motion was too rough for a fit: there the
+/// radius still tells. `less`, `always`: the model before and after it; `from`, `to`: the ends of
+/// what is left out.
+std::array<double, 2> within_gap(const Scene &scene, const Model &less, const Model &always,
+                                 double from, double to) {
+  constexpr std::size_t kFewest = 20;
+  std::vector<std::uint32_t> inside;
+  for (std::size_t i = 0; i < scene.rough.size(); ++i)
+    if (scene.rough.time[i] > from && scene.rough.time[i] < to)
+      inside.push_back(static_cast<std::uint32_t>(i));
+  if (inside.size() < kFewest)
+    return {from, to};
+  const Observations some = scene.rough.select(inside);
+  const Observations then = at_own_angle(some, less), now = at_own_angle(some, always);
+  const ResidualColumns before = residual_columns(then, less),
+                        after = residual_columns(now, always);
+  double sum = 0.0, least = 0.0;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    const double b = radial(then, before, i), a = radial(now, after, i);
+    sum += b * b - a * a;
+    if (sum < least) {
+      least = sum;
+      at = i + 1;
+    }
+  }
+  return {at > 0 ? some.time[at - 1] : from, at < some.size() ? some.time[at] : to};
+}
+
 /// The moment that leaves the least sum of squares, with the size of the step as it is and the
 /// motion anew for each: a sample before it is judged without the effect, one from it on with. It
 /// lies between two samples, which are far apart where those between them are of no use. False when
@@ -143,9 +178,10 @@ bool set_exact_moment(const Scene &scene, Model &model, std::size_t effect, doub
   }
   if (at == 0 || at == near.size())
     return false;
-  e.values[0] = 0.5 * (near.time[at - 1] + near.time[at]);
+  const auto [from, to] = within_gap(scene, less, always, near.time[at - 1], near.time[at]);
+  e.values[0] = 0.5 * (from + to);
   e.std_errors.resize(e.values.size());
-  e.std_errors[0] = (near.time[at] - near.time[at - 1]) / std::sqrt(12.0);
+  e.std_errors[0] = (to - from) / std::sqrt(12.0);
   return true;
 }
 

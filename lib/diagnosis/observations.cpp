@@ -12,6 +12,7 @@
 #include "base/robust.h"
 #include "conversion/angle_solver.h"
 #include "diagnosis/fit.h"
+#include "diagnosis/moments.h"
 #include "diagnosis/screening.h"
 #include "motion/kinematics.h"
 #include "motion/surroundings.h"
@@ -283,18 +284,46 @@ bool is_dead(const Screened &look) {
   });
 }
 
+/// The model with each step of its own moved to a jump that was seen within a turn of it: what
+/// remains of the jump then is none of the step. False: no step lies at a jump.
+bool put_steps_at_jumps(const Screened &look, Model &model) {
+  const std::vector<double> &time = look.capture.time_s;
+  bool moved = false;
+  for (EffectInstance &e : model.effects) {
+    if (!has_moment(*e.effect))
+      continue;
+    const auto later = std::lower_bound(time.begin(), time.end(), e.values[0]);
+    const double there =
+        look.angle[std::min(time.size() - 1, static_cast<std::size_t>(later - time.begin()))];
+    for (std::size_t jump : look.jumps)
+      if (std::abs(look.angle[jump] - there) < kTwoPi) {
+        e.values[0] = 0.5 * (time[jump] + time[jump - 1]);
+        moved = true;
+      }
+  }
+  return moved;
+}
+
 /// The first looks at a capture. `known`: jumps are looked for once more at the angle that this
-/// model gives, as what bends the pair hides them.
+/// model gives, as what bends the pair hides them. A step of the model's own would leave a jump
+/// there when its moment is not exact.
 Screened screen(const Capture &capture, const Model *known, const std::vector<double> &temp,
                 const std::vector<double> &supply) {
-  Screened look = first_look(capture);
-  if (known && !capture.has_reference()) {
-    Screened before = look;
-    look_at_record(before);
-    look.angle = corrected_angle(before, *known, temp, supply);
-  }
+  Screened look = first_look(capture), anew = look;
   look_at_record(look);
-  return look;
+  if (!known || capture.has_reference())
+    return look;
+  const bool steps = std::any_of(known->effects.begin(), known->effects.end(),
+                                 [](const EffectInstance &e) { return has_moment(*e.effect); });
+  Model exact = *known;
+  const bool at_jumps = steps && put_steps_at_jumps(look, exact);
+  anew.angle = corrected_angle(look, exact, temp, supply);
+  if (steps && !at_jumps) {
+    look.angle = std::move(anew.angle);
+    return look;
+  }
+  look_at_record(anew);
+  return anew;
 }
 
 Kinematics motion_by_reference(Screened &look, Scene &scene) {
@@ -312,6 +341,7 @@ Kinematics motion_by_reference(Screened &look, Scene &scene) {
 
 /// `rough`: what is left out of the smooth motion, at the pair's own angle.
 Kinematics motion_by_pair(Screened &look, Scene &scene, std::vector<std::uint32_t> &rough) {
+  constexpr std::size_t kHalfWindow = 8;
   const std::vector<char> before = look.usable;
   SmoothMotion smooth = smooth_motion_with_losses(look, kRippleOrders);
   scene.radius_only = smooth.residual_rms_rad > kRoughMotion;
@@ -319,8 +349,14 @@ Kinematics motion_by_pair(Screened &look, Scene &scene, std::vector<std::uint32_
     smooth.motion.alpha = look.angle;
   else
     rough = left_out(before, look);
-  for (std::uint32_t i : rough)
-    smooth.motion.alpha[i] = look.angle[i];
+  if (!rough.empty()) { // how fast it turned there tells the pair as well
+    const Kinematics own = differentiate(look.capture.time_s, look.angle, kHalfWindow);
+    for (std::uint32_t i : rough) {
+      smooth.motion.alpha[i] = own.alpha[i];
+      smooth.motion.omega[i] = own.omega[i];
+      smooth.motion.accel[i] = own.accel[i];
+    }
+  }
   return std::move(smooth.motion);
 }
 

@@ -66,6 +66,8 @@ struct EffectInfo {
   std::span<const Separation> separations = {};
   /// A simpler effect that goes first where the data cannot tell it from this one.
   std::string_view yields_to = {};
+  /// Its wave form is a column of the record: nothing of higher order is left of it.
+  bool recorded = false;
 };
 
 using Values = std::span<const double>;

@@ -17,7 +17,8 @@ constexpr EffectInfo kInfo{.id = "supply-variation",
                                     "and both outputs follow the supply.",
                            .stage = Stage::converter,
                            .parameters = kParameters,
-                           .correctable = true};
+                           .correctable = true,
+                           .recorded = true};
 
 class SupplyVariation final : public Effect {
 public:
