@@ -9,6 +9,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/jump_gap.h"
 #include "diagnosis/screening.h"
 
 namespace ada {
@@ -25,6 +26,7 @@ struct Jump {
   double gap;       ///< rad, mechanical
   double per_frame; ///< rad that the shaft turns from sample to sample
   double error;
+  Gap fine = {}; ///< the same from as many samples as move alike; error 0 when it is not known
   bool at_rest() const { return std::abs(per_frame) < error; }
 };
 
@@ -152,29 +154,43 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
   return all;
 }
 
+/// How far from a whole number of samples a jump may lie that is known to this error. A slip may be
+/// of any size: without a reference a whole number must be the likelier one. Where the error is
+/// above four tenths that proves nothing.
+double whole(double error, bool has_reference) {
+  constexpr double kErrors = 4.0;
+  constexpr double kEven = 0.3989; // 1 / sqrt(2 pi)
+  if (has_reference)
+    return kErrors * error;
+  return error > 0.0 && error < kEven ? error * std::sqrt(2.0 * std::log(kEven / error)) : 0.0;
+}
+
 /// Samples lost at a jump, or 0 when it is no whole number of them in the sense of the rotation.
 /// The angle is known up to whole periods only: a loss that turns the shaft by most of one looks
 /// like a jump back. Without a reference a small one may be a slip and stays what it seems.
 double samples_lost(const Screened &look, const Jump &jump) {
   constexpr double kWidestSlip = 5.0 * kRadPerDeg;
   constexpr double kMostWraps = 3.0;
+  constexpr double kFinest = 0.06, kCoarsest = 0.15; // of a sample, whatever the error says
   const Capture &c = look.capture;
   if (jump.at_rest()) // nothing is seen to be lost
     return 0.0;
   const double period = kTwoPi / (c.has_reference() ? 1.0 : c.meta.periods_per_turn);
-  const double error = std::abs(jump.error / jump.per_frame);
-  const double seen = jump.gap / jump.per_frame;
-  if (std::abs(seen) < 2.5 ||
+  const bool fine = jump.fine.error > 0.0;
+  const double least = fine ? kFinest : kCoarsest;
+  const double per_frame = fine ? jump.fine.speed * median_step(c.time_s) : jump.per_frame;
+  const double error = std::abs((fine ? jump.fine.error : jump.error) / per_frame);
+  const double seen = (fine ? jump.fine.size : jump.gap) / per_frame;
+  if ((!fine && std::abs(seen) < 2.5) ||
       (seen < 0.0 && !c.has_reference() && std::abs(jump.gap) < kWidestSlip))
     return 0.0;
   // Further periods only where a reference leaves nothing else that could jump.
   const double most = c.has_reference() ? kMostWraps : (seen < 0.0 ? 1.0 : 0.0);
   for (double wraps = seen < 0.0 ? 1.0 : 0.0; wraps <= most; wraps += 1.0) {
-    const double lost = seen + wraps * period / std::abs(jump.per_frame);
+    const double lost = seen + wraps * period / std::abs(per_frame);
     if (lost < 2.5 || lost < 6.0 * error)
       continue;
-    // Within its error a whole number; where the error is above a quarter this proves nothing.
-    if (std::abs(lost - std::round(lost)) < std::max(4.0 * error, 0.15))
+    if (std::abs(lost - std::round(lost)) < std::max(whole(error, c.has_reference()), least))
       return lost;
   }
   return 0.0;
@@ -240,6 +256,8 @@ std::vector<Jump> jumps_of(const Screened &look) {
   if (!look.capture.has_reference()) {
     std::vector<Jump> jumps = find_jumps(look, look.angle, 12, 1e-5);
     leave_out_pairs(jumps);
+    for (Jump &jump : jumps)
+      jump.fine = gap_at(look.capture.time_s, look.angle, look.usable, jump.at);
     return jumps;
   }
   return find_jumps(look, reference_angle(look.capture), 6, 4e-6);

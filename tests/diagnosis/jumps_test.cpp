@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "diagnosis/captures.h"
 #include "diagnosis/diagnose.h"
+#include "diagnosis/jump_gap.h"
 #include "support/seed.h"
 
 namespace ada::test {
@@ -25,37 +28,16 @@ double angle_at(double t) {
 
 /// The magnet slips at a moment; no reference.
 Capture slipping(double moment, double slip_deg, std::mt19937_64 &rng) {
-  const Model model = sound_sensor();
   const auto n = static_cast<std::size_t>(kEnd * kRate);
   const double start = std::uniform_real_distribution<>(0.0, kTwoPi)(rng);
-  Capture c;
-  c.meta.supply_v = model.supply_v;
-  c.meta.periods_per_turn = model.periods_per_turn;
-  c.meta.noise_rms_v = 5e-4;
-  c.meta.sample_rate_hz = kRate;
-  std::vector<double> alpha;
+  ShaftMotion shaft;
   for (std::size_t i = 0; i < n; ++i) {
-    c.time_s.push_back(static_cast<double>(i) / kRate);
-    alpha.push_back(start + angle_at(c.time_s[i]) +
-                    (c.time_s[i] >= moment ? slip_deg * kRadPerDeg : 0.0));
+    const double t = static_cast<double>(i) / kRate;
+    shaft.alpha.push_back(start + angle_at(t) + (t >= moment ? slip_deg * kRadPerDeg : 0.0));
   }
-  const std::vector<double> omega(n, 0.0); // no effect of the model depends on it
-  const std::vector<signed char> direction(n, 1);
-  c.vsin_v.resize(n);
-  c.vcos_v.resize(n);
-  const Conditions at{.n = n,
-                      .time = c.time_s.data(),
-                      .alpha = alpha.data(),
-                      .omega = omega.data(),
-                      .direction = direction.data(),
-                      .frame_period_s = 1.0 / kRate};
-  ForwardModel(model, AlphaIs::reference).evaluate(at, c.vsin_v.data(), c.vcos_v.data());
-  std::normal_distribution<> noise(0.0, 5e-4);
-  for (std::size_t i = 0; i < n; ++i) {
-    c.vsin_v[i] += noise(rng);
-    c.vcos_v[i] += noise(rng);
-  }
-  return c;
+  shaft.omega.assign(n, 0.0); // no effect of the model depends on it
+  shaft.direction.assign(n, 1);
+  return pair_of(sound_sensor(), shaft, kRate, 5e-4, rng);
 }
 
 class SlipWithoutReference : public testing::TestWithParam<double> {};
@@ -77,6 +59,31 @@ TEST(Slip, none_is_seen_in_a_start_from_rest) {
   std::mt19937_64 rng(fresh_seed());
   const Diagnosis d = diagnose(slipping(0.0, 0.0, rng), {});
   EXPECT_TRUE(d.findings.empty());
+}
+
+TEST(Gap, is_known_to_its_error_while_the_shaft_gathers_speed) {
+  constexpr int kDraws = 300;
+  constexpr std::size_t kSamples = 3000, kAt = 1400;
+  constexpr double kNoise = 2e-4; // rad
+  std::mt19937_64 rng(fresh_seed());
+  std::uniform_real_distribution<> any(-1.0, 1.0);
+  std::normal_distribution<> noise(0.0, kNoise);
+  const std::vector<char> usable(kSamples, 1);
+  double squares = 0.0, largest = 0.0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const double speed = 50.0 * any(rng), rise = 20.0 * any(rng), size = 0.02 * any(rng);
+    std::vector<double> time, angle;
+    for (std::size_t i = 0; i < kSamples; ++i) {
+      const double t = static_cast<double>(i) / kRate;
+      time.push_back(t);
+      angle.push_back(speed * t + rise * t * t + (i >= kAt ? size : 0.0) + noise(rng));
+    }
+    const Gap gap = gap_at(time, angle, usable, kAt);
+    squares += std::pow((gap.size - size) / gap.error, 2);
+    largest = std::max(largest, gap.error);
+  }
+  EXPECT_NEAR(std::sqrt(squares / kDraws), 1.0, 0.2);
+  EXPECT_LT(largest, 0.25 * kNoise); // far better than from a few samples
 }
 
 } // namespace
