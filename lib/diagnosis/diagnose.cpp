@@ -318,6 +318,8 @@ private:
     if (sigma_ < 1.06 * std::max(noise_, known) || white * white < noise_ * noise_ + 0.5 * excess2)
       return;
     const double excess = std::sqrt(excess2);
+    if (excess < second_order_floor(out_.extended, found_))
+      return;
     Rung before = last_;
     // Under the noise that was stated, against the noise that is there.
     const auto under = [&](const Observations &data) {

@@ -73,7 +73,7 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
     return out;
   const double rms = scene.has_reference ? last.heldout.residual_rms_v
                                          : rms_in_any_direction(parts.heldout, model, false);
-  if (rms > kMoreThanNoise * explained.noise_v)
+  if (rms > std::hypot(kMoreThanNoise * explained.noise_v, explained.second_order_v))
     out.structure.push_back({"time",
                              "the residual is larger than the stated noise, yet not white noise "
                              "of both channels",

@@ -30,18 +30,30 @@ struct ChannelValues {
   std::vector<double> plain, spiked;
 };
 
-/// A spike stands alone, or two chance to come close; several in a row are a kink of the motion or
-/// a step.
+/// How many spikes may come together by chance where so many of so many samples have one: more in
+/// a row are a kink of the motion or a step.
+int most_together(double spikes, double samples, double neighbours) {
+  constexpr double kByChance = 0.05; // of one such cluster in the whole record
+  const double expected = neighbours * spikes / samples;
+  int others = 1;
+  double probability = expected; // Poisson's, of so many others, leading term
+  while (others < 2 || spikes * probability > kByChance)
+    probability *= expected / ++others;
+  return others;
+}
+
+/// A spike stands alone, or few chance to come close.
 void leave_out_clusters(std::vector<char> &hit) {
   constexpr std::size_t kNear = 4;
-  constexpr int kMost = 2;
   const std::vector<char> all = hit;
+  const auto hits = static_cast<double>(std::count(all.begin(), all.end(), char{1}));
+  const int most = most_together(hits, static_cast<double>(all.size()), 2.0 * kNear);
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!all[i])
       continue;
     const auto from = all.begin() + static_cast<std::ptrdiff_t>(i > kNear ? i - kNear : 0);
     const auto to = all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), i + kNear + 1));
-    if (std::count(from, to, char{1}) > kMost)
+    if (std::count(from, to, char{1}) > most)
       hit[i] = 0;
   }
 }

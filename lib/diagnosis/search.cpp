@@ -39,6 +39,8 @@ constexpr double kEntangled = 0.995;
 constexpr double kRivalNats = 8.0;
 /// What a cause leaves over of the one that yields to it, as a part of what either explains.
 constexpr double kSlight = 0.02;
+/// ... and as a part of the noise: what stands clear of it tells the two apart.
+constexpr double kHidden = 0.5;
 /// Prior cost of a motion whose own ripple happens to look like an error of the reference, nats.
 constexpr double kCoincidence = 20.0;
 
@@ -289,6 +291,7 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
   const double in_transfer = offsets_in_transfer(quick_, now.fit.model);
   // Which of two stages acts first is not known to second order.
   const double others = sizes_at_rest(*data_.scene, quick_, less.fit.model).sum();
+  const double noise = std::max(noise_v_, data_.scene->white_noise_v);
   double highest = 0.0;
   for (const Candidate &c : list)
     if (c.effect == self)
@@ -321,7 +324,7 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
     const double needed = yields ? -kRivalNats : kRivalNats;
     if (better && c.visible && in_range(rival.fit.model) && saved >= 0.0 &&
         (rival.score + saved > now.score + needed ||
-         (yields && left <= std::min(blurred, kSlight * part))) &&
+         (yields && left <= std::min({blurred, kSlight * part, kHidden * noise}))) &&
         (!c.effect->info().signature || self->info().signature) &&
         (better->score == 0.0 || rival.score > better->score))
       *better = std::move(rival);
@@ -409,6 +412,7 @@ SearchResult Search::run(bool thorough) {
   progress("fitting the baseline");
   State now = evaluate(baseline_, 12);
   weigh_motion(now);
+  bool swapped = false;
   for (int round = 0; round < 4; ++round) {
     climb(now);
     progress("dropping what is not needed");
@@ -416,12 +420,13 @@ SearchResult Search::run(bool thorough) {
     if (!thorough)
       break;
     progress("comparing rivals");
-    const bool swapped = sideways(now);
+    swapped = sideways(now);
     if (!dropped && !swapped && !shake(now) && !doubt_supply(now))
       break;
   }
   settle_supply(now);
-  if (data_.train.disturbed == Direction::supply) // what followed the supply loses its ground
+  // What followed a supply, or what a last step sideways left behind, loses its ground.
+  if (swapped || data_.train.disturbed == Direction::supply)
     backward(now);
   SearchResult out;
   const std::size_t n = now.fit.model.effects.size();
