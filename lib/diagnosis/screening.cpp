@@ -214,6 +214,22 @@ bool screen_orientation(Screened &look, const Effect &effect) {
   return true;
 }
 
+/// Places where the radius of the pair stands out: without a reference, and with few samples a
+/// period, a channel alone moves too far from sample to sample for a spike to show.
+std::vector<std::size_t> radius_spikes(const Screened &look) {
+  constexpr double kStandsOut = 8.0;
+  const Capture &c = look.capture;
+  const Range sin = range_of(c.vsin_v, look.usable), cos = range_of(c.vcos_v, look.usable);
+  std::vector<double> radius;
+  for (std::size_t i = 0; i < c.size(); ++i)
+    radius.push_back(cos.half * std::hypot((c.vsin_v[i] - sin.middle) / sin.half,
+                                           (c.vcos_v[i] - cos.middle) / cos.half));
+  std::vector<std::size_t> places;
+  find_spikes(against_harmonics(radius, look.angle, look.usable), kStandsOut, look.white_noise_v,
+              places);
+  return places;
+}
+
 bool screen_spikes(Screened &look, const Effect &effect) {
   const Capture &c = look.capture;
   const std::vector<double> angle = c.has_reference() ? reference_angle(c) : std::vector<double>();
@@ -236,6 +252,9 @@ bool screen_spikes(Screened &look, const Effect &effect) {
       values += 1.0;
     }
   }
+  if (!c.has_reference())
+    for (std::size_t i : radius_spikes(look))
+      hit[i] = look.usable[i];
   for (std::size_t i = 0; i < hit.size(); ++i)
     if (hit[i]) {
       look.usable[i] = 0;
@@ -246,8 +265,8 @@ bool screen_spikes(Screened &look, const Effect &effect) {
     return false;
   const double n = static_cast<double>(c.size());
   look.findings.push_back({&effect,
-                           {samples / n, std::sqrt(sum / values)},
-                           {std::sqrt(samples) / n, std::sqrt(sum / values / (2.0 * values))},
+                           {samples / n, std::sqrt(sum / std::max(values, 1.0))},
+                           {std::sqrt(samples) / n, std::sqrt(sum / 2.0) / std::max(values, 1.0)},
                            {},
                            {}});
   return true;
