@@ -58,9 +58,8 @@ void describe_capture(const Capture &capture, const Scene &scene, Diagnosis &d) 
 class Work {
 public:
   Work(const Capture &capture, const DiagnosisOptions &options)
-      : given_(capture), with_supply_(with_unseen_supply(capture)),
-        capture_(with_supply_ ? *with_supply_ : capture), options_(options),
-        scene_(prepare(capture_, options.heldout == nullptr)) {
+      : given_(capture), freed_(with_unseen_supply(capture)), options_(options),
+        scene_(prepare(worked_on(), options.heldout == nullptr)) {
     if (options.heldout)
       judge_ = prepare(*options.heldout, false);
     if (judge_ && scene_.radius_only != judge_->radius_only)
@@ -74,8 +73,9 @@ public:
       name_dead_channel();
       return std::move(out_);
     }
-    noise_ = expected_noise(capture_, scene_, noise_stated_);
+    noise_ = expected_noise(worked_on(), scene_, noise_stated_);
     out_.noise_rms_v = noise_;
+    free_vtemp();
     search_causes(scene_.has_reference);
     if (offsets_moved()) {
       judge_->all.own_offsets = true;
@@ -92,7 +92,7 @@ public:
       if (found_.order.empty() || now > less * std::exchange(before, now))
         break;
       const Model known = found_.fit.model;
-      Scene again = prepare(capture_, options_.heldout == nullptr, &known);
+      Scene again = prepare(worked_on(), options_.heldout == nullptr, &known);
       if (!again.insufficient.empty())
         break;
       if (scene_.radius_only)
@@ -120,6 +120,23 @@ public:
   }
 
 private:
+  const Capture &worked_on() const { return freed_ ? *freed_ : given_; }
+
+  /// With a reference the search itself sees a supply that is not recorded; where VTEMP follows it
+  /// every temperature effect would.
+  void free_vtemp() {
+    if (!scene_.has_reference || given_.has_vdd() || !scene_.why_no_temperature.empty())
+      return;
+    search_causes(false);
+    if (found_.disturbed != Direction::supply)
+      return;
+    auto freed = with_free_vtemp(worked_on(), scene_, found_.fit.model);
+    if (!freed)
+      return;
+    freed_ = std::move(freed);
+    scene_ = prepare(*freed_, options_.heldout == nullptr);
+  }
+
   double floor() const { return std::max(noise_, scene_.white_noise_v); }
 
   void search_causes(bool thorough) {
@@ -357,7 +374,7 @@ private:
   }
 
   bool supply_is_inferred() const {
-    return found_.supply_rms_fraction > 0.0 || (with_supply_ && with_supply_->has_vdd());
+    return found_.supply_rms_fraction > 0.0 || (freed_ && freed_->has_vdd() && !given_.has_vdd());
   }
 
   void note_invisible(const Effect &effect) {
@@ -441,23 +458,23 @@ private:
 
   void add_provenance() {
     Provenance &p = out_.extended.provenance;
-    p.serial = capture_.meta.serial;
+    const Capture &capture = worked_on();
+    p.serial = capture.meta.serial;
     p.date = now_utc();
     p.method = "diagnose";
-    p.capture_identity = capture_.identity;
+    p.capture_identity = capture.identity;
     p.generator = std::string("libada4571 ") + ADA4571_VERSION_STRING;
-    p.gain_control = capture_.meta.gain_control;
+    p.gain_control = capture.meta.gain_control;
     p.fit_residual_rms_v = last_.in_sample.residual_rms_v;
     p.heldout_residual_rms_v = last_.heldout.residual_rms_v;
-    if (capture_.has_vtemp()) {
-      p.vtemp_min_v = *std::min_element(capture_.vtemp_v.begin(), capture_.vtemp_v.end());
-      p.vtemp_max_v = *std::max_element(capture_.vtemp_v.begin(), capture_.vtemp_v.end());
+    if (capture.has_vtemp()) {
+      p.vtemp_min_v = *std::min_element(capture.vtemp_v.begin(), capture.vtemp_v.end());
+      p.vtemp_max_v = *std::max_element(capture.vtemp_v.begin(), capture.vtemp_v.end());
     }
   }
 
   const Capture &given_;
-  const std::optional<Capture> with_supply_;
-  const Capture &capture_; ///< the one of both that is worked on
+  std::optional<Capture> freed_; ///< of a supply that was not recorded
   const DiagnosisOptions &options_;
   Scene scene_;
   std::optional<Scene> judge_;

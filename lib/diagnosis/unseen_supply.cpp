@@ -12,6 +12,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/fit.h"
 #include "diagnosis/spectrum.h"
 #include "motion/kinematics.h"
 
@@ -257,6 +258,22 @@ std::optional<Capture> with_unseen_supply(const Capture &capture) {
   Capture out = capture;
   for (std::size_t i = 0; i < out.size(); ++i)
     out.vtemp_v[i] /= 1.0 + supply.value[i];
+  return unrest(out.vtemp_v) < unrest(capture.vtemp_v) ? std::optional(out) : std::nullopt;
+}
+
+std::optional<Capture> with_free_vtemp(const Capture &capture, const Scene &scene,
+                                       const Model &model) {
+  if (!capture.has_vtemp() || scene.all.size() < kFewest)
+    return std::nullopt;
+  const ResidualColumns r = residual_columns(scene.all, model);
+  Capture out = capture;
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    while (k + 1 < scene.index.size() && scene.index[k] < i)
+      ++k;
+    const double s = r.model_sin[k], c = r.model_cos[k];
+    out.vtemp_v[i] /= 1.0 + (r.sin[k] * s + r.cos[k] * c) / (s * s + c * c);
+  }
   return unrest(out.vtemp_v) < unrest(capture.vtemp_v) ? std::optional(out) : std::nullopt;
 }
 

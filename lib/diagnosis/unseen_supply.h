@@ -6,6 +6,8 @@
 
 #include <optional>
 
+#include "diagnosis/observations.h"
+#include "model/model.h"
 #include "recording/capture.h"
 
 namespace ada {
@@ -16,5 +18,11 @@ namespace ada {
 /// column that it must have had. With a reference, which tells more about the pair, only VTEMP is
 /// freed of the supply. Nothing for a capture with VDD.
 std::optional<Capture> with_unseen_supply(const Capture &capture);
+
+/// VTEMP follows the supply as well. What a model leaves over along the absolute voltages is what
+/// the supply did: with a reference and a supply that the search found, VTEMP freed of it. Nothing
+/// where that does not quieten it.
+std::optional<Capture> with_free_vtemp(const Capture &capture, const Scene &scene,
+                                       const Model &model);
 
 } // namespace ada
