@@ -136,18 +136,21 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
   const std::vector<double> x0 = coordinates_of(model), h0 = coordinate_steps(model);
   std::vector<ForwardModel> forward;
   std::vector<double> step;
-  std::vector<double> moved = x0;
+  std::vector<double> moved = x0, leak; // of VCOS into VTEMP, per unit of each
+  const double leak_now = vtemp_on_vcos(model);
+  const auto add = [&](const Model &m, double h) {
+    forward.emplace_back(m, AlphaIs::reference);
+    step.push_back(h);
+    leak.push_back((vtemp_on_vcos(m) - leak_now) / h);
+  };
   for (std::size_t k = 0; k < x0.size(); ++k) {
     moved[k] += h0[k];
-    forward.emplace_back(with_coordinates(model, moved), AlphaIs::reference);
+    add(with_coordinates(model, moved), h0[k]);
     moved[k] = x0[k];
-    step.push_back(h0[k]);
   }
   for (const Variant &v : all)
-    for (std::size_t k = 0; k < v.models.size(); ++k) {
-      forward.emplace_back(v.models[k], AlphaIs::reference);
-      step.push_back(v.steps[k]);
-    }
+    for (std::size_t k = 0; k < v.models.size(); ++k)
+      add(v.models[k], v.steps[k]);
   const auto total = static_cast<Eigen::Index>(forward.size());
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(total + 1, total + 1);
   Eigen::MatrixXd rows(total + 1, 2 * kWaveBlock);
@@ -173,6 +176,13 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
         rows.leftCols(static_cast<Eigen::Index>(2 * n)));
   }
   gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+  if (data.vtemp_on_vcos_error > 0.0) {
+    // What VTEMP carries over tells effects apart that the pair cannot.
+    leak.push_back(data.vtemp_on_vcos - leak_now);
+    const double variance = gram(total, total) / (2.0 * static_cast<double>(data.size()));
+    const Eigen::Map<const Eigen::VectorXd> row(leak.data(), total + 1);
+    gram += row * row.transpose() * (variance / std::pow(data.vtemp_on_vcos_error, 2));
+  }
 
   // Take the model's own columns out of all others.
   const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();

@@ -14,13 +14,6 @@ namespace {
 
 constexpr std::size_t kBaseline = 4;
 
-double vtemp_on_vcos(const Model &model) {
-  double sum = 0.0;
-  for (const EffectInstance &e : model.effects)
-    sum += e.effect->vtemp_on_vcos(e.values);
-  return sum;
-}
-
 /// Normal equations at one point, and the sum of squares there.
 struct Normal {
   Eigen::MatrixXd matrix;
@@ -109,6 +102,13 @@ struct Scaled {
 };
 
 } // namespace
+
+double vtemp_on_vcos(const Model &model) {
+  double sum = 0.0;
+  for (const EffectInstance &e : model.effects)
+    sum += e.effect->vtemp_on_vcos(e.values);
+  return sum;
+}
 
 std::vector<double> coordinates_of(const Model &model) {
   const Baseline &b = model.baseline;

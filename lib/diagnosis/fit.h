@@ -13,6 +13,9 @@
 
 namespace ada {
 
+/// The part of VCOS that the model lets VTEMP carry over.
+double vtemp_on_vcos(const Model &model);
+
 /// All that is fitted, in one vector: A, O_sin, O_cos (V), zero (deg), then the coordinates of each
 /// effect in turn.
 std::vector<double> coordinates_of(const Model &model);

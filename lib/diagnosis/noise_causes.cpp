@@ -80,14 +80,13 @@ Pair beside(const ResidualColumns &r, std::size_t before, std::size_t after) {
   return {middle(near[0]), middle(near[1])};
 }
 
-/// Channels in which a sample stands out of those about it. Where the model misses those as well it
-/// says nothing of a single sample.
-int stands_out(double sin, double cos, const Pair &around, double noise_v) {
+/// Whether a sample stands out of those about it. Where the model misses those as well it says
+/// nothing of a single sample.
+bool stands_out(double sin, double cos, const Pair &around, double noise_v) {
   constexpr double kMissed = 4.0; // standard deviations, of the middle of four
   if (std::max(std::abs(around[0]), std::abs(around[1])) > kMissed * noise_v)
-    return 0;
-  return (std::abs(sin - around[0]) > kStandsOut * noise_v) +
-         (std::abs(cos - around[1]) > kStandsOut * noise_v);
+    return false;
+  return std::max(std::abs(sin - around[0]), std::abs(cos - around[1])) > kStandsOut * noise_v;
 }
 
 /// Spikes come at any angle. What stands out again and again at the same angles is a corner that
@@ -168,12 +167,9 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   const ResidualColumns &white = weighed.sin.empty() ? plain : weighed;
   const ResidualColumns &here = supply ? white : plain;
   const ResidualColumns &there = supply ? apart_weighed : apart;
-  // Places per channel: a disturbance on both at once counts twice.
   std::vector<std::size_t> places;
-  double flagged = 0.0;
   for (const auto *v : {&white.sin, &white.cos}) {
     find_spikes(*v, kStandsOut, noise_v, places);
-    flagged += static_cast<double>(places.size());
     for (std::size_t i : places)
       out.hit[i] = 1;
   }
@@ -185,17 +181,15 @@ Spikes spikes_against(const Scene &scene, const Model &model,
     const auto next = static_cast<std::size_t>(
         std::lower_bound(scene.index.begin(), scene.index.end(), scene.spiked_index[i]) -
         scene.index.begin());
-    const int channels = stands_out(there.sin[i], there.cos[i], beside(here, next, next), noise_v);
-    if (channels == 0)
+    if (!stands_out(there.sin[i], there.cos[i], beside(here, next, next), noise_v))
       continue;
     angles.push_back(scene.spiked.alpha[i]);
     add(apart, i, values, supply ? beside(plain, next, next) : Pair{});
-    flagged += channels;
     ++samples;
   }
   for (std::size_t i = 0; i < out.hit.size(); ++i)
     if (out.hit[i]) {
-      if (stands_out(here.sin[i], here.cos[i], beside(here, i, i + 1), noise_v) == 0) {
+      if (!stands_out(here.sin[i], here.cos[i], beside(here, i, i + 1), noise_v)) {
         out.hit[i] = 0;
         continue;
       }
@@ -211,7 +205,9 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   const double n = static_cast<double>(scene.all.size() + scene.spiked.size());
   const double hits = static_cast<double>(samples);
   // Spikes of one channel at a time leave the other at its noise.
-  const double channels = flagged > 1.5 * hits ? 2.0 : 1.0;
+  const auto flagged = std::count_if(values.begin(), values.end(),
+                                     [&](double v) { return std::abs(v) > kStandsOut * noise_v; });
+  const double channels = static_cast<double>(flagged) > 1.5 * hits ? 2.0 : 1.0;
   const double noise2 = noise_v * noise_v;
   const double square = (2.0 * mean_square(values) - (2.0 - channels) * noise2) / channels;
   out.rate = hits / n;

@@ -66,14 +66,17 @@ double least_of_noise(const Effect &effect) {
   return kLeastOfNoise;
 }
 
+/// Whether it lets VTEMP follow VCOS.
+bool leaks(const EffectInstance &e) {
+  return e.effect->vtemp_on_vcos(e.values) != 0.0;
+}
+
 /// How far the leak of VCOS into VTEMP is from what the model makes it, in standard errors.
 double leak_left(const SearchData &data, const Model &model) {
-  double leak = 0.0;
-  for (const EffectInstance &e : model.effects)
-    leak += e.effect->vtemp_on_vcos(e.values);
   const Observations &train = data.train;
-  return train.vtemp_on_vcos_error > 0.0 ? (train.vtemp_on_vcos - leak) / train.vtemp_on_vcos_error
-                                         : 0.0;
+  if (train.vtemp_on_vcos_error <= 0.0)
+    return 0.0;
+  return (train.vtemp_on_vcos - vtemp_on_vcos(model)) / train.vtemp_on_vcos_error;
 }
 
 bool leak_unexplained(const SearchData &data, const Model &model) {
@@ -183,7 +186,8 @@ double Search::reach(const Model &model, std::size_t effect) const {
 double Search::size_of(const State &with, const State &less, std::size_t effect) const {
   const double moved = reach(with.fit.model, effect);
   const EffectInstance &e = with.fit.model.effects[effect];
-  if (e.effect->vtemp_on_vcos(e.values) != 0.0 && leak_unexplained(data_, less.fit.model))
+  if (leak_unexplained(data_, less.fit.model) &&
+      (leaks(e) || !leak_unexplained(data_, with.fit.model)))
     return moved;
   return std::min(volts_explained(with, less), moved);
 }
@@ -204,12 +208,12 @@ bool Search::forward(State &now) {
     const Effect *effect;
     double worth;
   };
+  const bool unexplained = leak_unexplained(data_, now.fit.model);
   std::vector<Option> options;
   std::size_t physical = 0, signatures = 0;
   for (const Candidate &c : list) {
     // What stands beside the pair may ask for a cause that the pair alone hardly shows.
-    const bool asked_for = leak_unexplained(data_, now.fit.model) &&
-                           c.effect->vtemp_on_vcos(c.start.effects.back().values) != 0.0;
+    const bool asked_for = unexplained && leaks(c.start.effects.back());
     if (scale * c.gain / (2.0 * variance) < kLeastNats && !asked_for)
       continue;
     std::size_t &count = c.effect->info().signature ? signatures : physical;
