@@ -114,12 +114,15 @@ double radial(const Observations &data, const ResidualColumns &r, std::size_t i)
   return (r.sin[i] * s + r.cos[i] * c) / std::max(std::hypot(s, c), 1e-12);
 }
 
-/// The two samples between which the step lies, where the motion was too rough for a fit: there the
+/// Two samples between which the step lies, where the motion was too rough for a fit: there the
 /// radius still tells. `less`, `always`: the model before and after it; `from`, `to`: the ends of
 /// what is left out.
 std::array<double, 2> within_gap(const Scene &scene, const Model &less, const Model &always,
                                  double from, double to) {
   constexpr std::size_t kFewest = 20;
+  constexpr double kSpike = 8.0; // of the noise: more says no more
+  constexpr double kAlike = 2.0; // nats
+  const double most = std::pow(kSpike * scene.white_noise_v, 2);
   std::vector<std::uint32_t> inside;
   for (std::size_t i = 0; i < scene.rough.size(); ++i)
     if (scene.rough.time[i] > from && scene.rough.time[i] < to)
@@ -130,17 +133,20 @@ std::array<double, 2> within_gap(const Scene &scene, const Model &less, const Mo
   const Observations then = at_own_angle(some, less), now = at_own_angle(some, always);
   const ResidualColumns before = residual_columns(then, less),
                         after = residual_columns(now, always);
-  double sum = 0.0, least = 0.0;
-  std::size_t at = 0;
+  std::vector<double> sum{0.0}; // where the step begins after so many of them
   for (std::size_t i = 0; i < some.size(); ++i) {
     const double b = radial(then, before, i), a = radial(now, after, i);
-    sum += b * b - a * a;
-    if (sum < least) {
-      least = sum;
-      at = i + 1;
-    }
+    sum.push_back(sum.back() + std::min(b * b, most) - std::min(a * a, most));
   }
-  return {at > 0 ? some.time[at - 1] : from, at < some.size() ? some.time[at] : to};
+  // At some angles a step does not change the radius: it may have come anywhere there.
+  const double alike = *std::min_element(sum.begin(), sum.end()) +
+                       2.0 * kAlike * scene.white_noise_v * scene.white_noise_v;
+  const auto good = [&](double s) { return s <= alike; };
+  const auto first =
+      static_cast<std::size_t>(std::find_if(sum.begin(), sum.end(), good) - sum.begin());
+  const auto last =
+      static_cast<std::size_t>(sum.rend() - std::find_if(sum.rbegin(), sum.rend(), good) - 1);
+  return {first > 0 ? some.time[first - 1] : from, last < some.size() ? some.time[last] : to};
 }
 
 /// The moment that leaves the least sum of squares, with the size of the step as it is and the
