@@ -55,13 +55,15 @@ GapFit fit_gap(std::span<const double> time, std::span<const double> angle,
 Gap gap_at(std::span<const double> time, std::span<const double> angle,
            std::span<const char> usable, std::size_t at) {
   constexpr std::size_t kFirst = 16, kMost = 512;
-  constexpr double kRises = 1.1; // of the rms: the motion is no longer so simple
+  constexpr double kByChance = 3.0; // standard deviations of the rms
   Gap best;
   double least = 0.0;
   for (std::size_t side = kFirst; side <= kMost && at >= side && at + side <= angle.size();
        side *= 2) {
     const GapFit now = fit_gap(time, angle, usable, at, side);
-    if (!now.enough || (best.error > 0.0 && now.rms > kRises * least))
+    // Where the rms rises by more than chance the motion is no longer so simple.
+    const double spread = 1.0 / std::sqrt(static_cast<double>(4 * side));
+    if (!now.enough || (best.error > 0.0 && now.rms > (1.0 + kByChance * spread) * least))
       break;
     best = now.gap;
     least = now.rms;

@@ -168,7 +168,8 @@ double whole(double error, bool has_reference) {
 /// Samples lost at a jump, or 0 when it is no whole number of them in the sense of the rotation.
 /// The angle is known up to whole periods only: a loss that turns the shaft by most of one looks
 /// like a jump back. Without a reference a small one may be a slip and stays what it seems.
-double samples_lost(const Screened &look, const Jump &jump) {
+/// `believed`: the record is known to lose samples, and the number need not be seen to be whole.
+double samples_lost(const Screened &look, const Jump &jump, bool believed = false) {
   constexpr double kWidestSlip = 5.0 * kRadPerDeg;
   constexpr double kMostWraps = 3.0;
   constexpr double kFinest = 0.06, kCoarsest = 0.15; // of a sample, whatever the error says
@@ -190,7 +191,8 @@ double samples_lost(const Screened &look, const Jump &jump) {
     const double lost = seen + wraps * period / std::abs(per_frame);
     if (lost < 2.5 || lost < 6.0 * error)
       continue;
-    if (std::abs(lost - std::round(lost)) < std::max(whole(error, c.has_reference()), least))
+    if (believed ||
+        std::abs(lost - std::round(lost)) < std::max(whole(error, c.has_reference()), least))
       return lost;
   }
   return 0.0;
@@ -274,9 +276,14 @@ void mark(Screened &look, std::size_t centre, std::size_t half) {
 } // namespace
 
 bool screen_losses(Screened &look, const Effect &effect) {
+  constexpr std::ptrdiff_t kProof = 2;
   double events = 0.0, samples = 0.0;
-  for (const Jump &jump : jumps_of(look)) {
-    const double lost = samples_lost(look, jump);
+  const std::vector<Jump> jumps = jumps_of(look);
+  const bool believed = std::count_if(jumps.begin(), jumps.end(), [&](const Jump &jump) {
+                          return samples_lost(look, jump) != 0.0;
+                        }) >= kProof;
+  for (const Jump &jump : jumps) {
+    const double lost = samples_lost(look, jump, believed && jump.gap * jump.per_frame > 0.0);
     if (lost == 0.0 || (!look.capture.has_reference() && turns_deny(look, look.angle, jump)))
       continue;
     events += 1.0;
