@@ -282,8 +282,15 @@ bool screen_losses(Screened &look, const Effect &effect) {
   const bool believed = std::count_if(jumps.begin(), jumps.end(), [&](const Jump &jump) {
                           return samples_lost(look, jump) != 0.0;
                         }) >= kProof;
+  const auto seen_before = [&](const Jump &jump) {
+    constexpr std::size_t kNear = 8;
+    return std::any_of(look.lost_before.begin(), look.lost_before.end(), [&](std::size_t at) {
+      return std::max(at, jump.at) - std::min(at, jump.at) < kNear;
+    });
+  };
   for (const Jump &jump : jumps) {
-    const double lost = samples_lost(look, jump, believed && jump.gap * jump.per_frame > 0.0);
+    const bool forward = jump.gap * jump.per_frame > 0.0;
+    const double lost = samples_lost(look, jump, forward && (believed || seen_before(jump)));
     if (lost == 0.0 || (!look.capture.has_reference() && turns_deny(look, look.angle, jump)))
       continue;
     events += 1.0;

@@ -322,6 +322,9 @@ Screened screen(const Capture &capture, const Model *known, const std::vector<do
     look.angle = std::move(anew.angle);
     return look;
   }
+  for (std::size_t k = 0; k < look.jumps.size(); ++k)
+    if (look.jump_lost[k] > 0)
+      anew.lost_before.push_back(look.jumps[k]);
   look_at_record(anew);
   return anew;
 }

@@ -276,7 +276,7 @@ bool screen_spikes(Screened &look, const Effect &effect) {
 }
 
 Screened first_look(const Capture &capture) {
-  Screened look{capture, std::vector<char>(capture.size(), 1), {}, {}, {}, {}, {}, {}, 0.0};
+  Screened look{capture, std::vector<char>(capture.size(), 1), {}, {}, {}, {}, {}, {}, {}, 0.0};
   for (std::size_t i = 0; i < capture.size(); ++i)
     look.usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
   // A dead channel would spoil every other look, spikes those for jumps: they go first.

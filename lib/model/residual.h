@@ -60,12 +60,13 @@ struct ScreenFinding {
 /// A capture on its first look, and what came of it.
 struct Screened {
   const Capture &capture;
-  std::vector<char> usable;           ///< 0: a fit must not use this sample
-  std::vector<double> angle;          ///< unwrapped mechanical angle from the pair itself, rad
-  std::vector<std::size_t> jumps;     ///< first sample after each jump of the angle over time
-  std::vector<double> jump_rad;       ///< mechanical, beyond what the speed explains
-  std::vector<std::size_t> jump_lost; ///< samples lost there; 0 at a slip
-  std::vector<std::uint32_t> spikes;  ///< samples with an isolated spike, ascending
+  std::vector<char> usable;             ///< 0: a fit must not use this sample
+  std::vector<double> angle;            ///< unwrapped mechanical angle from the pair itself, rad
+  std::vector<std::size_t> jumps;       ///< first sample after each jump of the angle over time
+  std::vector<double> jump_rad;         ///< mechanical, beyond what the speed explains
+  std::vector<std::size_t> jump_lost;   ///< samples lost there; 0 at a slip
+  std::vector<std::size_t> lost_before; ///< jumps in which an earlier look saw samples lost
+  std::vector<std::uint32_t> spikes;    ///< samples with an isolated spike, ascending
   std::vector<ScreenFinding> findings;
   double white_noise_v = 0.0; ///< sample-to-sample noise of one channel
 };
