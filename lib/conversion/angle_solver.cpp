@@ -54,6 +54,7 @@ double unevenness(std::span<const double> alpha) {
 /// Columns of conditions for a capture.
 struct Columns {
   SupplyOverTime supply;
+  Derivatives of_supply{{}, {}};
   TemperatureOverTime temperature;
   Kinematics motion;
   /// `supply_fraction`: rms of the supply that the model was fitted with; 0: it does not matter.
@@ -61,8 +62,9 @@ struct Columns {
       : supply(capture), temperature(capture, supply) {
     if (supply_fraction == 0.0)
       supply.unit.clear();
-    for (double &x : supply.unit)
-      x *= supply.rms / supply_fraction;
+    for (float &x : supply.unit)
+      x *= static_cast<float>(supply.rms / supply_fraction);
+    of_supply = Derivatives(capture.time_s, supply.unit);
   }
   Conditions view(const Capture &c, double period_s) const {
     const auto data = [](const auto &v) { return v.empty() ? nullptr : v.data(); };
@@ -75,6 +77,8 @@ struct Columns {
             .temp = data(temperature.vtemp_v),
             .temp_rate = data(temperature.rate),
             .supply = data(supply.unit),
+            .supply_rate = data(of_supply.rate),
+            .supply_bend = data(of_supply.bend),
             .vtemp_scan = data(temperature.vtemp_v),
             .frame_period_s = period_s,
             .mid_shift_v = supply.mid_shift_v};
@@ -242,13 +246,14 @@ void AngleSolver::frames(std::span<const Frame> frames, std::span<ada4571_angle>
         stream_.running ? stream_.alpha + stream_.omega * dt
                         : (std::isfinite(f.reference_deg) ? f.reference_deg * kRadPerDeg : alpha);
     alpha += period * std::round((expected - alpha) / period);
-    double supply = 0.0, mid_shift_v = 0.0;
+    double mid_shift_v = 0.0;
+    float supply = 0.0f;
     if (std::isfinite(f.vdd_v)) {
       stream_.vdd_count = std::min(stream_.vdd_count + 1.0, 1e5);
       stream_.vdd_mean += (f.vdd_v - stream_.vdd_mean) / stream_.vdd_count;
       mid_shift_v = 0.5 * (stream_.vdd_mean - model_.supply_v);
       if (supply_fraction_ != 0.0)
-        supply = (f.vdd_v / stream_.vdd_mean - 1.0) / supply_fraction_;
+        supply = static_cast<float>((f.vdd_v / stream_.vdd_mean - 1.0) / supply_fraction_);
     }
     const float rate = 0.0f;
     const bool has_temp = std::isfinite(f.vtemp_v);

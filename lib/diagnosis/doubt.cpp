@@ -10,6 +10,8 @@ namespace ada {
 
 bool is_static(const Effect &effect) {
   const Stage stage = effect.info().stage;
+  if (effect.info().recorded)
+    return false;
   for (const ParameterInfo &p : effect.info().parameters)
     if (p.unit == "s" || p.unit == "Hz" || p.unit.substr(0, 2) == "V/" || p.unit == "1/V")
       return false;
@@ -40,6 +42,33 @@ Sizes sizes_at_rest(const Scene &scene, const Observations &data, const Model &m
   return out;
 }
 
+namespace {
+
+/// What the next term of the series by which a filter sees the supply would be, V rms: of the last
+/// one that is taken and the whole.
+double next_of_supply(const Observations &data, const Model &model) {
+  const auto recorded = std::find_if(model.effects.begin(), model.effects.end(),
+                                     [](const auto &e) { return e.effect->info().recorded; });
+  if (data.supply_bend.empty() || recorded == model.effects.end())
+    return 0.0;
+  Model still = model;
+  still.effects.erase(still.effects.begin() + (recorded - model.effects.begin()));
+  Observations straight = data;
+  straight.supply_bend.clear();
+  const ResidualColumns all = residual_columns(data, model);
+  const auto rms_from = [&](const ResidualColumns &other) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < data.size(); ++i)
+      sum += std::pow(all.sin[i] - other.sin[i], 2) + std::pow(all.cos[i] - other.cos[i], 2);
+    return std::sqrt(sum / (2.0 * static_cast<double>(data.size())));
+  };
+  const double whole = rms_from(residual_columns(data, still));
+  const double last = rms_from(residual_columns(straight, model));
+  return whole > 0.0 ? last * std::sqrt(std::min(1.0, last / whole)) : 0.0;
+}
+
+} // namespace
+
 double second_order(const Scene &scene, const Observations &data, const Model &model) {
   const Sizes sizes = sizes_at_rest(scene, data, model);
   double sum = sizes.own_squares;
@@ -47,7 +76,7 @@ double second_order(const Scene &scene, const Observations &data, const Model &m
     for (std::size_t b = 0; b < a; ++b)
       sum += sizes.each[a] * sizes.each[b];
   const double amplitude = model.baseline.amplitude_v;
-  return std::min(0.35 * sum / amplitude, 6e-4 * amplitude);
+  return std::min(0.35 * sum / amplitude, 6e-4 * amplitude) + next_of_supply(data, model);
 }
 
 double offsets_in_transfer(const Observations &data, const Model &m) {

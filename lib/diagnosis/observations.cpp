@@ -182,10 +182,17 @@ std::vector<double> time_with_losses(const Screened &look, double frame_period_s
   return time;
 }
 
+void take_derivatives(const std::vector<double> &time_s, Observations &data) {
+  if (data.supply.empty())
+    return;
+  Derivatives of(time_s, data.supply);
+  data.supply_rate = std::move(of.rate);
+  data.supply_bend = std::move(of.bend);
+}
+
 /// The pair's own angle with what is known of the sensor taken out, unwrapped.
 std::vector<double> corrected_angle(const Screened &look, const Model &known,
-                                    const std::vector<double> &temp,
-                                    const std::vector<double> &supply) {
+                                    const Observations &surroundings) {
   const Capture &c = look.capture;
   const Kinematics rough = differentiate(c.time_s, look.angle, 8);
   Observations every;
@@ -196,8 +203,9 @@ std::vector<double> corrected_angle(const Screened &look, const Model &known,
   every.omega = rough.omega;
   every.accel.assign(c.size(), 0.0f);
   every.direction = rough.direction;
-  every.temp = temp;
-  every.supply = supply;
+  every.temp = surroundings.temp;
+  every.supply = surroundings.supply;
+  take_derivatives(c.time_s, every);
   every.frame_period_s = median_step(c.time_s);
   every.vtemp_scanned = c.has_vtemp();
   // What no conversion corrects, a step of an offset or a tone, would bend the motion all the same.
@@ -307,8 +315,7 @@ bool put_steps_at_jumps(const Screened &look, Model &model) {
 /// The first looks at a capture. `known`: jumps are looked for once more at the angle that this
 /// model gives, as what bends the pair hides them. A step of the model's own would leave a jump
 /// there when its moment is not exact.
-Screened screen(const Capture &capture, const Model *known, const std::vector<double> &temp,
-                const std::vector<double> &supply) {
+Screened screen(const Capture &capture, const Model *known, const Observations &surroundings) {
   Screened look = first_look(capture), anew = look;
   look_at_record(look);
   if (!known || capture.has_reference())
@@ -317,7 +324,7 @@ Screened screen(const Capture &capture, const Model *known, const std::vector<do
                                  [](const EffectInstance &e) { return has_moment(*e.effect); });
   Model exact = *known;
   const bool at_jumps = steps && put_steps_at_jumps(look, exact);
-  anew.angle = corrected_angle(look, exact, temp, supply);
+  anew.angle = corrected_angle(look, exact, surroundings);
   if (steps && !at_jumps) {
     look.angle = std::move(anew.angle);
     return look;
@@ -376,6 +383,8 @@ Conditions Observations::conditions() const {
           .temp = data(temp),
           .temp_rate = data(temp_rate),
           .supply = data(supply),
+          .supply_rate = data(supply_rate),
+          .supply_bend = data(supply_bend),
           .vtemp_scan = vtemp_scanned ? data(temp) : nullptr,
           .frame_period_s = frame_period_s,
           .mid_shift_v = mid_shift_v};
@@ -416,6 +425,8 @@ template <class Data, class Act> void for_each_column(Data &data, Act act) {
   act(data.temp, &Observations::temp);
   act(data.temp_rate, &Observations::temp_rate);
   act(data.supply, &Observations::supply);
+  act(data.supply_rate, &Observations::supply_rate);
+  act(data.supply_bend, &Observations::supply_bend);
 }
 
 } // namespace
@@ -470,7 +481,7 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
     all.vtemp_on_vcos = temperature.on_vcos;
     all.vtemp_on_vcos_error = temperature.on_vcos_error;
   }
-  Screened look = screen(capture, known, all.temp, all.supply);
+  Screened look = screen(capture, known, all);
   scene.screened = look.findings;
   scene.white_noise_v = look.white_noise_v;
   if (stands_still(capture, look.white_noise_v)) {
@@ -502,6 +513,8 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   all.omega = std::move(motion.omega);
   all.accel = std::move(motion.accel);
   all.direction = std::move(motion.direction);
+  std::vector<double>().swap(look.angle); // a long capture has no memory to spare
+  take_derivatives(capture.time_s, all);
   scene.spiked = all.select(scene.spiked_index);
   scene.rough = all.select(rough);
   scene.bursts = all.select(bursts);

@@ -26,7 +26,7 @@ struct Observations {
   std::vector<signed char> direction;
   std::vector<double> temp; ///< empty without VTEMP, and so is its rate
   std::vector<float> temp_rate;
-  std::vector<double> supply; ///< empty without VDD
+  std::vector<float> supply, supply_rate, supply_bend; ///< empty without VDD
   double frame_period_s = 0.0;
   bool vtemp_scanned = false;
   /// Slope of VTEMP on VCOS: what a multiplexer would carry over. Standard error 0: not measured.

@@ -26,11 +26,11 @@
   X(quadratic_nonlinearity)                                                                        \
   X(cubic_nonlinearity)                                                                            \
   X(harmonic_distortion)                                                                           \
+  X(supply_variation)                                                                              \
   X(clipping)                                                                                      \
   X(low_pass_rolloff)                                                                              \
   X(propagation_delay)                                                                             \
   X(channel_skew)                                                                                  \
-  X(supply_variation)                                                                              \
   X(multiplexer_memory)                                                                            \
   X(periodic_interference)                                                                         \
   X(impulse_noise)                                                                                 \

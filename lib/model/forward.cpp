@@ -91,6 +91,7 @@ void ForwardModel::until_sampler(Wave &w, double delay_s, const double *shaft) c
     w.alpha[i] = a;
     w.temp[i] = w.at.temp ? w.at.temp[i] - temp_reference_v_ : 0.0;
   }
+  w.delay_s = delay_s;
   sincos_of(w.alpha, w.n, w.fy, w.fx);
   for (const Step &step : field_)
     step.effect->apply(step.values, w);

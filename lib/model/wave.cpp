@@ -24,8 +24,9 @@ std::vector<Tap> convolve(const std::vector<Tap> &a, std::span<const Tap> b) {
 Conditions Conditions::slice(std::size_t first, std::size_t count) const {
   Conditions out = *this;
   out.n = count;
-  for (const double **p :
-       {&out.time, &out.alpha, &out.omega, &out.temp, &out.supply, &out.vtemp_scan})
+  for (const double **p : {&out.time, &out.alpha, &out.omega, &out.temp, &out.vtemp_scan})
+    advance(*p, first);
+  for (const float **p : {&out.supply, &out.supply_rate, &out.supply_bend})
     advance(*p, first);
   advance(out.accel, first);
   advance(out.direction, first);

@@ -21,7 +21,9 @@ struct Conditions {
   const signed char *direction = nullptr; ///< -1 or +1, the sense of the last motion
   const double *temp = nullptr;           ///< VTEMP, V, free of noise; optional
   const float *temp_rate = nullptr;       ///< d VTEMP/dt, V/s; optional
-  const double *supply = nullptr;         ///< (VDD/mean - 1) scaled to an rms of 1; optional
+  const float *supply = nullptr;          ///< (VDD/mean - 1) scaled to an rms of 1; optional
+  const float *supply_rate = nullptr;     ///< its first derivative, 1/s; optional
+  const float *supply_bend = nullptr;     ///< its second derivative, 1/s^2; optional
   const double *vtemp_scan = nullptr; ///< VTEMP as converted before VSIN, V; nullptr: not scanned
   double frame_period_s = 0.0;
   /// How far the recorded supply, on average, moves mid-supply from where the model has it, V.
@@ -54,6 +56,7 @@ struct Wave {
     offset_s[i] += sin_v;
     offset_c[i] += cos_v;
   }
+  double delay_s = 0.0;    ///< how much earlier than sampled this copy left the sensor
   double temp[kWaveBlock]; ///< temperature of the bridge in V of VTEMP, minus the reference
 };
 

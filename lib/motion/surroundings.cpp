@@ -3,10 +3,12 @@
 
 #include "motion/surroundings.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "base/robust.h"
 #include "motion/spline.h"
 
 namespace ada {
@@ -75,7 +77,43 @@ SupplyOverTime::SupplyOverTime(const Capture &capture) {
     return;
   unit.reserve(capture.size());
   for (double v : capture.vdd_v)
-    unit.push_back((v / mean - 1.0) / rms);
+    unit.push_back(static_cast<float>((v / mean - 1.0) / rms));
+}
+
+Derivatives::Derivatives(const std::vector<double> &time_s, const std::vector<float> &value) {
+  constexpr double kReach = 1e-3; // s
+  constexpr std::size_t kLeast = 2, kMost = 1000;
+  constexpr Eigen::Index kTerms = 5;
+  const std::size_t n = value.size();
+  rate.assign(n, 0.0f);
+  bend.assign(n, 0.0f);
+  const double step = n > 2 * kLeast ? median_step(time_s) : 0.0;
+  if (!(step > 0.0))
+    return;
+  const std::size_t reach = std::min(
+      static_cast<std::size_t>(std::clamp(std::round(kReach / step), 1.0 * kLeast, 1.0 * kMost)),
+      (n - 1) / 2);
+  // Weights of the samples about a place (Savitzky and Golay).
+  const auto width = static_cast<Eigen::Index>(2 * reach + 1);
+  Eigen::MatrixXd powers(width, kTerms);
+  for (Eigen::Index i = 0; i < width; ++i) {
+    const double x = static_cast<double>(i) / static_cast<double>(reach) - 1.0;
+    for (Eigen::Index k = 0; k < kTerms; ++k)
+      powers(i, k) = k == 0 ? 1.0 : powers(i, k - 1) * x;
+  }
+  const Eigen::MatrixXd fitted =
+      (powers.transpose() * powers).ldlt().solve(powers.transpose()); // coefficients of samples
+  const double unit = step * static_cast<double>(reach);
+  for (std::size_t i = reach; i + reach < n; ++i) {
+    double first = 0.0, second = 0.0;
+    for (Eigen::Index j = 0; j < width; ++j) {
+      const double v = static_cast<double>(value[i - reach + static_cast<std::size_t>(j)]);
+      first += fitted(1, j) * v;
+      second += fitted(2, j) * v;
+    }
+    rate[i] = static_cast<float>(first / unit);
+    bend[i] = static_cast<float>(2.0 * second / (unit * unit));
+  }
 }
 
 TemperatureOverTime::TemperatureOverTime(const Capture &capture, const SupplyOverTime &supply) {

@@ -13,11 +13,18 @@ namespace ada {
 
 /// VDD over time. All zero without the channel.
 struct SupplyOverTime {
-  std::vector<double> unit; ///< (VDD/mean - 1)/rms; empty where the supply does not move
+  std::vector<float> unit;  ///< (VDD/mean - 1)/rms; empty where the supply does not move
   double mean_v = 0.0;      ///< of VDD
   double rms = 0.0;         ///< of VDD/mean - 1
   double mid_shift_v = 0.0; ///< of mid-supply from half the stated supply
   explicit SupplyOverTime(const Capture &capture);
+};
+
+/// First and second derivative over time, 1/s and 1/s^2, of a polynomial of fourth order over a
+/// millisecond on either side, or over two samples where they lie further apart. 0 at the ends.
+struct Derivatives {
+  std::vector<float> rate, bend;
+  Derivatives(const std::vector<double> &time_s, const std::vector<float> &value);
 };
 
 /// VTEMP over time as a smooth spline, freed of the supply that it follows and of what a

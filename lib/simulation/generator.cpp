@@ -25,11 +25,12 @@ double value_of(const Model &model, std::string_view id, double fallback) {
 } // namespace
 
 struct Generator::Columns {
-  std::vector<double> time, alpha, omega, temp, supply;
-  std::vector<float> accel, rate;
+  std::vector<double> time, alpha, omega, temp;
+  std::vector<float> accel, rate, supply, supply_rate, supply_bend;
   std::vector<signed char> direction;
   explicit Columns(std::size_t n)
-      : time(n), alpha(n), omega(n), temp(n), supply(n), accel(n), rate(n), direction(n) {}
+      : time(n), alpha(n), omega(n), temp(n), accel(n), rate(n), supply(n), supply_rate(n),
+        supply_bend(n), direction(n) {}
   Conditions view(double period_s, bool vtemp_scanned) const {
     return {.n = time.size(),
             .time = time.data(),
@@ -40,6 +41,8 @@ struct Generator::Columns {
             .temp = temp.data(),
             .temp_rate = rate.data(),
             .supply = supply.data(),
+            .supply_rate = supply_rate.data(),
+            .supply_bend = supply_bend.data(),
             .vtemp_scan = vtemp_scanned ? temp.data() : nullptr,
             .frame_period_s = period_s};
   }
@@ -79,8 +82,13 @@ void Generator::conditions(std::size_t count, Columns &x) {
     if (lag_s_ > 0.0)
       vtemp_ += (bridge - vtemp_) * -std::expm1(-period / lag_s_);
     // Unit rms: a slow wander and a mains ripple.
-    x.supply[i] = std::sqrt(2.0) * (0.8 * std::sin(kTwoPi * 1.3 * t + supply_phase_slow_) +
-                                    0.6 * std::sin(kTwoPi * 100.0 * t + supply_phase_fast_));
+    constexpr double kSlow = kTwoPi * 1.3, kFast = kTwoPi * 100.0;
+    const double slow = 0.8 * std::sqrt(2.0), fast = 0.6 * std::sqrt(2.0);
+    const double a = kSlow * t + supply_phase_slow_, b = kFast * t + supply_phase_fast_;
+    x.supply[i] = static_cast<float>(slow * std::sin(a) + fast * std::sin(b));
+    x.supply_rate[i] = static_cast<float>(slow * kSlow * std::cos(a) + fast * kFast * std::cos(b));
+    x.supply_bend[i] = static_cast<float>(-slow * kSlow * kSlow * std::sin(a) -
+                                          fast * kFast * kFast * std::sin(b));
   }
 }
 
@@ -117,11 +125,12 @@ Capture Generator::next(std::size_t count) {
   std::normal_distribution<double> normal;
   if (options_.has_vtemp)
     for (std::size_t i = 0; i < count; ++i)
-      capture.vtemp_v.push_back(x.temp[i] * (1.0 + supply_rms_ * x.supply[i]) +
+      capture.vtemp_v.push_back(x.temp[i] * (1.0 + supply_rms_ * static_cast<double>(x.supply[i])) +
                                 kVtempNoiseV * normal(rng_));
   if (options_.has_vdd)
     for (std::size_t i = 0; i < count; ++i)
-      capture.vdd_v.push_back(model_.supply_v * (1.0 + supply_rms_ * x.supply[i]) +
+      capture.vdd_v.push_back(model_.supply_v *
+                                  (1.0 + supply_rms_ * static_cast<double>(x.supply[i])) +
                               kVddNoiseV * normal(rng_));
   if (options_.has_reference)
     for (std::size_t i = 0; i < count; ++i)

@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 //
 // VDD moves and the converter's reference does not: both outputs scale with VDD(t)/mean. The wave
-// form comes from the VDD channel; `rms_fraction` is its rms.
+// form comes from the VDD channel; `rms_fraction` is its rms. What a filter or a delay lets through
+// left the sensor earlier: VDD then, by its first two derivatives.
 
 #include "model/effects/common.h"
 
@@ -15,7 +16,7 @@ constexpr std::array<ParameterInfo, 1> kParameters{
 constexpr EffectInfo kInfo{.id = "supply-variation",
                            .cause = "The supply moves while the converter's reference does not, "
                                     "and both outputs follow the supply.",
-                           .stage = Stage::converter,
+                           .stage = Stage::chain,
                            .parameters = kParameters,
                            .correctable = true,
                            .recorded = true};
@@ -26,10 +27,16 @@ public:
   void apply(Values v, Wave &w) const override {
     if (w.at.supply == nullptr)
       return;
+    const double d = w.delay_s;
     for (std::size_t i = 0; i < w.n; ++i) {
-      const double gain = 1.0 + v[0] * w.at.supply[i];
-      w.s[i] *= gain;
-      w.c[i] *= gain;
+      double then = static_cast<double>(w.at.supply[i]);
+      if (d != 0.0 && w.at.supply_rate)
+        then -= d * static_cast<double>(w.at.supply_rate[i]);
+      if (d != 0.0 && w.at.supply_bend)
+        then += 0.5 * d * d * static_cast<double>(w.at.supply_bend[i]);
+      const double more = v[0] * then;
+      w.s[i] += more * (w.s[i] + w.mid_v);
+      w.c[i] += more * (w.c[i] + w.mid_v);
     }
   }
   std::string invisible(const Residual &r) const override {
