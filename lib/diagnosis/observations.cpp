@@ -316,10 +316,13 @@ bool put_steps_at_jumps(const Screened &look, Model &model) {
 /// model gives, as what bends the pair hides them. A step of the model's own would leave a jump
 /// there when its moment is not exact.
 Screened screen(const Capture &capture, const Model *known, const Observations &surroundings) {
-  Screened look = first_look(capture), anew = look;
-  look_at_record(look);
-  if (!known || capture.has_reference())
+  Screened look = first_look(capture);
+  if (!known || capture.has_reference()) {
+    look_at_record(look);
     return look;
+  }
+  Screened anew = look;
+  look_at_record(look);
   const bool steps = std::any_of(known->effects.begin(), known->effects.end(),
                                  [](const EffectInstance &e) { return has_moment(*e.effect); });
   Model exact = *known;
