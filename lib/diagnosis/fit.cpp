@@ -286,6 +286,24 @@ ResidualColumns residual_columns(const Observations &data, const Model &model) {
   return out;
 }
 
+ResidualColumns residuals_alone(const Observations &data, const Model &model) {
+  ResidualColumns out;
+  out.sin.resize(data.size());
+  out.cos.resize(data.size());
+  const ForwardModel forward(model, AlphaIs::reference);
+  const Conditions all = data.conditions();
+  std::array<double, kWaveBlock> s, c;
+  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
+    const std::size_t n = std::min(kWaveBlock, data.size() - first);
+    forward.evaluate(all.slice(first, n), s.data(), c.data());
+    for (std::size_t i = 0; i < n; ++i) {
+      out.sin[first + i] = data.vsin[first + i] - s[i];
+      out.cos[first + i] = data.vcos[first + i] - c[i];
+    }
+  }
+  return out;
+}
+
 Observations at_own_angle(Observations data, const Model &model) {
   for (int pass = 0; pass < 2; ++pass) {
     const ResidualColumns r = residual_columns(data, model);

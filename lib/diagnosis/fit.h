@@ -49,6 +49,8 @@ struct ResidualColumns {
   std::vector<double> sin, cos, model_sin, model_cos;
 };
 ResidualColumns residual_columns(const Observations &data, const Model &model);
+/// The same without the model's own columns: a long capture has no memory to spare.
+ResidualColumns residuals_alone(const Observations &data, const Model &model);
 
 /// The data with the angle of each sample moved to where the pair itself sees it, so that what is
 /// left of the residual lies along the radius. Without a reference only that is no matter of the

@@ -153,17 +153,15 @@ Spikes spikes_against(const Scene &scene, const Model &model,
                       const std::vector<std::uint32_t> &heldout, double noise_v) {
   Spikes out;
   out.hit.assign(scene.all.size(), 0);
-  ResidualColumns plain = residual_columns(scene.all, model);
+  const ResidualColumns plain = residuals_alone(scene.all, model);
   const ResidualColumns apart = residual_columns(scene.spiked, model);
   ResidualColumns weighed, apart_weighed;
   if (scene.all.weight_along != 1.0)
-    weighed = whitened(scene.all, plain);
+    weighed = whitened(scene.all, residual_columns(scene.all, model));
   // A supply that is not recorded moves the neighbours as well, and is taken off.
   const bool supply = scene.all.disturbed == Direction::supply && scene.all.weight_along != 1.0;
   if (supply)
     apart_weighed = whitened(scene.spiked, apart);
-  for (auto *unused : {&plain.model_sin, &plain.model_cos})
-    std::vector<double>().swap(*unused); // a long capture has no memory to spare
   const ResidualColumns &white = weighed.sin.empty() ? plain : weighed;
   const ResidualColumns &here = supply ? white : plain;
   const ResidualColumns &there = supply ? apart_weighed : apart;
