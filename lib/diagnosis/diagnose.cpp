@@ -374,7 +374,8 @@ private:
   }
 
   bool supply_is_inferred() const {
-    return found_.supply_rms_fraction > 0.0 || (freed_ && freed_->has_vdd() && !given_.has_vdd());
+    return found_.supply_rms_fraction > 0.0 || (freed_ && freed_->has_vdd() && !given_.has_vdd() &&
+                                                has(out_.extended, "supply-variation"));
   }
 
   void note_invisible(const Effect &effect) {

@@ -26,6 +26,9 @@ constexpr double kAboveNoise = 2.0; ///< the radius must move at least so much
 constexpr double kExplained = 0.4;  ///< of its rms that may be left over
 constexpr double kBetter = 1.4;     ///< times less left over than any rival leaves
 
+/// Radial part of one volt per volt of a supply, a gain, the offset of VSIN, the offset of VCOS.
+using Shape = std::array<std::vector<double>, 4>;
+
 /// Radius of the pair about its middle, freed of what repeats with the electrical angle.
 struct Radius {
   std::vector<double> angle; ///< unwrapped, electrical
@@ -183,15 +186,35 @@ double frequency_of(const Capture &c, const Radius &r, const std::vector<double>
   return best;
 }
 
+/// A supply that is slow against the rotation accounts for most of what the radius does, and far
+/// better than a gain or an offset that wander. What it does per sample, of itself; empty when it
+/// does not.
+std::vector<double> wandering_supply(const Radius &r, const Shape &shape) {
+  const double whole = rms(r.off);
+  if (whole < kAboveNoise * noise_between(r.off))
+    return {};
+  const std::vector<std::size_t> quarter = quarter_period_ends(r.angle);
+  Slow supply = slow_part(r, shape[0], quarter);
+  if (supply.left_v > kExplained * whole)
+    return {};
+  for (std::size_t k = 1; k < shape.size(); ++k)
+    if (slow_part(r, shape[k], quarter).left_v < kBetter * supply.left_v)
+      return {};
+  return std::move(supply.value);
+}
+
 /// A supply that swings at one frequency moves the radius by what no tone on the channels, with
-/// twice as many numbers to choose, and no swing of the gain or of an offset does. `shape` as in
-/// with_unseen_supply; the swing per sample, empty when there is none.
-std::vector<double> swinging_supply(const Capture &c, const Radius &r,
-                                    const std::array<std::vector<double>, 4> &shape) {
+/// twice as many numbers to choose, and no swing of the gain or of an offset does. The swing per
+/// sample, of itself; empty when there is none.
+std::vector<double> swinging_supply(const Capture &c, const Radius &r, const Shape &shape) {
   constexpr double kStandsOut = 100.0; ///< nats, of the radius as it is
   constexpr double kMore = 1.2;        ///< times as much explained as by any rival
+  constexpr double kSlower = 0.25;     ///< than the electrical angle: that would be a wander
   const double hz = frequency_of(c, r, shape[0]);
-  if (hz <= 0.0)
+  double travel = 0.0;
+  for (std::size_t i = 1; i < r.angle.size(); ++i)
+    travel += std::abs(r.angle[i] - r.angle[i - 1]) / kTwoPi;
+  if (hz <= kSlower * travel / (c.time_s.back() - c.time_s.front()))
     return {};
   const Swing supply = swing_at(r, c.time_s, {&shape[0]}, hz);
   const double whole = rms(r.off);
@@ -229,11 +252,9 @@ std::optional<Capture> with_unseen_supply(const Capture &capture) {
       (capture.has_reference() && !capture.has_vtemp()))
     return std::nullopt;
   const Radius radius = radius_of(capture);
-  const double whole = rms(radius.off);
-  if (whole > kMostOfAmplitude * radius.amplitude)
+  if (rms(radius.off) > kMostOfAmplitude * radius.amplitude)
     return std::nullopt;
-  // Radial part of one volt per volt of each disturbance.
-  std::array<std::vector<double>, 4> shape; // supply; gain, offset of VSIN, offset of VCOS
+  Shape shape;
   for (double a : radius.angle) {
     const double s = std::sin(a), c = std::cos(a);
     shape[0].push_back(radius.middle_sin * s + radius.middle_cos * c + radius.amplitude);
@@ -241,23 +262,17 @@ std::optional<Capture> with_unseen_supply(const Capture &capture) {
     shape[2].push_back(s);
     shape[3].push_back(c);
   }
-  if (!capture.has_reference())
-    if (const std::vector<double> swing = swinging_supply(capture, radius, shape); !swing.empty())
-      return with_vdd(capture, swing);
-  if (whole < kAboveNoise * noise_between(radius.off))
+  std::vector<double> supply = wandering_supply(radius, shape);
+  if (!capture.has_reference()) {
+    if (supply.empty())
+      supply = swinging_supply(capture, radius, shape);
+    return supply.empty() ? std::nullopt : std::optional(with_vdd(capture, supply));
+  }
+  if (supply.empty())
     return std::nullopt;
-  const std::vector<std::size_t> quarter = quarter_period_ends(radius.angle);
-  const Slow supply = slow_part(radius, shape[0], quarter);
-  if (supply.left_v > kExplained * whole)
-    return std::nullopt;
-  for (std::size_t k = 1; k < shape.size(); ++k)
-    if (slow_part(radius, shape[k], quarter).left_v < kBetter * supply.left_v)
-      return std::nullopt;
-  if (!capture.has_reference())
-    return with_vdd(capture, supply.value);
   Capture out = capture;
   for (std::size_t i = 0; i < out.size(); ++i)
-    out.vtemp_v[i] /= 1.0 + supply.value[i];
+    out.vtemp_v[i] /= 1.0 + supply[i];
   return unrest(out.vtemp_v) < unrest(capture.vtemp_v) ? std::optional(out) : std::nullopt;
 }
 
