@@ -35,6 +35,9 @@ constexpr std::size_t kMostShaken = 6; ///< beyond so many the work grows too lo
 /// Two causes this correlated are one and the same in the data: both together would cancel each
 /// other at sizes that mean nothing.
 constexpr double kEntangled = 0.995;
+/// ... unless far more is gained than by chance: two lags at two speeds are told apart, if only
+/// just.
+constexpr double kNearlyOne = 0.999, kFarMoreNats = 1000.0;
 /// A rival that comes this close cannot be rejected.
 constexpr double kRivalNats = 8.0;
 /// What a cause leaves over of the one that yields to it, as a part of what either explains.
@@ -227,7 +230,9 @@ bool Search::forward(State &now) {
     if (has_moment(*c.effect) && !begins_at_once(*data_.scene, state.fit.model, last))
       continue;
     const double worth = state.score - now.score - price(c.start.effects.back());
-    if (worth < kLeastNats || entanglement(state.fit, last, given_) > kEntangled)
+    const bool clear = worth > kFarMoreNats && !c.effect->info().signature;
+    if (worth < kLeastNats ||
+        entanglement(state.fit, last, given_) > (clear ? kNearlyOne : kEntangled))
       continue;
     const double size = size_of(state, now, last);
     if (size < least_of_noise(*c.effect) * noise_v_ || size < allowance)
