@@ -404,27 +404,36 @@ private:
       if (spikes_ && spikes_->values[1] < 15.0 * rms_of_all())
         withdraw(spikes_);
     }
+    constexpr int kMost = 3; // with one gone another may be worth less
+    for (int pass = 0; pass < kMost && drop_little(); ++pass)
+      ;
+  }
+
+  /// Drops what explains little; false when nothing does.
+  bool drop_little() {
+    constexpr double kLeastOfNoise = 0.06;
     double left = supply_is_inferred() ? 2.0 * out_.unexplained_rms_v : 0.0;
     for (const Structure &s : out_.structure)
       left = std::max(left, s.rms_v);
+    // What follows a supply a little way gains where it was looked for, and nowhere else.
+    const double least = ladder_.supply ? kLeastOfNoise * floor() : 0.0;
     std::vector<std::size_t> small;
     for (std::size_t i = 0; i < ladder_.findings.size(); ++i) {
       const double before = ladder_.findings[i].before.heldout.residual_rms_v;
       const double after = ladder_.findings[i].after.heldout.residual_rms_v;
-      // What follows a supply a little way gains where it was looked for, and nowhere else.
-      const bool followed = ladder_.supply && after > before;
-      const bool little =
-          left > 0.0 && before != after && before * before - after * after < 4.0 * left * left;
-      if (followed || little)
+      const double gain = before * before - after * after;
+      if ((ladder_.supply && gain < least * least) ||
+          (left > 0.0 && before != after && gain < 4.0 * left * left))
         small.push_back(i);
     }
     if (small.empty())
-      return;
+      return false;
     for (std::size_t i : std::vector(small.rbegin(), small.rend()))
       found_.forget(i);
     take(build_ladder(parts_, found_));
     out_.structure.clear();
     look_at_leftovers();
+    return true;
   }
 
   /// Puts the parts together.

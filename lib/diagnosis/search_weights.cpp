@@ -5,8 +5,10 @@
 // absolute voltages, a motion that is known from the pair alone moves them along the circle.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "base/angle.h"
 #include "base/robust.h"
 #include "diagnosis/search.h"
 
@@ -19,6 +21,9 @@ constexpr double kShareInSearch = 0.15;
 /// A supply turns with the absolute voltages. Where a fixed direction leaves no more than this over
 /// of what lies across them, it may as well be an offset that wanders.
 constexpr double kTurns = 1.02;
+/// A supply knows nothing of the angle. Where more of it comes again every turn it is something
+/// else.
+constexpr double kRepeats = 0.5;
 
 } // namespace
 
@@ -26,7 +31,9 @@ constexpr double kTurns = 1.02;
 /// not recorded moves both outputs.
 Search::AlongSupply Search::along_supply(const State &now) const {
   const ResidualColumns r = residual_columns(data_.train, now.fit.model);
-  AlongSupply out{0.0, 0.0, 0.0, 0.0};
+  constexpr std::size_t kBins = 36;
+  std::array<double, kBins> sum{}, count{};
+  AlongSupply out{0.0, 0.0, 0.0, 0.0, 0.0};
   double ss = 0.0, sc = 0.0, cc = 0.0;
   // Spikes are no supply: what lies too far across is one.
   constexpr double kStandsOut = 6.0;
@@ -43,6 +50,10 @@ Search::AlongSupply Search::along_supply(const State &now) const {
     const double vs = r.model_sin[i], vc = r.model_cos[i];
     const double l2 = vs * vs + vc * vc;
     const double a = (r.sin[i] * vs + r.cos[i] * vc), b = (r.sin[i] * vc - r.cos[i] * vs);
+    const double turn = wrap(data_.train.alpha[i], kTwoPi) / kTwoPi * static_cast<double>(kBins);
+    const std::size_t bin = std::min(kBins - 1, static_cast<std::size_t>(turn));
+    sum[bin] += a / std::sqrt(l2);
+    count[bin] += 1.0;
     out.along += a * a / l2;
     out.across += b * b / l2;
     out.length2 += l2;
@@ -50,6 +61,9 @@ Search::AlongSupply Search::along_supply(const State &now) const {
     sc += r.sin[i] * r.cos[i];
     cc += r.cos[i] * r.cos[i];
   }
+  for (std::size_t b = 0; b < kBins; ++b)
+    out.repeats += count[b] > 0.0 ? sum[b] * sum[b] / count[b] : 0.0;
+  out.repeats /= std::max(out.along, 1e-300);
   out.along /= n;
   out.across /= n;
   out.length2 /= n;
@@ -82,7 +96,8 @@ bool Search::notice_supply(State &now) {
   const double noise2 = noise_v_ * noise_v_;
   AlongSupply part = along_supply(now);
   if (part.along < 1.5 * noise2 || part.along < 1.3 * part.across ||
-      part.along - part.across < 0.5 * noise2 || part.fixed < kTurns * part.across)
+      part.along - part.across < 0.5 * noise2 || part.fixed < kTurns * part.across ||
+      part.repeats > kRepeats)
     return false;
   const State before = now;
   part = weigh_supply(now, kShareInSearch);
@@ -105,7 +120,7 @@ bool Search::doubt_supply(State &now) {
   if (data_.scene->has_reference) {
     const AlongSupply part = weigh_supply(now, 1.0);
     if (part.across < 1.6 * noise2 && part.along - part.across > 0.5 * noise2 &&
-        part.fixed > kTurns * part.across) {
+        part.fixed > kTurns * part.across && part.repeats < kRepeats) {
       supply_rms_fraction_ = std::sqrt((part.along - part.across) / part.length2);
       return false;
     }
@@ -187,7 +202,8 @@ void Search::settle_supply(State &now) {
     return;
   const AlongSupply part = weigh_supply(now, 1.0);
   const double more = part.along - part.across;
-  supply_rms_fraction_ = more > 0.5 * noise_v_ * noise_v_ && part.fixed > kTurns * part.across
+  supply_rms_fraction_ = more > 0.5 * noise_v_ * noise_v_ && part.fixed > kTurns * part.across &&
+                                 part.repeats < kRepeats
                              ? std::sqrt(more / part.length2)
                              : 0.0;
   if (supply_rms_fraction_ == 0.0)
