@@ -57,9 +57,10 @@ void describe_capture(const Capture &capture, const Scene &scene, Diagnosis &d) 
 /// The parts of a diagnosis that work on one pair of training and held-out data.
 class Work {
 public:
-  Work(const Capture &capture, const DiagnosisOptions &options)
-      : given_(capture), freed_(with_unseen_supply(capture)), options_(options),
-        scene_(prepare(worked_on(), options.heldout == nullptr)) {
+  /// `guess`: a supply that is not recorded may be read off the radius first.
+  Work(const Capture &capture, const DiagnosisOptions &options, bool guess)
+      : given_(capture), freed_(guess ? with_unseen_supply(capture) : std::nullopt),
+        options_(options), scene_(prepare(worked_on(), options.heldout == nullptr)) {
     if (options.heldout)
       judge_ = prepare(*options.heldout, false);
     if (judge_ && scene_.radius_only != judge_->radius_only)
@@ -71,7 +72,7 @@ public:
     out_.baseline_name = options_.baseline_name;
     if (!usable()) {
       name_dead_channel();
-      return std::move(out_);
+      return out_;
     }
     noise_ = expected_noise(worked_on(), scene_, noise_stated_);
     out_.noise_rms_v = noise_;
@@ -116,7 +117,13 @@ public:
     look_at_leftovers();
     drop_doubtful();
     conclude();
-    return std::move(out_);
+    return out_;
+  }
+
+  /// Whether a supply was read off the radius that the search then did not confirm.
+  bool guessed_in_vain() const {
+    return freed_ && freed_->has_vdd() && !given_.has_vdd() &&
+           !has(out_.extended, "supply-variation");
   }
 
 private:
@@ -522,7 +529,13 @@ std::string_view verdict_name(Verdict verdict) {
 }
 
 Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &options) {
-  return Work(capture, options).run();
+  {
+    Work work(capture, options, true);
+    Diagnosis out = work.run();
+    if (!work.guessed_in_vain())
+      return out;
+  }
+  return Work(capture, options, false).run();
 }
 
 } // namespace ada
