@@ -29,4 +29,19 @@ std::vector<std::size_t> standing_out(std::span<const double> x, double threshol
   return places;
 }
 
+double converter_step(const std::vector<double> &values) {
+  constexpr std::size_t kLookedAt = 20000;
+  constexpr double kNone = 1e-8; ///< V, rounding of the record
+  std::vector<double> sorted(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                                  values.size(), kLookedAt)));
+  std::sort(sorted.begin(), sorted.end());
+  double step = 0.0;
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    const double gap = sorted[i] - sorted[i - 1];
+    if (gap > kNone && (step == 0.0 || gap < step))
+      step = gap;
+  }
+  return step;
+}
+
 } // namespace ada

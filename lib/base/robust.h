@@ -60,4 +60,7 @@ inline double median_step(std::span<const double> time) {
   return quantile(std::move(dt), 0.5);
 }
 
+/// The step of the converter as its values show it, in their unit; 0 when they show none.
+double converter_step(const std::vector<double> &values);
+
 } // namespace ada

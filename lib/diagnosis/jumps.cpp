@@ -109,28 +109,45 @@ bool stays(const Screened &look, const std::vector<double> &angle, const Jump &j
   return std::abs(gap - jump.gap) < 0.5 * std::abs(jump.gap) + 4.0 * jump.error;
 }
 
+/// Every place of a record as a possible jump.
+struct Places {
+  std::vector<double> gaps, speeds, bends; ///< rad, rad/s, rad; 0 where nothing can be said
+  double sigma = 0.0;                      ///< spread of the gaps; 0: none was measured
+};
+
+Places measure(const Screened &look, const std::vector<double> &angle, std::size_t side) {
+  const std::size_t n = angle.size();
+  const double frame = median_step(look.capture.time_s);
+  Places out;
+  for (auto *v : {&out.gaps, &out.speeds, &out.bends})
+    v->assign(n, 0.0);
+  std::vector<double> sizes;
+  for (std::size_t i = side; i + side <= n; ++i) {
+    const Meeting lines = lines_meet(look, angle, i, side);
+    out.speeds[i] = 0.5 * (lines.before + lines.after);
+    // The edge of a jump may pass for a spike; a stretch without samples says nothing.
+    if (lines.fewest < 0.75 * static_cast<double>(side))
+      continue;
+    out.gaps[i] = lines.gap;
+    out.bends[i] = std::abs(lines.after - lines.before) * static_cast<double>(side) * frame;
+    sizes.push_back(std::abs(lines.gap));
+  }
+  if (!sizes.empty())
+    out.sigma = 1.4826 * quantile(std::move(sizes), 0.5);
+  return out;
+}
+
 std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &angle,
                              std::size_t side, double floor_rad) {
-  const std::vector<double> &t = look.capture.time_s;
   const std::size_t n = angle.size();
   std::vector<Jump> all;
   if (n < 4 * side)
     return all;
-  const double frame = median_step(t);
-  std::vector<double> gaps(n, 0.0), speeds(n, 0.0), bends(n, 0.0), size;
-  for (std::size_t i = side; i + side <= n; ++i) {
-    const Meeting lines = lines_meet(look, angle, i, side);
-    speeds[i] = 0.5 * (lines.before + lines.after);
-    // The edge of a jump may pass for a spike; a stretch without samples says nothing.
-    if (lines.fewest < 0.75 * static_cast<double>(side))
-      continue;
-    gaps[i] = lines.gap;
-    bends[i] = std::abs(lines.after - lines.before) * static_cast<double>(side) * frame;
-    size.push_back(std::abs(gaps[i]));
-  }
-  if (size.empty())
-    return all;
-  const double sigma = std::max(1.4826 * quantile(std::move(size), 0.5), floor_rad);
+  const double frame = median_step(look.capture.time_s);
+  Places places = measure(look, angle, side);
+  std::vector<double> &gaps = places.gaps;
+  const std::vector<double> &speeds = places.speeds, &bends = places.bends;
+  const double sigma = std::max(places.sigma, floor_rad);
   // A kink, such as a sudden reversal, is a change of speed and no jump. At rest there is always
   // some, of the noise.
   for (std::size_t i = side; i + side <= n; ++i)

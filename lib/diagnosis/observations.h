@@ -67,6 +67,8 @@ struct Scene {
   double turns = 0.0, fastest_omega = 0.0;
   double vtemp_mean_v = 0.0, supply_rms = 0.0;
   double white_noise_v = 0.0; ///< from sample to sample, one channel
+  /// Step of a converter that stands so far above the noise that its error is none; otherwise 0.
+  double coarse_step_v = 0.0;
   /// Order-1 ripple of the reference against smooth time, rad, and its standard error; the error
   /// is 0 without a reference.
   double reference_cos = 0.0, reference_sin = 0.0, reference_ripple_error = 0.0;

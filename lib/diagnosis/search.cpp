@@ -201,8 +201,15 @@ Search::State Search::without(const State &now, std::size_t effect) const {
   return evaluate(model, 4);
 }
 
+/// What an effect must explain beyond what is not known to second order, V rms: a coarse
+/// converter's error is no noise, and looks like a little of many effects.
+double Search::doubt_v(const Model &model) const {
+  constexpr double kOfStep = 0.1;
+  return std::max(second_order(*data_.scene, quick_, model), kOfStep * data_.scene->coarse_step_v);
+}
+
 bool Search::forward(State &now) {
-  const double allowance = second_order(*data_.scene, quick_, now.fit.model);
+  const double allowance = doubt_v(now.fit.model);
   const std::vector<Candidate> list = candidates(*data_.scene, quick_, now.fit.model, false);
   const double scale = static_cast<double>(data_.train.size()) / static_cast<double>(quick_.size());
   const double variance = now.fit.rss / (2.0 * static_cast<double>(data_.train.size()));
@@ -275,7 +282,7 @@ bool Search::backward(State &now) {
     const Effect &effect = *now.fit.model.effects[k].effect;
     const double size = size_of(now, less, k);
     const bool worth_it = worth > kLeastNats && size > least_of_noise(effect) * noise_v_ &&
-                          size > second_order(*data_.scene, quick_, less.fit.model);
+                          size > doubt_v(less.fit.model);
     if (worth_it)
       continue;
     now = std::move(less);

@@ -56,6 +56,7 @@ private:
   State evaluate(const Model &start, int iterations = 6) const;
   double log_likelihood(const FitResult &fit, double heldout) const;
   void progress(const char *what);
+  double doubt_v(const Model &model) const;
   bool forward(State &now);
   void climb(State &now);
   void choose(State &now, std::size_t effect) const;

@@ -105,22 +105,6 @@ void report_bins(const Components &parts, const std::vector<int> &bin, int bins,
                    strongest.rms_v});
 }
 
-/// The step of the converter, V, as the values show it; 0 when they show none.
-double step_of(const std::vector<double> &values) {
-  constexpr std::size_t kLookedAt = 20000;
-  constexpr double kNone = 1e-8; ///< V, rounding of the record
-  std::vector<double> sorted(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(std::min(
-                                                                  values.size(), kLookedAt)));
-  std::sort(sorted.begin(), sorted.end());
-  double step = 0.0;
-  for (std::size_t i = 1; i < sorted.size(); ++i) {
-    const double gap = sorted[i] - sorted[i - 1];
-    if (gap > kNone && (step == 0.0 || gap < step))
-      step = gap;
-  }
-  return step;
-}
-
 /// A converter whose steps are uneven errs with the level of a channel, finer than any bin of the
 /// angle: means over narrow bins of the modelled level (the measured one carries the noise along),
 /// none so narrow that an even converter's own steps show.
@@ -137,7 +121,7 @@ void report_levels(const Observations &data, const ResidualColumns &residual,
   const auto look = [&](const std::vector<double> &level, const std::vector<double> &measured,
                         const std::vector<double> &component, const char *name) {
     const auto [low, high] = std::minmax_element(level.begin(), level.end());
-    const double span = *high - *low, step = step_of(measured);
+    const double span = *high - *low, step = converter_step(measured);
     BinTest strongest{0.0, 0.0};
     double width = 0.0;
     std::vector<int> bin(level.size());

@@ -111,5 +111,55 @@ TEST_F(Leftovers, nothing_is_left_over_of_two_speeds_alone) {
   EXPECT_EQ(d.verdict, Verdict::no_discrepancy);
 }
 
+/// A converter that misses codes: every `period`-th stretch of its range comes out at its end.
+TEST_F(Leftovers, uneven_steps_of_a_converter_live_along_the_level) {
+  constexpr double kStep = 5.0 / 65536.0, kPeriod = 256.0;
+  const double missing = std::uniform_real_distribution<>(40.0, 90.0)(rng_);
+  Drive drive;
+  drive.samples = 40000;
+  Capture c = capture_of(sound_sensor(), drive, rng_);
+  for (auto *channel : {&c.vsin_v, &c.vcos_v})
+    for (double &v : *channel) {
+      const double code = std::round(v / kStep), rest = std::fmod(code, kPeriod);
+      v = kStep * (rest > kPeriod - missing ? code - rest + kPeriod : code);
+    }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_TRUE(says(d, "errs with its own level"));
+  EXPECT_TRUE(d.findings.empty());
+  EXPECT_EQ(d.verdict, Verdict::unexplained);
+}
+
+TEST_F(Leftovers, an_even_converter_is_no_structure) {
+  Drive drive;
+  drive.samples = 40000;
+  drive.noise_v = 1e-4; // far below its step
+  Capture c = capture_of(sound_sensor(), drive, rng_);
+  const int bits = std::uniform_int_distribution<>(10, 13)(rng_);
+  const double step = 5.0 / std::exp2(bits);
+  for (auto *channel : {&c.vsin_v, &c.vcos_v})
+    for (double &v : *channel)
+      v = step * std::round(v / step);
+  c.meta.adc_bits = bits;
+  c.meta.adc_reference_v = 5.0;
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_FALSE(says(d, "errs with its own level")) << bits << " bits";
+  EXPECT_TRUE(d.findings.empty());
+}
+
+TEST_F(Leftovers, a_channel_that_died_is_named_however_little_is_left) {
+  for (double turns : {4.0, 1.5}) {
+    Drive drive;
+    drive.slow_rpm = drive.fast_rpm = 600.0;
+    drive.turns_back = false;
+    Capture c = capture_of(sound_sensor(), drive, rng_);
+    const auto dead = static_cast<std::size_t>(turns / 10.0 * drive.rate_hz);
+    std::fill(c.vsin_v.begin() + static_cast<std::ptrdiff_t>(dead), c.vsin_v.end(), 2.5);
+    const Diagnosis d = diagnose(c, {});
+    ASSERT_EQ(d.findings.size(), 1u) << turns;
+    EXPECT_EQ(d.findings[0].effect->info().id, "stuck-channel");
+    EXPECT_EQ(d.verdict, turns > 3.0 ? Verdict::explained : Verdict::insufficient_data);
+  }
+}
+
 } // namespace
 } // namespace ada::test

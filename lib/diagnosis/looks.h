@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The first looks at a capture, at the angle of the pair as it is and, once something is known of
+// the sensor, at the angle that it then gives.
+#pragma once
+
+#include "diagnosis/observations.h"
+#include "diagnosis/screening.h"
+
+namespace ada {
+
+/// `known`: jumps are looked for once more at the angle that this model gives, as what bends the
+/// pair hides them. A step of the model's own would leave a jump there when its moment is not
+/// exact. `surroundings`: temperature and supply of every sample of the capture.
+Screened screen(const Capture &capture, const Model *known, const Observations &surroundings);
+
+/// The time column with the samples put back that it does not know to be lost: a tone went on while
+/// they were.
+std::vector<double> time_with_losses(const Screened &look, double frame_period_s);
+
+/// Rate and bend of the supply, for a capture that has one.
+void take_derivatives(const std::vector<double> &time_s, Observations &data);
+
+} // namespace ada
