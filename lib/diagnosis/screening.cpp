@@ -241,11 +241,8 @@ bool screen_spikes(Screened &look, const Effect &effect) {
     std::vector<std::size_t> places, standing;
     find_spikes(residual, 8.0, look.white_noise_v, places);
     find_spikes(beside, 6.0, 1.4 * look.white_noise_v, standing);
-    // Beside a larger one a spike does not stand out of its neighbours, but of the harmonics.
     std::erase_if(places, [&](std::size_t i) {
-      const std::size_t reach = c.has_reference() ? 2 : 0;
-      const auto near = std::lower_bound(standing.begin(), standing.end(), i - std::min(i, reach));
-      return near == standing.end() || *near > i + reach;
+      return !std::binary_search(standing.begin(), standing.end(), i);
     });
     for (std::size_t i : places) {
       if (!look.usable[i])
