@@ -411,17 +411,19 @@ private:
       if (spikes_ && spikes_->values[1] < 15.0 * rms_of_all())
         withdraw(spikes_);
     }
-    constexpr int kMost = 3; // with one gone another may be worth less
-    for (int pass = 0; pass < kMost && drop_little(); ++pass)
-      ;
-  }
-
-  /// Drops what explains little; false when nothing does.
-  bool drop_little() {
-    constexpr double kLeastOfNoise = 0.06;
     double left = supply_is_inferred() ? 2.0 * out_.unexplained_rms_v : 0.0;
     for (const Structure &s : out_.structure)
       left = std::max(left, s.rms_v);
+    // What follows a supply is judged again with others gone. What is left over grows with each
+    // that goes, and is no reason to give up the next.
+    constexpr int kMost = 3;
+    for (int pass = 0; pass < kMost && drop_little(pass == 0 ? left : 0.0); ++pass)
+      ;
+  }
+
+  /// Drops what explains little beside what is `left`, or beside a supply; false when nothing does.
+  bool drop_little(double left) {
+    constexpr double kLeastOfNoise = 0.06;
     // What follows a supply a little way gains where it was looked for, and nowhere else.
     const double least = ladder_.supply ? kLeastOfNoise * floor() : 0.0;
     std::vector<std::size_t> small;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
+#include <random>
 
 #include "base/angle.h"
 #include "base/robust.h"

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <utility>
 
 #include "base/angle.h"
@@ -35,8 +34,7 @@ constexpr std::size_t kMostShaken = 6; ///< beyond so many the work grows too lo
 /// Two causes this correlated are one and the same in the data: both together would cancel each
 /// other at sizes that mean nothing.
 constexpr double kEntangled = 0.995;
-/// ... unless far more is gained than by chance: two lags at two speeds are told apart, if only
-/// just.
+/// ... unless far more is gained than by chance: two speeds just tell two lags apart.
 constexpr double kNearlyOne = 0.999, kFarMoreNats = 1000.0;
 /// A rival that comes this close cannot be rejected.
 constexpr double kRivalNats = 8.0;
