@@ -90,6 +90,16 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     put_in_words(out.findings.back());
     out.last = after;
   }
+  if (out.supply && supply) {
+    // What its weights are worth shows where nothing else is wrong any more.
+    parts.weigh(found.disturbed, 1.0);
+    const Rung plain = parts.rung(model);
+    parts.weigh(found.disturbed, found.weight_along);
+    for (Quality Rung::*part : {&Rung::in_sample, &Rung::heldout}) {
+      (out.supply->before.*part).log_likelihood = (plain.*part).log_likelihood;
+      (out.supply->after.*part).log_likelihood = (out.last.*part).log_likelihood;
+    }
+  }
   return out;
 }
 
