@@ -2,8 +2,8 @@
 # SPDX-FileCopyrightText: The libada4571 authors
 # shellcheck shell=bash
 #
-# From Debian's packages to something that boots. Everything lands in $CACHE/VERSION and is made
-# once; a finished step leaves a file of its name there.
+# From Debian's packages to something that boots. Everything lands in $KERNEL_CACHE/VERSION and is
+# made once; a finished step leaves a file of its name there.
 
 # Kernel sources that Debian's image may lack, and the module each makes.
 declare -A DRIVER_SOURCES=(
@@ -15,19 +15,6 @@ declare -A DRIVER_SOURCES=(
 )
 DRIVER_ORDER=(industrialio-configfs industrialio-sw-trigger iio-trig-hrtimer irqsim gpio-sim)
 
-# The header package decides the version: modules have to fit it. $1: "" for the release's own
-# kernel, or a series such as 6.12.
-choose_kernel() {
-  local meta=linux-headers-${1:+$1-}amd64
-  install_missing "$meta"
-  VERSION=$(dpkg-query -W -f '${Depends}' "$meta" | sed -n 's/.*linux-headers-\([^ ]*-amd64\).*/\1/p')
-  [[ -n $VERSION && -d /usr/src/linux-headers-$VERSION ]] || refuse "no kernel headers for $meta"
-  PACKAGE_VERSION=$(dpkg-query -W -f '${Version}' "linux-headers-$VERSION")
-  SERIES=$(echo "$VERSION" | cut -d. -f1,2)
-  KERNEL=$CACHE/$VERSION
-  mkdir -p "$KERNEL"
-}
-
 step() {
   local name=$1
   shift
@@ -36,10 +23,15 @@ step() {
   touch "$KERNEL/$name.done"
 }
 
+# What tests/prepare has left in the cache.
+the_download() {
+  downloaded "$1" "$KERNEL_PACKAGE_VERSION" ||
+    refuse "$1 $KERNEL_PACKAGE_VERSION is not in $KERNEL_CACHE: run tests/prepare"
+}
+
 unpack_image() {
   local deb
-  deb=$(fetch "linux-image-$VERSION" "$PACKAGE_VERSION") ||
-    refuse "linux-image-$VERSION is gone from the archive: apt-get install linux-headers-amd64"
+  deb=$(the_download "linux-image-$VERSION")
   rm -rf "$KERNEL/image"
   dpkg-deb -x "$deb" "$KERNEL/image"
   mkdir -p "$KERNEL/image/lib"
@@ -47,18 +39,12 @@ unpack_image() {
   depmod -b "$KERNEL/image" "$VERSION"
 }
 
-# Only the files that are wanted; the whole tree is over a gigabyte.
-unpack_source() {
-  local deb tarball
-  deb=$(fetch "linux-source-$SERIES" "$PACKAGE_VERSION")
-  tarball=$(dpkg-deb --fsys-tarfile "$deb" | tar -t | grep -o 'linux-source.*\.tar\.xz$' | head -1)
-  rm -rf "$KERNEL/source"
-  mkdir -p "$KERNEL/source"
-  dpkg-deb --fsys-tarfile "$deb" | tar -xO "./usr/src/$tarball" | xz -dc -T0 |
-    tar -x -C "$KERNEL/source" --strip-components=1 --wildcards \
-      '*/scripts/extract-vmlinux' '*/drivers/gpio/gpiolib.h' '*/drivers/gpio/dev-sync-probe.h' \
-      "${DRIVER_SOURCES[@]/#/*/}" 2>"$WORK/tar.log" || true
-  [[ -e $KERNEL/source/scripts/extract-vmlinux ]] || { cat "$WORK/tar.log" >&2; refuse "bad $deb"; }
+unpack_drivers() {
+  local deb
+  deb=$(the_download "linux-source-$KERNEL_SERIES")
+  unpack_source "$deb" "$KERNEL/source" '*/scripts/extract-vmlinux' '*/drivers/gpio/gpiolib.h' \
+    '*/drivers/gpio/dev-sync-probe.h' "${DRIVER_SOURCES[@]/#/*/}"
+  [[ -e $KERNEL/source/scripts/extract-vmlinux ]] || refuse "no kernel source in $deb"
 }
 
 build_modules() {
@@ -117,20 +103,13 @@ build_initramfs() {
   (cd "$root" && find . | cpio -o -H newc --quiet --reproducible) >"$KERNEL/initramfs.cpio"
 }
 
-prepare_iiod() {
-  local depends
-  mapfile -t depends < <(apt-cache depends iiod | awk '/ Depends: lib/ {print $2}')
-  install_missing "${depends[@]}"
-  rm -rf "$KERNEL/iiod"
-  dpkg-deb -x "$(fetch iiod "$(apt-cache policy iiod | awk '/Candidate/ {print $2}')")" "$KERNEL/iiod"
-}
-
 prepare_kernel() {
+  KERNEL=$KERNEL_CACHE/$VERSION
+  mkdir -p "$KERNEL"
   step image unpack_image
-  step source unpack_source
+  step source unpack_drivers
   step drivers build_drivers
   step vmlinux extract_kernel
-  step iiod prepare_iiod
   build_replay
   build_initramfs
 }

@@ -6,7 +6,7 @@
 # it says stop.
 
 start_iiod() {
-  "$KERNEL/iiod/usr/sbin/iiod" >"$OUT/iiod.log" 2>&1 &
+  /usr/sbin/iiod >"$OUT/iiod.log" 2>&1 &
   IIOD=$!
 }
 
