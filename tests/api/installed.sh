@@ -2,36 +2,66 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: The libada4571 authors
 #
-# installed.sh BUILD: installs into a folder of its own, and builds and runs a foreign program
-# against what is there, by pkg-config and by CMake.
+# installed.sh BUILD: installs into folders of its own, runs what is there as it is, and builds and
+# runs a foreign program against it, by pkg-config and by CMake.
 set -euo pipefail
 build=$1
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+unset LD_LIBRARY_PATH DESTDIR
 
-DESTDIR=$work/staged cmake --install "$build" >"$work/install.log"
-# The tree was configured for another place: that it works here shows that it can be moved.
-prefix=$work/staged$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$build/CMakeCache.txt")
+fail() {
+  echo "$*"
+  exit 1
+}
+
+# installed_whole PREFIX PATH: everything is below PREFIX and speaks of PATH, where it will be.
+installed_whole() {
+  local prefix=$1 path=$2 file
+  for file in bin/iio-angle include/ada4571.h share/man/man1/iio-angle.1 \
+    share/bash-completion/completions/iio-angle lib/udev/rules.d/60-ada4571.rules \
+    lib/udev/ada4571-permissions lib/systemd/system/ada4571-{gc,pd}@.service; do
+    [[ -e $prefix/$file ]] || fail "not installed: $file"
+  done
+  [[ $(find "$prefix/include" -type f | wc -l) == 1 ]] || fail "more than one header"
+  grep -q "program}=\"$path/lib/udev/ada4571-permissions" "$prefix"/lib/udev/rules.d/*.rules ||
+    fail "the rules do not call the helper in $path"
+  for file in "$prefix"/lib/systemd/system/*.service; do
+    grep -q "^ExecStart=$path/bin/iio-angle " "$file" || fail "$file does not start $path/bin/iio-angle"
+  done
+}
+
+has_rpath() {
+  [[ $(readelf -d "$1") == *'PATH)'* ]]
+}
+
+# As a user installs it, root or not, by a path from where he stands.
+(cd "$work" && cmake --install "$build" --prefix own >install.log)
+installed_whole "$work/own" "$work/own"
+"$work/own/bin/iio-angle" --version
+mv "$work/own" "$work/moved"
+"$work/moved/bin/iio-angle" --version >/dev/null || fail "a moved tree does not start"
+
+# As a package: nothing beside /usr, and nothing that a loader must be told.
+DESTDIR=$work/package cmake --install "$build" --prefix /usr >"$work/package.log"
+installed_whole "$work/package/usr" /usr
+[[ $(ls "$work/package") == usr ]] || fail "a package also has: $(ls "$work/package")"
+! has_rpath "$work/package/usr/bin/iio-angle" || fail "a packaged program has an RPATH"
+has_rpath "$work/moved/bin/iio-angle" || fail "RPATHs are not seen"
+
+prefix=$work/moved
 library=$(dirname "$(find "$prefix" -name libada4571.so)")
-export LD_LIBRARY_PATH=$library
-
-for file in bin/iio-angle include/ada4571.h share/man/man1/iio-angle.1 \
-  share/bash-completion/completions/iio-angle; do
-  [[ -e $prefix/$file ]] || { echo "not installed: $file"; exit 1; }
-done
-[[ $(find "$prefix/include" -type f | wc -l) == 1 ]] || { echo "more than one header"; exit 1; }
-"$prefix/bin/iio-angle" --version
-
 export PKG_CONFIG_PATH=$library/pkgconfig
 [[ $(pkg-config --modversion libada4571) == 1.0.0 ]]
 # shellcheck disable=SC2046
 cc -std=c99 -pedantic-errors -Wall -Werror $(pkg-config --cflags libada4571) \
   "$here/consumer/consumer.c" -o "$work/by-pkg-config" $(pkg-config --libs libada4571)
-first=$("$work/by-pkg-config")
+# A foreign program is told where the library is, as by ldconfig.
+first=$(LD_LIBRARY_PATH=$library "$work/by-pkg-config")
 
 cmake -G Ninja -S "$here/consumer" -B "$work/by-cmake" -DCMAKE_PREFIX_PATH="$prefix" >"$work/cmake.log"
 cmake --build "$work/by-cmake" >>"$work/cmake.log"
 second=$("$work/by-cmake/consumer")
-[[ $first == "$second" ]] || { echo "two builds, two results: $first, $second"; exit 1; }
+[[ $first == "$second" ]] || fail "two builds, two results: $first, $second"
 echo "installed, built twice, both say $first deg"

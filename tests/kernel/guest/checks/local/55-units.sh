@@ -12,7 +12,7 @@ start_systemd() {
   local unit systemd=/lib/systemd/systemd
   mkdir -p "$UNITS"
   for unit in gc pd; do
-    sed "s,@CMAKE_INSTALL_FULL_BINDIR@,/run/ada4571/bin," "$TOP/udev/ada4571-$unit@.service" \
+    sed "s,/usr/bin/,/run/ada4571/bin/," "$TOP/udev/ada4571-$unit@.service" \
       >"$UNITS/ada4571-$unit@.service"
     mkdir -p "$UNITS/ada4571-$unit@.service.d"
     # The library lies beside the program here.
