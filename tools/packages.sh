@@ -9,10 +9,10 @@
 # boot a kernel or read its source.
 declare -A PACKAGES=(
   [build]="g++ cmake ninja-build pkgconf libiio-dev libgpiod-dev libeigen3-dev libhwy-dev
-    libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev"
+    libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev python3"
   [report]="gnuplot-nox"
   [test]="libgtest-dev libbenchmark-dev libsleef-dev libumockdev-dev umockdev libiio-utils iiod
-    device-tree-compiler python3 shellcheck chromium"
+    device-tree-compiler mandoc shellcheck chromium"
   [kernel]="qemu-system-x86 busybox-static cpio kmod xz-utils zstd bc gcc make perl gpiod udev
     systemd iproute2 dt-schema"
   [other-release]="debootstrap"
