@@ -16,6 +16,14 @@ namespace ada {
 
 namespace {
 
+/// Newton doubles the digits: from a twentieth of the circle, four times. The short waves of a
+/// remainder end that sooner, and some angles then take longer.
+constexpr int kIterations = 4, kIterationsOfRemainder = 24;
+/// rad; a further step would be this one's square.
+constexpr double kConverged = 1e-9;
+/// For the slope, in rad of the angle and of the highest order of a remainder.
+constexpr double kStep = 1e-4, kStepOfHighest = 0.02;
+
 std::uint32_t status_of(double vsin, double vcos, double radius, double supply_v) {
   if (!std::isfinite(vsin) || !std::isfinite(vcos))
     return ADA4571_SAMPLE_INVALID;
@@ -98,43 +106,64 @@ AngleSolver::AngleSolver(const Model &model)
       centre_sin_v_(0.5 * model.supply_v + model.baseline.offset_sin_v),
       centre_cos_v_(0.5 * model.supply_v + model.baseline.offset_cos_v),
       zero_rad_(model.baseline.angle_zero_deg * kRadPerDeg), periods_(model.periods_per_turn),
-      supply_fraction_(0.0) {
+      supply_fraction_(0.0), step_rad_(kStep), iterations_(kIterations) {
   for (const EffectInstance &e : model_.effects)
     if (e.effect->info().id == "supply-variation")
       supply_fraction_ = e.values[0];
+  if (model_.remainder) {
+    const double highest = static_cast<double>(model_.remainder->orders()) *
+                           (model_.remainder->electrical ? periods_ : 1.0);
+    step_rad_ = std::min(step_rad_, kStepOfHighest / highest);
+    iterations_ = kIterationsOfRemainder;
+  }
+  find_sense();
+}
+
+void AngleSolver::find_sense() {
+  // Over one period at rest: what bends the curve on the way averages out.
+  std::array<double, 64> a, s, c, zero{};
+  std::array<signed char, 64> one;
+  one.fill(1);
+  const double step = kTwoPi / static_cast<double>(a.size());
+  for (std::size_t k = 0; k < a.size(); ++k)
+    a[k] = step * static_cast<double>(k) / periods_;
+  forward_.evaluate({.n = a.size(),
+                     .time = zero.data(),
+                     .alpha = a.data(),
+                     .omega = zero.data(),
+                     .direction = one.data()},
+                    s.data(), c.data());
+  double travel = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const std::size_t next = (k + 1) % a.size();
+    travel += wrap_centred(phase(s[next], c[next]) - phase(s[k], c[k]), kTwoPi);
+  }
+  backwards_ = travel < 0.0;
+  double x = 0.0, y = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const double psi = step * static_cast<double>(k);
+    const double from_zero = phase(s[k], c[k]) + (backwards_ ? psi : -psi);
+    x += std::cos(from_zero);
+    y += std::sin(from_zero);
+  }
+  phase_at_zero_ = std::atan2(y, x);
+}
+
+double AngleSolver::phase(double vsin, double vcos) const {
+  return std::atan2(vsin - centre_sin_v_, vcos - centre_cos_v_);
 }
 
 void AngleSolver::start(std::span<const double> vsin, std::span<const double> vcos,
                         std::span<double> alpha) const {
-  // Wiring effects turn the pair around: find the electrical angle of the model's own pair.
-  std::array<double, 64> a, s, c, zero{};
-  std::array<signed char, 64> one;
-  one.fill(1);
-  const double period = kTwoPi / periods_;
-  for (std::size_t k = 0; k < a.size(); ++k)
-    a[k] = period * static_cast<double>(k) / static_cast<double>(a.size());
-  Conditions at{.n = a.size(),
-                .time = zero.data(),
-                .alpha = a.data(),
-                .omega = zero.data(),
-                .direction = one.data()};
-  forward_.evaluate(at, s.data(), c.data());
-  const auto phase = [&](double vs, double vc) {
-    return std::atan2(vs - centre_sin_v_, vc - centre_cos_v_);
-  };
-  const bool backwards = wrap_centred(phase(s[1], c[1]) - phase(s[0], c[0]), kTwoPi) < 0.0;
-  const double at_zero = phase(s[0], c[0]);
   for (std::size_t i = 0; i < alpha.size(); ++i) {
-    const double psi = phase(vsin[i], vcos[i]);
-    alpha[i] = wrap((backwards ? at_zero - psi : psi - at_zero) / periods_, period);
+    const double psi = phase(vsin[i], vcos[i]) - phase_at_zero_;
+    alpha[i] = wrap((backwards_ ? -psi : psi) / periods_, kTwoPi / periods_);
   }
 }
 
 void AngleSolver::solve(const Conditions &at, std::span<const double> vsin,
                         std::span<const double> vcos, std::span<double> alpha,
                         std::span<double> radius) const {
-  constexpr int kIterations = 4;
-  constexpr double kStep = 1e-4;
   std::array<double, kWaveBlock> s0, c0, s1, c1, moved, zeros{};
   std::array<signed char, kWaveBlock> ones;
   ones.fill(1);
@@ -147,15 +176,17 @@ void AngleSolver::solve(const Conditions &at, std::span<const double> vsin,
       here.omega = zeros.data();
     if (!here.direction)
       here.direction = ones.data();
-    for (int iteration = 0; iteration < kIterations; ++iteration) {
+    double longest = kTwoPi;
+    for (int iteration = 0; iteration < iterations_ && longest > kConverged; ++iteration) {
+      longest = 0.0;
       here.alpha = alpha.data() + first;
       forward_.evaluate(here, s0.data(), c0.data());
       for (std::size_t i = 0; i < n; ++i)
-        moved[i] = alpha[first + i] + kStep;
+        moved[i] = alpha[first + i] + step_rad_;
       here.alpha = moved.data();
       forward_.evaluate(here, s1.data(), c1.data());
       for (std::size_t i = 0; i < n; ++i) {
-        const double ds = (s1[i] - s0[i]) / kStep, dc = (c1[i] - c0[i]) / kStep;
+        const double ds = (s1[i] - s0[i]) / step_rad_, dc = (c1[i] - c0[i]) / step_rad_;
         const double slope2 = ds * ds + dc * dc;
         const double step =
             slope2 > 0.0
@@ -163,6 +194,7 @@ void AngleSolver::solve(const Conditions &at, std::span<const double> vsin,
                 : 0.0;
         const double limit = 0.3 / periods_;
         alpha[first + i] += std::clamp(step, -limit, limit);
+        longest = std::max(longest, std::abs(step)); // a step that is no number does not count
       }
     }
     for (std::size_t i = 0; i < n; ++i) {

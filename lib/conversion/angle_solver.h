@@ -42,11 +42,18 @@ public:
   void frames(std::span<const Frame> frames, std::span<ada4571_angle> out);
 
 private:
+  void find_sense();
+  double phase(double vsin, double vcos) const;
+
   Model model_;
   ForwardModel forward_;
   double amplitude_v_, centre_sin_v_, centre_cos_v_, zero_rad_;
   int periods_;
   double supply_fraction_; ///< rms_fraction of supply-variation, 0 without
+  double step_rad_;        ///< of the differences that give the slope
+  int iterations_;         ///< at most
+  bool backwards_ = false; ///< wiring turns the pair around
+  double phase_at_zero_ = 0.0;
 
   struct Stream {
     bool running = false;

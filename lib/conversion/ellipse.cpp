@@ -78,7 +78,7 @@ std::string_view EllipseModel::beyond(const Model &model) {
     if (!folds && info.correctable)
       return info.id;
   }
-  return {};
+  return model.remainder ? "periodic-remainder" : std::string_view();
 }
 
 EllipseModel::EllipseModel(const Model &model)

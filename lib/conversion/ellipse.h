@@ -61,7 +61,8 @@ EllipseInverse mirror_cos(const EllipseInverse &inverse, double supply_v);
 /// reader does not take out of the angle (EffectInfo::correctable) do not matter here.
 class EllipseModel {
 public:
-  /// First effect of the model that this class cannot take out, empty when there is none.
+  /// First effect of the model that this class cannot take out, or "periodic-remainder"; empty when
+  /// there is neither.
   static std::string_view beyond(const Model &model);
 
   /// Throws ADA4571_ERROR_UNSUPPORTED when beyond() names an effect.

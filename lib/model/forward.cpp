@@ -47,6 +47,10 @@ void electrical(Wave &w) {
 ForwardModel::ForwardModel(const Model &model, AlphaIs alpha)
     : baseline_(model.baseline), mid_v_(0.5 * model.supply_v),
       temp_reference_v_(model.vtemp_reference_v), periods_(model.periods_per_turn) {
+  if (model.remainder) {
+    remainder_ = model.remainder->series(baseline_.amplitude_v);
+    remainder_periods_ = model.remainder->electrical ? periods_ : 1.0;
+  }
   std::vector<EffectInstance> effects = model.effects;
   std::stable_sort(effects.begin(), effects.end(), [](const auto &a, const auto &b) {
     return table_index(a.effect) < table_index(b.effect);
@@ -108,6 +112,15 @@ void ForwardModel::until_sampler(Wave &w, double delay_s, const double *shaft) c
   }
   for (const Step &step : chain_)
     step.effect->apply(step.values, w);
+  if (!remainder_.empty())
+    add_remainder(w);
+}
+
+void ForwardModel::add_remainder(Wave &w) const {
+  double x[kWaveBlock];
+  for (std::size_t i = 0; i < w.n; ++i)
+    x[i] = remainder_periods_ * w.alpha[i];
+  add_fourier_pair(x, w.n, remainder_, w.s, w.c);
 }
 
 void ForwardModel::motion(Wave &w, double *shaft, double *speed) const {

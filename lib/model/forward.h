@@ -40,11 +40,14 @@ private:
   void motion(Wave &w, double *shaft, double *speed) const;
   void block(const Conditions &at, double *vsin_v, double *vcos_v, Wave &w) const;
   void until_sampler(Wave &w, double delay_s, const double *shaft) const;
+  void add_remainder(Wave &w) const;
 
   Baseline baseline_;
   double mid_v_, temp_reference_v_;
   int periods_;
   std::vector<Step> reference_, motion_, field_, bridge_, chain_, later_;
+  std::vector<FourierPair> remainder_; ///< in volts; empty: none
+  double remainder_periods_ = 1.0;     ///< its periods a turn of the magnet
   Taps taps_;
 };
 

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "model/remainder.h"
+
 namespace ada {
 
 class Effect; // effect.h
@@ -48,6 +50,7 @@ struct Model {
   double vtemp_reference_v = 0.0;          ///< temperature effects act on VTEMP minus this
   std::optional<double> noise_rms_v;
   std::vector<EffectInstance> effects; ///< at most one of each type, harmonics and tones excepted
+  std::optional<PeriodicRemainder> remainder; ///< what has no name
   Provenance provenance;
 
   /// The same model at another supply: voltages scale, ratios stay.

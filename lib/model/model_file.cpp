@@ -26,6 +26,8 @@ namespace {
 constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
 constexpr std::string_view kComment =
     "# Model of one sensor, volts at supply_v. After a change by hand delete the checksum line.\n";
+constexpr std::string_view kRemainderComment =
+    "\n# Unnamed: what repeats with the angle and no effect explains, relative to amplitude_v.\n";
 
 std::string basic_string(std::string_view text) {
   std::string out = "\"";
@@ -132,6 +134,22 @@ void write_effect(Writer &out, const EffectInstance &instance) {
     }
 }
 
+std::string numbers_text(const std::vector<double> &values) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < values.size(); ++i)
+    text += (i == 0 ? "" : i % 4 == 0 ? ",\n  " : ", ") + plain_number(values[i]);
+  return text + "]";
+}
+
+void write_remainder(Writer &out, const PeriodicRemainder &remainder) {
+  out.text += kRemainderComment;
+  out.text += "[remainder]\n";
+  out.words("angle", std::string(remainder.electrical ? kElectrical : kMechanical));
+  out.line("orders", std::to_string(remainder.orders()));
+  for (const RemainderSeries &series : kRemainderSeries)
+    out.line(series.key, numbers_text(remainder.*series.values));
+}
+
 std::string read_all(int fd, const std::string &shown) {
   std::string text;
   std::array<char, 1 << 14> block;
@@ -182,6 +200,8 @@ std::string model_to_toml(const Model &model) {
   write_baseline(body, model);
   for (const EffectInstance &instance : model.effects)
     write_effect(body, instance);
+  if (model.remainder)
+    write_remainder(body, *model.remainder);
   const std::string checksum = model_checksum(head.text + body.text, 0);
   head.words("checksum", checksum);
   return head.text + body.text;

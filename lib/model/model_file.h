@@ -4,8 +4,10 @@
 // Models and calibrations as TOML files; docs/model-file.md has the format.
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "model/model.h"
 
@@ -31,5 +33,17 @@ std::string model_to_toml(const Model &model);
 std::string model_checksum(std::string_view text, std::size_t line);
 
 inline constexpr std::string_view kModelSchema = "ada4571-model/1";
+
+// Words of the table [remainder].
+struct RemainderSeries {
+  std::string_view key;
+  std::vector<double> PeriodicRemainder::*values;
+};
+inline constexpr std::array<RemainderSeries, 4> kRemainderSeries{
+    {{"sin_cos", &PeriodicRemainder::sin_cos},
+     {"sin_sin", &PeriodicRemainder::sin_sin},
+     {"cos_cos", &PeriodicRemainder::cos_cos},
+     {"cos_sin", &PeriodicRemainder::cos_sin}}};
+inline constexpr std::string_view kMechanical = "mechanical", kElectrical = "electrical";
 
 } // namespace ada

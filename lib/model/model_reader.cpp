@@ -48,13 +48,18 @@ public:
     const toml::node *node = take(key);
     if (node == nullptr)
       return std::nullopt;
-    const auto value = node->is_number() ? node->value<double>() : std::nullopt;
+    return finite(*node, key, range);
+  }
+
+  /// The number in `node`, which stands at `key` or in an array there.
+  double finite(const toml::node &node, std::string_view key, Range range) const {
+    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
     if (!value || !std::isfinite(*value))
-      fail_at(*node, std::string(key) + " must be a finite number");
+      fail_at(node, std::string(key) + " must be a finite number");
     if (*value < range.least || *value > range.most)
-      fail_at(*node, std::string(key) + " must be from " + shortest(range.least) + " to " +
-                         shortest(range.most) + ", not " + shortest(*value));
-    return value;
+      fail_at(node, std::string(key) + " must be from " + shortest(range.least) + " to " +
+                        shortest(range.most) + ", not " + shortest(*value));
+    return *value;
   }
 
   double required_number(std::string_view key, Range range) {
@@ -62,6 +67,13 @@ public:
     if (!value)
       fail_missing(key);
     return *value;
+  }
+
+  double required_whole_number(std::string_view key, Range range) {
+    const double value = required_number(key, range);
+    if (value != std::floor(value))
+      fail_at(*take(key), std::string(key) + " must be a whole number");
+    return value;
   }
 
   std::optional<std::string> words(std::string_view key) {
@@ -273,6 +285,36 @@ void read_effects(StrictTable &root, Model &model) {
   }
 }
 
+std::vector<double> read_series(StrictTable &table, std::string_view key, std::size_t orders) {
+  const toml::node *node = table.take(key);
+  if (node == nullptr)
+    table.fail_missing(key);
+  const toml::array *array = node->as_array();
+  if (array == nullptr || array->size() != orders)
+    table.fail_at(*node, std::string(key) + " must be an array of " + std::to_string(orders) +
+                             " numbers, one an order");
+  std::vector<double> values;
+  for (const toml::node &item : *array)
+    values.push_back(table.finite(item, key, {-1, 1}));
+  return values;
+}
+
+PeriodicRemainder read_remainder(StrictTable table) {
+  PeriodicRemainder remainder;
+  const auto angle = table.words("angle");
+  if (!angle)
+    table.fail_missing("angle");
+  if (*angle != kMechanical && *angle != kElectrical)
+    table.fail_at(*table.take("angle"), "angle must be \"mechanical\" or \"electrical\"");
+  remainder.electrical = *angle == kElectrical;
+  const double orders =
+      table.required_whole_number("orders", {1, PeriodicRemainder::kHighestOrder});
+  for (const RemainderSeries &series : kRemainderSeries)
+    remainder.*series.values = read_series(table, series.key, static_cast<std::size_t>(orders));
+  table.finish();
+  return remainder;
+}
+
 } // namespace
 
 Model model_from_toml(std::string_view text, const std::string &shown) {
@@ -281,10 +323,8 @@ Model model_from_toml(std::string_view text, const std::string &shown) {
   check_schema(root);
   check_checksum(root, text);
   Model model;
-  const double periods = root.required_number("periods_per_turn", {1, 100});
-  if (periods != std::floor(periods))
-    root.fail_at(*root.take("periods_per_turn"), "periods_per_turn must be a whole number");
-  model.periods_per_turn = static_cast<int>(periods);
+  model.periods_per_turn =
+      static_cast<int>(root.required_whole_number("periods_per_turn", {1, 100}));
   model.supply_v = root.required_number("supply_v", {0.1, 100});
   model.vtemp_reference_v = root.number("vtemp_reference_v", {-100, 100}).value_or(0.0);
   model.noise_rms_v = root.number("noise_rms_v", {0, 100});
@@ -295,6 +335,8 @@ Model model_from_toml(std::string_view text, const std::string &shown) {
     root.fail_missing("[baseline]");
   read_baseline(std::move(*baseline), model);
   read_effects(root, model);
+  if (auto remainder = root.table("remainder"))
+    model.remainder = read_remainder(std::move(*remainder));
   root.finish();
   return model;
 }

@@ -11,6 +11,7 @@
 #include "base/angle.h"
 #include "model/effect_text.h"
 #include "model/forward.h"
+#include "support/remainder.h"
 #include "support/seed.h"
 
 namespace ada::test {
@@ -19,11 +20,16 @@ namespace {
 constexpr std::size_t kSamples = 8000;
 constexpr double kPeriodS = 1e-4;
 
-Model sensor_with(const char *effect) {
+Model sensor() {
   Model model;
   model.supply_v = 5.0;
   model.periods_per_turn = 2;
   model.baseline = {1.45, 0.004, -0.003, 1.0};
+  return model;
+}
+
+Model sensor_with(const char *effect) {
+  Model model = sensor();
   model.effects.push_back(parse_effect(effect));
   return model;
 }
@@ -69,10 +75,8 @@ double worst_error_deg(const std::vector<double> &alpha, const std::vector<ada45
 
 class AngleSolverTest : public testing::Test {
 protected:
-  double start_ = std::uniform_real_distribution<>(0.0, kTwoPi)(rng_);
-
-private:
   std::mt19937_64 rng_{fresh_seed()};
+  double start_ = std::uniform_real_distribution<>(0.0, kTwoPi)(rng_);
 };
 
 TEST_F(AngleSolverTest, KnowsMidSupplyFromTheRecordedSupplyLiveAsInACapture) {
@@ -112,6 +116,74 @@ TEST_F(AngleSolverTest, ASupplyThatMovesVtempIsNoTemperature) {
   c.vdd_v.clear(); // the test can fail: without VDD it passes for a temperature
   AngleSolver(model).capture(c, out);
   EXPECT_GT(worst_error_deg(alpha, out, 2), 1e-3);
+}
+
+class AngleSolverRemainder : public AngleSolverTest {
+protected:
+  /// The worst error of angles from `out`, which solves a capture of the model, and from a stream.
+  void expect_solved(const Model &model) {
+    std::vector<double> alpha;
+    Capture c = steady(model, 0.0, start_, alpha);
+    for (double a : alpha) // for the part of a turn
+      c.reference_deg.push_back(a * kDegPerRad);
+    std::vector<ada4571_angle> out(kSamples);
+    AngleSolver(model).capture(c, out);
+    EXPECT_LT(worst_error_deg(alpha, out, model.periods_per_turn), 1e-6);
+    for (const ada4571_angle &angle : out)
+      ASSERT_NEAR(angle.radius, 1.0, 1e-6);
+    std::vector<Frame> frames;
+    for (std::size_t i = 0; i < kSamples; ++i)
+      frames.push_back(c.frame(i));
+    AngleSolver live(model);
+    live.frames(frames, out);
+    EXPECT_LT(worst_error_deg(alpha, out, model.periods_per_turn), 1e-6);
+  }
+};
+
+TEST_F(AngleSolverRemainder, IsTakenOutWhateverItsSizeAndOrders) {
+  for (const int periods : {1, 2})
+    for (const bool electrical : {false, true})
+      for (const double first : {0.001, 0.01, 0.05})
+        for (const std::size_t orders : {std::size_t{3}, std::size_t{64}}) {
+          SCOPED_TRACE(testing::Message() << "p " << periods << " electrical " << electrical
+                                          << " first " << first << " orders " << orders);
+          Model model = sensor();
+          model.periods_per_turn = periods;
+          model.remainder = drawn_remainder(rng_, orders, first, electrical);
+          expect_solved(model);
+        }
+}
+
+TEST_F(AngleSolverRemainder, IsTakenOutBesideEffectsAndWrongWiring) {
+  Model model = sensor_with("channel-swap");
+  for (const char *effect : {"channel-inverted:channel=vcos", "stray-field:b=0.01",
+                             "quadrature-error:delta_deg=2", "weak-field:q=0.01"})
+    model.effects.push_back(parse_effect(effect));
+  model.remainder = drawn_remainder(rng_, 64, 0.02, false);
+  expect_solved(model);
+}
+
+TEST_F(AngleSolverRemainder, WithoutItTheAngleErrs) { // the tests above can fail
+  Model model = sensor();
+  model.remainder = drawn_remainder(rng_, 64, 0.01, false);
+  std::vector<double> alpha;
+  const Capture c = steady(model, 0.0, start_, alpha);
+  std::vector<ada4571_angle> out(kSamples);
+  model.remainder.reset();
+  AngleSolver(model).capture(c, out);
+  EXPECT_GT(worst_error_deg(alpha, out, 2), 0.05); // order 1: about 0.01 rad / p = 0.29 deg
+}
+
+TEST_F(AngleSolverRemainder, SaysWhichPartOfATurnWithoutAReference) {
+  // As with a stray field: of the parts of a turn that the pair cannot tell apart, the one in
+  // which the shaft turns evenly.
+  Model model = sensor();
+  model.remainder = drawn_remainder(rng_, 5, 0.02, false);
+  std::vector<double> alpha;
+  const Capture c = steady(model, 0.0, start_, alpha);
+  std::vector<ada4571_angle> out(kSamples);
+  AngleSolver(model).capture(c, out);
+  EXPECT_LT(worst_error_deg(alpha, out, 2), 1e-6);
 }
 
 } // namespace

@@ -53,6 +53,13 @@ parameters = {order = 3, channel = "vcos", amplitude = 0.01, phase_deg = 10}
 name = "clipping"
 [effect.parameters]
 high_v = 3.9
+[remainder]
+angle = "electrical"
+orders = 2
+sin_cos = [0.01, 0]
+sin_sin = [0, -1e-3]
+cos_cos = [0, 0]
+cos_sin = [0.002, 0]
 )";
 
 const std::string kEffect = "harmonic-distortion:order=3,channel=vcos,amplitude=0.01";

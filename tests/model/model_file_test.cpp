@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "model/effect.h"
 #include "model/effect_text.h"
+#include "support/remainder.h"
 #include "support/seed.h"
 #include "support/temp_folder.h"
 
@@ -57,6 +58,9 @@ Model full_model(std::mt19937_64 &rng) {
       instance.std_errors.clear();
     m.effects.push_back(instance);
   }
+  if (rng() % 4)
+    m.remainder = drawn_remainder(rng, 1 + rng() % PeriodicRemainder::kHighestOrder, unit(rng),
+                                  rng() % 2 == 0);
   m.provenance.serial = "S \"1\" \\ \xC3\xA9 \t\x01";
   m.provenance.date = "2024-02-29T12:00:00Z";
   m.provenance.method = "single fit";
@@ -100,6 +104,14 @@ void expect_same(const Model &a, const Model &b) {
     else
       EXPECT_TRUE(same(a.effects[i].std_errors, errors)) << i;
   }
+  ASSERT_EQ(a.remainder.has_value(), b.remainder.has_value());
+  if (a.remainder) {
+    EXPECT_EQ(a.remainder->electrical, b.remainder->electrical);
+    EXPECT_EQ(a.remainder->sin_cos, b.remainder->sin_cos);
+    EXPECT_EQ(a.remainder->sin_sin, b.remainder->sin_sin);
+    EXPECT_EQ(a.remainder->cos_cos, b.remainder->cos_cos);
+    EXPECT_EQ(a.remainder->cos_sin, b.remainder->cos_sin);
+  }
   EXPECT_EQ(a.provenance.serial, b.provenance.serial);
   EXPECT_EQ(a.provenance.date, b.provenance.date);
   EXPECT_EQ(a.provenance.method, b.provenance.method);
@@ -139,6 +151,23 @@ TEST(ModelFile, ReadsWhatAPersonWrites) {
   EXPECT_EQ(m.effects[1].values, (std::vector<double>{3, 1, 0.01, 0}));
 }
 
+TEST(ModelFile, CallsTheRemainderUnnamed) {
+  Model m;
+  EXPECT_EQ(model_to_toml(m).find("nnamed"), std::string::npos);
+  m.remainder = {false, {0.01}, {0}, {-0.5}, {1}};
+  EXPECT_NE(
+      model_to_toml(m).find("\n# Unnamed: what repeats with the angle and no effect explains, "
+                            "relative to amplitude_v.\n"
+                            "[remainder]\n"
+                            "angle = \"mechanical\"\n"
+                            "orders = 1\n"
+                            "sin_cos = [0.01]\n"
+                            "sin_sin = [0]\n"
+                            "cos_cos = [-0.5]\n"
+                            "cos_sin = [1]\n"),
+      std::string::npos);
+}
+
 TEST(ModelFile, ReadsLettersOfAllLanguages) {
   Model m;
   m.provenance.serial = "\xC3\xA9 \xD1\x9D \xE2\x82\xAC \xF0\x9F\xA7\xB2";
@@ -153,6 +182,8 @@ TEST(ModelFile, ChecksumSeesEveryChangedByte) {
   Model m;
   m.provenance.serial = "S1";
   add_effect(m, parse_effect("stray-field"));
+  m.remainder = {
+      true, {0.01, 0, 0, 0, -0.0003}, {0, 0, 0, 0, 1e-7}, {0, 0.002, 0, 0, 0}, {0, 0, 0, 0, 0}};
   const std::string text = model_to_toml(m);
   ASSERT_EQ(failure([&] { model_from_toml(text, "m"); }), "");
   for (std::size_t i = 0; i < text.size(); ++i)
@@ -216,6 +247,15 @@ const std::string kModel = "schema = \"ada4571-model/1\"\n"
                            "b = 0.01\n"
                            "direction_deg = 30\n";
 
+const std::string kRemainder = "direction_deg = 30\n" // as at the end of kModel
+                               "[remainder]\n"        // line 15
+                               "angle = \"electrical\"\n"
+                               "orders = 2\n"
+                               "sin_cos = [0, 0.01]\n"
+                               "sin_sin = [0, 0.01]\n"
+                               "cos_cos = [0, 0.01]\n"
+                               "cos_sin = [0, 0.01]\n";
+
 class ModelFileRefuses : public testing::TestWithParam<Malformed> {};
 
 TEST_P(ModelFileRefuses, WithThePlace) {
@@ -230,6 +270,49 @@ TEST_P(ModelFileRefuses, WithThePlace) {
   EXPECT_EQ(message.substr(0, wanted.size()), wanted); // lists of names may follow
   EXPECT_EQ(status, ADA4571_ERROR_FORMAT);
 }
+
+class ModelFileRefusesRemainder : public testing::TestWithParam<Malformed> {};
+
+TEST_P(ModelFileRefusesRemainder, WithThePlace) {
+  std::string text = kModel;
+  text.replace(text.find("direction_deg"), text.npos, kRemainder);
+  ASSERT_EQ(failure([&] { model_from_toml(text, "m.toml"); }), "");
+  const std::string from = GetParam().from;
+  text.replace(text.find(from), from.size(), GetParam().to);
+  EXPECT_EQ(failure([&] { model_from_toml(text, "m.toml"); }),
+            std::string("m.toml:") + GetParam().message);
+}
+
+const Malformed kMalformedRemainder[] = {
+    {"NoTable", "[remainder]", "[[remainder]]", "15:1: remainder must be a table"},
+    {"NoAngle", "angle = \"electrical\"\n", "", "15:1: angle is missing in [remainder]"},
+    {"Angle", "electrical", "electric", "16:9: angle must be \"mechanical\" or \"electrical\""},
+    {"AngleNoText", "\"electrical\"", "2", "16:9: angle must be text in quotes"},
+    {"NoOrders", "orders = 2\n", "", "15:1: orders is missing in [remainder]"},
+    {"NoOrder", "orders = 2", "orders = 0", "17:10: orders must be from 1 to 256, not 0"},
+    {"TooManyOrders", "orders = 2", "orders = 257", "17:10: orders must be from 1 to 256, not 257"},
+    {"PartOfAnOrder", "orders = 2", "orders = 1.5", "17:10: orders must be a whole number"},
+    {"MoreOrders", "orders = 2", "orders = 3",
+     "18:11: sin_cos must be an array of 3 numbers, one an order"},
+    {"MissingSeries", "cos_cos = [0, 0.01]\n", "", "15:1: cos_cos is missing in [remainder]"},
+    {"ShortSeries", "cos_sin = [0, 0.01]", "cos_sin = [0]",
+     "21:11: cos_sin must be an array of 2 numbers, one an order"},
+    {"NoSeries", "sin_sin = [0, 0.01]", "sin_sin = 0.01",
+     "19:11: sin_sin must be an array of 2 numbers, one an order"},
+    {"TextInSeries", "sin_cos = [0, 0.01]", "sin_cos = [0, \"1\"]",
+     "18:15: sin_cos must be a finite number"},
+    {"InfiniteInSeries", "sin_cos = [0, 0.01]", "sin_cos = [0, -inf]",
+     "18:15: sin_cos must be a finite number"},
+    {"LargeInSeries", "sin_cos = [0, 0.01]", "sin_cos = [-2, 0.01]",
+     "18:12: sin_cos must be from -1 to 1, not -2"},
+    {"UnknownKey", "orders = 2", "orders = 2\nname = \"x\"",
+     "18:1: the key 'name' is not known in [remainder]; there are angle, cos_cos, cos_sin, orders, "
+     "sin_cos, sin_sin"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Malformed, ModelFileRefusesRemainder,
+                         testing::ValuesIn(kMalformedRemainder),
+                         [](const auto &test) { return test.param.name; });
 
 const Malformed kMalformed[] = {
     {"NoSchema", "schema = \"ada4571-model/1\"", "",
@@ -293,6 +376,9 @@ TEST(ModelFile, RefusesToWriteWhatItCouldNotRead) {
   EXPECT_EQ(failure([&] { write_model(m, folder / "m.toml"); }, &status),
             "amplitude_v must be a finite number");
   EXPECT_EQ(status, ADA4571_ERROR_INVALID_ARGUMENT);
+  m = {};
+  m.remainder = {false, {0.1, 0.2}, {0.1}, {0.1, 0}, {0, 0}};
+  EXPECT_NE(failure([&] { write_model(m, folder / "m.toml"); }), "");
   m = {};
   m.provenance.serial = "\xff"; // no UTF-8
   EXPECT_NE(failure([&] { write_model(m, folder / "m.toml"); }), "");
