@@ -20,37 +20,58 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Samples first, orders inside: the power and both sums stay in registers.
+/// Adds one order and turns s, c on to the next.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void add_order(D d, const FourierPair &k, V s1, V c1, V &s, V &c, V &one, V &two) {
+  one = hn::MulAdd(hn::Set(d, k.cos_first), c, one);
+  two = hn::MulAdd(hn::Set(d, k.cos_second), c, two);
+  one = hn::MulAdd(hn::Set(d, k.sin_first), s, one);
+  two = hn::MulAdd(hn::Set(d, k.sin_second), s, two);
+  const V next = hn::NegMulAdd(s, s1, hn::Mul(c, c1));
+  s = hn::MulAdd(s, c1, hn::Mul(c, s1));
+  c = next;
+}
+
+/// Two vectors of samples, orders inside: powers and sums stay in registers, and neither waits for
+/// the other's products.
 template <class D>
 HWY_INLINE void add_series(D d, const double *sine, const double *cosine,
                            std::span<const FourierPair> orders, double *first, double *second) {
   using V = hn::Vec<D>;
-  const V s1 = hn::LoadU(d, sine), c1 = hn::LoadU(d, cosine);
-  V s = s1, c = c1;
-  V one = hn::LoadU(d, first), two = hn::LoadU(d, second);
+  const std::size_t b = hn::Lanes(d);
+  const V s1a = hn::LoadU(d, sine), s1b = hn::LoadU(d, sine + b);
+  const V c1a = hn::LoadU(d, cosine), c1b = hn::LoadU(d, cosine + b);
+  V sa = s1a, sb = s1b, ca = c1a, cb = c1b;
+  V one_a = hn::LoadU(d, first), one_b = hn::LoadU(d, first + b);
+  V two_a = hn::LoadU(d, second), two_b = hn::LoadU(d, second + b);
   for (const FourierPair &k : orders) {
-    one = hn::MulAdd(hn::Set(d, k.cos_first), c, one);
-    two = hn::MulAdd(hn::Set(d, k.cos_second), c, two);
-    one = hn::MulAdd(hn::Set(d, k.sin_first), s, one);
-    two = hn::MulAdd(hn::Set(d, k.sin_second), s, two);
-    const V next = hn::NegMulAdd(s, s1, hn::Mul(c, c1));
-    s = hn::MulAdd(s, c1, hn::Mul(c, s1));
-    c = next;
+    add_order(d, k, s1a, c1a, sa, ca, one_a, two_a);
+    add_order(d, k, s1b, c1b, sb, cb, one_b, two_b);
   }
-  hn::StoreU(one, d, first);
-  hn::StoreU(two, d, second);
+  hn::StoreU(one_a, d, first);
+  hn::StoreU(one_b, d, first + b);
+  hn::StoreU(two_a, d, second);
+  hn::StoreU(two_b, d, second + b);
 }
 
 void fourier_block(const double *sine, const double *cosine, std::size_t n,
                    std::span<const FourierPair> orders, double *first, double *second) {
   const hn::ScalableTag<double> d;
-  const std::size_t step = hn::Lanes(d);
+  const std::size_t step = 2 * hn::Lanes(d);
   std::size_t i = 0;
   for (; i + step <= n; i += step)
     add_series(d, sine + i, cosine + i, orders, first + i, second + i);
-  const hn::CappedTag<double, 1> single;
-  for (; i < n; ++i)
-    add_series(single, sine + i, cosine + i, orders, first + i, second + i);
+  if (i == n)
+    return;
+  constexpr std::size_t kMost = 2 * HWY_MAX_BYTES / sizeof(double);
+  double s[kMost] = {}, c[kMost] = {}, one[kMost] = {}, two[kMost] = {};
+  std::copy(sine + i, sine + n, s);
+  std::copy(cosine + i, cosine + n, c);
+  add_series(d, s, c, orders, one, two);
+  for (std::size_t k = i; k < n; ++k) {
+    first[k] += one[k - i];
+    second[k] += two[k - i];
+  }
 }
 
 } // namespace

@@ -176,17 +176,51 @@ void convert_blocks(const ada4571_layout &l, const void *sin, const void *cos, s
 } // namespace
 
 RawConverter::RawConverter(const Model &model) {
-  const EllipseModel ellipse(model);
+  Model named = model;
+  named.remainder.reset();
+  const EllipseModel ellipse(named);
   if (ellipse.follows_temperature())
     throw Error(ADA4571_ERROR_UNSUPPORTED,
                 "the calibration follows VTEMP, which raw pairs do not carry: convert frames");
   periods_ = ellipse.periods_per_turn();
   inverse_ = turned(ellipse.at(0.0), periods_ * ellipse.zero_rad());
+  if (model.remainder)
+    table_.emplace(model, inverse_);
+}
+
+template <class T>
+void RawConverter::convert_by_table(const ada4571_layout &l, const void *sin, const void *cos,
+                                    std::size_t count, T *angle, T *radius) const {
+  const auto *s = static_cast<const std::uint8_t *>(sin);
+  const auto *c = static_cast<const std::uint8_t *>(cos);
+  for (std::size_t i = 0; i < count; i += kBlock) {
+    const std::size_t n = std::min(kBlock, count - i);
+    T *r = radius != nullptr ? radius + i : nullptr;
+    by_ellipse(l, s + i * l.stride_bytes, c + i * l.stride_bytes, n, angle + i, r);
+    table_->correct(n, angle + i, r);
+  }
 }
 
 void RawConverter::convert(const ada4571_layout &l, const void *sin, const void *cos,
                            std::size_t count, float *angle, float *radius) const {
   validate(l);
+  if (table_)
+    convert_by_table(l, sin, cos, count, angle, radius);
+  else
+    by_ellipse(l, sin, cos, count, angle, radius);
+}
+
+void RawConverter::convert(const ada4571_layout &l, const void *sin, const void *cos,
+                           std::size_t count, double *angle, double *radius) const {
+  validate(l);
+  if (table_)
+    convert_by_table(l, sin, cos, count, angle, radius);
+  else
+    by_ellipse(l, sin, cos, count, angle, radius);
+}
+
+void RawConverter::by_ellipse(const ada4571_layout &l, const void *sin, const void *cos,
+                              std::size_t count, float *angle, float *radius) const {
   const double cs = raw_centre(l, inverse_.centre_sin_v), cc = raw_centre(l, inverse_.centre_cos_v);
   // Whole centres of a 16-bit converter; beyond this they would not be whole numbers in float.
   const bool near = std::abs(cs) < (1 << 23) && std::abs(cc) < (1 << 23);
@@ -217,9 +251,8 @@ void RawConverter::convert(const ada4571_layout &l, const void *sin, const void 
                  });
 }
 
-void RawConverter::convert(const ada4571_layout &l, const void *sin, const void *cos,
-                           std::size_t count, double *angle, double *radius) const {
-  validate(l);
+void RawConverter::by_ellipse(const ada4571_layout &l, const void *sin, const void *cos,
+                              std::size_t count, double *angle, double *radius) const {
   const double cs = raw_centre(l, inverse_.centre_sin_v), cc = raw_centre(l, inverse_.centre_cos_v);
   auto k = constants<double>(inverse_, l, cs, cc, periods_);
   if (l.type == ADA4571_F64 && l.stride_bytes == sizeof(double))

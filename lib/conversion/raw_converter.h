@@ -2,12 +2,15 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 //
 // Blocks of raw samples, in any layout that a buffer may have, to mechanical angles in radians and
-// relative radii. Offsets, amplitudes and quadrature error are taken out in the same pass.
+// relative radii. Offsets, amplitudes and quadrature error are taken out in the same pass, a
+// periodic remainder by a table behind it.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "ada4571.h"
+#include "conversion/angle_table.h"
 #include "conversion/ellipse.h"
 
 namespace ada {
@@ -15,7 +18,7 @@ namespace ada {
 class RawConverter {
 public:
   /// Throws ADA4571_ERROR_UNSUPPORTED for a model that goes beyond one fixed ellipse: further
-  /// effects, or a calibration that follows VTEMP.
+  /// effects, a remainder that no AngleTable holds, or a calibration that follows VTEMP.
   explicit RawConverter(const Model &model);
 
   /// Throws ADA4571_ERROR_INVALID_ARGUMENT for a layout that makes no sense. `radius` may be null.
@@ -27,8 +30,17 @@ public:
                double *angle, double *radius) const;
 
 private:
+  template <class T>
+  void convert_by_table(const ada4571_layout &layout, const void *sin, const void *cos,
+                        std::size_t count, T *angle, T *radius) const;
+  void by_ellipse(const ada4571_layout &layout, const void *sin, const void *cos, std::size_t count,
+                  float *angle, float *radius) const;
+  void by_ellipse(const ada4571_layout &layout, const void *sin, const void *cos, std::size_t count,
+                  double *angle, double *radius) const;
+
   EllipseInverse inverse_; ///< zero angle folded in
   int periods_;
+  std::optional<AngleTable> table_; ///< of the periodic remainder
 };
 
 } // namespace ada

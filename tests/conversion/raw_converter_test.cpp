@@ -16,6 +16,8 @@
 #include "calibration/single.h"
 #include "conversion/frame_converter.h"
 #include "conversion/vector_kernels.h"
+#include "model/forward.h"
+#include "support/remainder.h"
 #include "support/seed.h"
 
 namespace ada::test {
@@ -220,6 +222,139 @@ TEST_P(RawOnTarget, numbers_that_are_none_give_none) {
     EXPECT_EQ(std::isnan(angle[i]), i == 7 || i == 33) << i;
     EXPECT_EQ(std::isnan(radius[i]), i == 7 || i == 33) << i;
   }
+}
+
+/// The pair of a model, without noise, at angles all over the turn.
+struct Simulated {
+  std::vector<double> alpha, sin_v, cos_v;
+
+  Simulated(const Model &model, std::mt19937_64 &rng) {
+    std::uniform_real_distribution<double> turn(0.0, kTwoPi);
+    for (int i = 0; i < 3001; ++i)
+      alpha.push_back(turn(rng));
+    const std::vector<double> zeros(alpha.size());
+    sin_v.resize(alpha.size());
+    cos_v.resize(alpha.size());
+    ForwardModel(model).evaluate(
+        {.n = alpha.size(), .time = zeros.data(), .alpha = alpha.data(), .omega = zeros.data()},
+        sin_v.data(), cos_v.data());
+  }
+};
+
+constexpr ada4571_layout kVolts{sizeof(ada4571_layout), ADA4571_F64, 8, 1.0, 0, 0, 0};
+
+/// Leaves only what is the same in every electrical period.
+void keep_multiples(PeriodicRemainder &r, std::size_t periods) {
+  for (auto *series : {&r.sin_cos, &r.sin_sin, &r.cos_cos, &r.cos_sin})
+    for (std::size_t n = 1; n <= series->size(); ++n)
+      if (n % periods != 0)
+        (*series)[n - 1] = 0;
+}
+
+/// A model of drawn_model with a remainder that the raw path can hold.
+Model drawn_with_remainder(std::mt19937_64 &rng, std::size_t orders, double first) {
+  Model model = drawn_model(rng);
+  model.remainder = drawn_remainder(rng, orders, first, rng() % 2 == 0);
+  if (!model.remainder->electrical)
+    keep_multiples(*model.remainder, static_cast<std::size_t>(model.periods_per_turn));
+  return model;
+}
+
+TEST_P(RawOnTarget, a_remainder_is_taken_out_as_by_the_frame_path) {
+  std::mt19937_64 rng(fresh_seed());
+  for (const std::size_t orders : {std::size_t{2}, std::size_t{64}, std::size_t{256}})
+    for (const double first : {0.001, 0.05}) {
+      const Model model = drawn_with_remainder(rng, orders, first);
+      const Simulated at(model, rng);
+      const std::size_t n = at.alpha.size();
+      std::vector<double> angle(n), radius(n);
+      std::vector<float> angle32(n), radius32(n);
+      const RawConverter converter(model);
+      converter.convert(kVolts, at.sin_v.data(), at.cos_v.data(), n, angle.data(), radius.data());
+      converter.convert(kVolts, at.sin_v.data(), at.cos_v.data(), n, angle32.data(),
+                        radius32.data());
+      const int p = model.periods_per_turn;
+      const double period = kTwoPi / p;
+      // The table aims at kInterpolationRad for the series itself; the angle under it is a
+      // function of that function, steeper by up to 1/(1 - slope)^5 in its fourth derivative. With
+      // slopes to 0.05 * sqrt(2) * (1 + 1/2 + ... + 1/256) < 0.44: 20.
+      const double exact = 20 * AngleTable::kInterpolationRad;
+      for (std::size_t i = 0; i < n; ++i) {
+        if (i % 10 == 0) { // slow
+          const Expected frame = by_frame_path(model, at.sin_v[i], at.cos_v[i]);
+          ASSERT_NEAR(wrap_centred(frame.angle_rad - angle[i], period) * p, 0, exact);
+        }
+        ASSERT_NEAR(wrap_centred(angle[i] - at.alpha[i], period) * p, 0, exact) << orders;
+        ASSERT_NEAR(wrap_centred(angle32[i] - at.alpha[i], period) * p, 0,
+                    2 * ADA4571_ATAN2_F32_MAX_ERROR_RAD);
+        ASSERT_NEAR(radius[i], 1, exact);
+        ASSERT_NEAR(radius32[i], 1, 2e-6);
+        for (const double a : {angle[i], static_cast<double>(angle32[i])}) {
+          ASSERT_GE(a, 0);
+          ASSERT_LT(a, static_cast<double>(static_cast<float>(period)));
+        }
+      }
+    }
+}
+
+TEST_P(RawOnTarget, a_remainder_counts_in_every_layout) {
+  std::mt19937_64 rng(fresh_seed());
+  const Model model = drawn_with_remainder(rng, 16, 0.02);
+  const Simulated at(model, rng);
+  const std::size_t n = at.alpha.size();
+  const ada4571_layout l{sizeof l, ADA4571_U16, 4, 5.0 / 65536, 0.25, 0, 0};
+  std::vector<std::uint16_t> pairs;
+  for (std::size_t i = 0; i < n; ++i)
+    for (const double v : {at.sin_v[i], at.cos_v[i]})
+      pairs.push_back(static_cast<std::uint16_t>(std::lround(v / l.scale_v - l.offset)));
+  std::vector<float> angle(n + 1, -9);
+  RawConverter(model).convert(l, pairs.data(), pairs.data() + 1, n, angle.data(), nullptr);
+  // Half a code of each channel over the amplitude, which is at least 0.5 V * 0.95.
+  const double quantum = l.scale_v / (0.5 * 0.95);
+  for (std::size_t i = 0; i < n; ++i)
+    ASSERT_NEAR(wrap_centred(angle[i] - at.alpha[i], kTwoPi / model.periods_per_turn), 0,
+                2 * quantum);
+  EXPECT_EQ(angle[n], -9);
+}
+
+TEST(RawConverter, a_remainder_leaves_no_number_none) {
+  Model model;
+  model.remainder = {true, {0, 0.01}, {0, 0}, {0, 0}, {0, 0.01}};
+  const double sin[3] = {NAN, 2.5, 3.0}, cos[3] = {3.0, 2.5, NAN};
+  double angle[3], radius[3];
+  RawConverter(model).convert(kVolts, sin, cos, 3, angle, radius);
+  for (const double a : angle) // the second is at the very centre
+    EXPECT_TRUE(std::isnan(a));
+  EXPECT_EQ(radius[1], 0);
+}
+
+std::string why_refused(const Model &model) {
+  try {
+    RawConverter{model};
+  } catch (const Error &e) {
+    EXPECT_EQ(e.status(), ADA4571_ERROR_UNSUPPORTED);
+    return e.what();
+  }
+  return {};
+}
+
+TEST(RawConverter, refuses_a_remainder_that_no_table_holds) {
+  Model model;
+  model.remainder = {false, {0, 0.01, 0}, {0, 0, 0}, {0, 0.01, 0}, {0, 0, 0}};
+  EXPECT_EQ(why_refused(model), ""); // order 2 of a turn with two periods
+  model.remainder->cos_sin[2] = 1e-9;
+  EXPECT_EQ(why_refused(model), "the model's periodic remainder, which has no name, differs "
+                                "between the parts of a turn that a pair cannot tell apart: "
+                                "convert frames");
+  model.remainder->electrical = true;
+  EXPECT_EQ(why_refused(model), "");
+  model.remainder = {true, {0, 0, 0.9}, {0, 0, 0.9}, {0, 0, 0}, {0, 0, 0}}; // 3 * 0.9 * 1.4 > 1
+  EXPECT_EQ(why_refused(model), "the model's periodic remainder, which has no name, bends the "
+                                "curve so far that one angle of the ellipse stands for several: "
+                                "convert frames");
+  model.remainder = {true, {0.01}, {0}, {0}, {0}};
+  model.effects.push_back(effect_instance("weak-field", {0.02}, {}));
+  EXPECT_NE(why_refused(model).find("weak-field"), std::string::npos);
 }
 
 TEST(RawConverter, refuses_what_one_ellipse_cannot_hold) {
