@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$1"
 ALLOWED='^(tests/run|tests/prepare|tests/no_apt\.sh|tests/kernel/other-release):'
 WORDS='\b(apt|apt-get|apt-cache|aptitude|apt_get|debootstrap|install_packages|install_named'
-WORDS+='|download_package|apt_offers)\b|dpkg(-deb)? +(-i|--install|--unpack)\b'
+WORDS+='|install_where_offered|download_package|apt_offers)\b|dpkg(-deb)? +(-i|--install|--unpack)\b'
 
 # uses_of_apt FILE...: the lines of scripts and programs that say so, comments aside.
 uses_of_apt() {

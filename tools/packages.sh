@@ -6,7 +6,8 @@
 # Sourced by tools/demo, tests/run and tests/prepare: nothing else installs or downloads.
 
 # What is needed for what: a new package goes here and nowhere else. `kernel` is for the tests that
-# boot a kernel or read its source.
+# boot a kernel or read its source; `where-offered` is not in every release (Debian 13 has no
+# dt-schema), and what needs it is skipped there.
 declare -A PACKAGES=(
   [build]="g++ cmake ninja-build pkgconf libiio-dev libgpiod-dev libeigen3-dev libhwy-dev
     libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev python3"
@@ -14,7 +15,8 @@ declare -A PACKAGES=(
   [test]="libgtest-dev libbenchmark-dev libsleef-dev libumockdev-dev umockdev libiio-utils iiod
     device-tree-compiler mandoc shellcheck chromium"
   [kernel]="qemu-system-x86 busybox-static cpio kmod xz-utils zstd bc gcc make perl gpiod udev
-    systemd iproute2 dt-schema"
+    systemd iproute2"
+  [where-offered]="dt-schema"
   [other-release]="debootstrap"
 )
 
@@ -50,6 +52,18 @@ install_named() {
   apt_get install -y --no-install-recommends "${missing[@]}" >/dev/null 2>&1 ||
     { apt_get update >&2 && apt_get install -y --no-install-recommends "${missing[@]}" >&2; } ||
     { echo "cannot install ${missing[*]}: are you root, or is sudo there?" >&2; return 1; }
+}
+
+# install_where_offered GROUP: those that this release has; says which it has not.
+install_where_offered() {
+  local package
+  for package in ${PACKAGES[$1]}; do
+    if [[ -n $(apt_offers "$package") ]]; then
+      install_named "$package"
+    else
+      echo "not in this release: $package; the checks that need it are skipped"
+    fi
+  done
 }
 
 # downloaded PACKAGE VERSION: prints the file in the cache; fails when it is not there.
