@@ -185,6 +185,24 @@ ada4571_status ada4571_model_parameter(const ada4571_model *model, size_t index,
   });
 }
 
+void ada4571_remainder_init(ada4571_remainder *remainder) {
+  if (remainder != nullptr)
+    *remainder = {sizeof *remainder, 0, 0, 0, 0.0};
+}
+
+ada4571_status ada4571_model_get_remainder(const ada4571_model *model,
+                                           ada4571_remainder *remainder) {
+  return guard([&] {
+    require(model, "model");
+    require_struct(remainder, "remainder");
+    const auto &impl = model->impl.remainder;
+    ada4571_remainder_init(remainder);
+    if (impl)
+      *remainder = {sizeof *remainder, 1, impl->electrical, impl->orders(),
+                    impl->rms() * model->impl.baseline.amplitude_v};
+  });
+}
+
 void ada4571_model_free(ada4571_model *model) {
   delete model;
 }

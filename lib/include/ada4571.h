@@ -336,6 +336,21 @@ ADA4571_API ada4571_status ada4571_model_effect(const ada4571_model *model, size
                                                 ada4571_effect_info *info);
 ADA4571_API ada4571_status ada4571_model_parameter(const ada4571_model *model, size_t index,
                                                    size_t parameter, ada4571_parameter *out);
+
+/* What repeats with the angle and no effect explains: a Fourier series of each channel, which a
+ * model may carry beside its effects (docs/model-file.md). It is corrected like an effect, but it
+ * has no name and is none of ada4571_model_effect. */
+typedef struct ada4571_remainder {
+  size_t struct_size;
+  int present;          /* 0: the model has none, and the rest is 0 */
+  int electrical;       /* 0: orders of the turn; 1: of psi */
+  size_t highest_order;
+  double rms_v;         /* of what it adds to a channel, over all angles and both channels */
+} ada4571_remainder;
+
+ADA4571_API void ada4571_remainder_init(ada4571_remainder *remainder);
+ADA4571_API ada4571_status ada4571_model_get_remainder(const ada4571_model *model,
+                                                       ada4571_remainder *remainder);
 ADA4571_API void ada4571_model_free(ada4571_model *model);
 
 /* ------------------------------------------------------------- calibration */
@@ -395,8 +410,9 @@ ADA4571_API ada4571_status ada4571_converter_recording(ada4571_converter *conver
                                                        const ada4571_recording *recording,
                                                        ada4571_angle *angles);
 /* The vector path: raw samples to mechanical angle in radians [0, 2 pi / p), and the relative
- * radius where radius is not NULL. Offsets, mismatch and quadrature are corrected; a model with
- * further effects is ADA4571_ERROR_UNSUPPORTED here. */
+ * radius where radius is not NULL. Offsets, mismatch and quadrature are corrected, and a periodic
+ * remainder where it is the same in each of the p parts of a turn; a model with further effects is
+ * ADA4571_ERROR_UNSUPPORTED here. */
 ADA4571_API ada4571_status ada4571_converter_raw_f32(const ada4571_converter *converter,
                                                      const ada4571_layout *layout, const void *sin,
                                                      const void *cos, size_t count,

@@ -249,6 +249,7 @@ const std::map<std::string, Case> &model_cases() {
       {"ada4571_baseline_init", init_takes_null(ada4571_baseline_init)},
       {"ada4571_effect_info_init", init_takes_null(ada4571_effect_info_init)},
       {"ada4571_parameter_init", init_takes_null(ada4571_parameter_init)},
+      {"ada4571_remainder_init", init_takes_null(ada4571_remainder_init)},
       {"ada4571_catalogue_count",
        [](const Handles &) { EXPECT_GT(ada4571_catalogue_count(), 0u); }},
       {"ada4571_catalogue_get",
@@ -321,6 +322,14 @@ const std::map<std::string, Case> &model_cases() {
          REFUSED(ada4571_model_parameter(h.model, 0, 0, nullptr));
          REFUSED(ada4571_model_parameter(h.model, 0, SIZE_MAX, &parameter));
          REFUSED(ada4571_model_parameter(h.model, SIZE_MAX, 0, &parameter));
+       }},
+      {"ada4571_model_get_remainder",
+       [](const Handles &h) {
+         auto remainder = initialised(ada4571_remainder_init);
+         REFUSED(ada4571_model_get_remainder(nullptr, &remainder));
+         REFUSED(ada4571_model_get_remainder(h.model, nullptr));
+         remainder.struct_size = 1;
+         REFUSED(ada4571_model_get_remainder(h.model, &remainder));
        }},
       {"ada4571_model_free", free_takes_null(ada4571_model_free)},
       {"ada4571_calibrate_single",

@@ -108,6 +108,41 @@ worst_error() {
                if (d > worst) worst = d } END { print (NR > 0 && worst < 0.06) ? "small" : worst }'
 }
 
+# rms over both channels: 1.45 V * sqrt((0.02^2 + 0.01^2 + 0.02^2 + 0.015^2) / 4) = 24.3 mV.
+check_a_remainder_is_simulated_taken_out_and_called_unnamed() {
+  {
+    echo 'schema = "ada4571-model/1"'
+    echo 'periods_per_turn = 2'
+    echo 'supply_v = 5'
+    echo 'baseline = {amplitude_v = 1.45, offset_sin_v = 0, offset_cos_v = 0}'
+  } >plain.toml
+  {
+    cat plain.toml
+    echo '[remainder]'
+    echo 'angle = "electrical"'
+    echo 'orders = 3'
+    echo 'sin_cos = [0.02, 0, 0]'
+    echo 'sin_sin = [0, 0, 0.01]'
+    echo 'cos_cos = [0, 0.02, 0]'
+    echo 'cos_sin = [0.015, 0, 0]'
+  } >unnamed.toml
+  status 0 iio-angle simulate --model unnamed.toml --noise 0 --bits 0 --duration 0.2 -o a.csv
+  status 0 iio-angle convert --calibration unnamed.toml a.csv -o with.csv
+  says err '^unnamed: .* 24.3 mV rms, up to order 3 of the electrical period$'
+  status 0 iio-angle convert --calibration plain.toml a.csv -o without.csv
+  empty err
+  # The reference is the shaft itself; both angles are within half a turn.
+  local column
+  column=$(grep -v '^#' a.csv | head -1 | tr , '\n' | grep -n reference_deg | cut -d: -f1)
+  for name in with without; do
+    paste -d, <(grep -v '^#' a.csv | cut -d, -f"$column") "$name.csv" |
+      awk -F, 'NR > 1 { e = $3 - $1; e -= 180 * int(e / 180 + (e < 0 ? -0.5 : 0.5));
+                        if (e < 0) e = -e; if (e > worst) worst = e } END { print worst }' >"$name"
+  done
+  awk '{ exit !($1 < 0.001) }' with || fail "off by $(cat with) degrees with the remainder"
+  awk '{ exit !($1 > 0.2) }' without || fail "off by only $(cat without) degrees without"
+}
+
 check_convert_gives_the_angle_of_every_sample() {
   capture a.csv --temperature constant:deg_c=25
   status 0 iio-angle calibrate single a.csv -o a.toml

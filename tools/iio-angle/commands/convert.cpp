@@ -52,6 +52,7 @@ void for_each_block(const Recording &capture, const Model &model, bool dynamic, 
 int run(const Options &options) {
   const auto model = make<Model>(ada4571_model_load, options.calibration.c_str());
   const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
+  mention_remainder(model);
   OutputFile out(options.output);
   AngleText text(AngleFormat::csv, angle_range_deg(model));
   Progress progress;

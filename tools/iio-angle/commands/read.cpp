@@ -27,6 +27,7 @@ AngleFormat format_of(const std::string &name) {
 int run(const Options &options) {
   const Source source = open_source(options.source);
   const Model model = live_model(source, options.calibration);
+  mention_remainder(model);
   LiveAngles angles(model, options.dynamic);
   AngleText text(format_of(options.format), angles.range_deg());
   OutputFile out("-");

@@ -70,7 +70,9 @@ void print_live(const Source &source, LiveAngles &angles) {
 
 int run(const Options &options) {
   const Source source = open_source(options.source);
-  LiveAngles angles(live_model(source, options.calibration), options.dynamic);
+  const Model model = live_model(source, options.calibration);
+  mention_remainder(model);
+  LiveAngles angles(model, options.dynamic);
   if (is_terminal())
     draw_live(source, angles);
   else

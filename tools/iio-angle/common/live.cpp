@@ -75,6 +75,17 @@ double angle_range_deg(const Model &model) {
   return 360.0 / baseline.periods_per_turn;
 }
 
+void mention_remainder(const Model &model) {
+  auto remainder = initialised(ada4571_remainder_init);
+  check(ada4571_model_get_remainder(model.get(), &remainder));
+  if (remainder.present)
+    fmt::print(stderr,
+               "unnamed: the model also takes out what repeats with the angle and no effect "
+               "explains, {:.3g} mV rms, up to order {} of {}\n",
+               1e3 * remainder.rms_v, remainder.highest_order,
+               remainder.electrical ? "the electrical period" : "the turn");
+}
+
 LiveAngles::LiveAngles(const Model &model, bool dynamic)
     : range_deg_(angle_range_deg(model)), angles_(kBlockFrames) {
   if (dynamic)

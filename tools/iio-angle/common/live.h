@@ -40,4 +40,7 @@ private:
 /// 360/p degrees of a model.
 double angle_range_deg(const Model &model);
 
+/// Tells standard error what of the angle's correction has no name.
+void mention_remainder(const Model &model);
+
 } // namespace cli
