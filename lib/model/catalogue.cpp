@@ -4,6 +4,7 @@
 // The table of effects, in physical order: an effect acts after those above it. A new effect is a
 // file in effects/ and a row here.
 
+#include <algorithm>
 #include <vector>
 
 #include "model/effect.h"
@@ -23,6 +24,8 @@
   X(offset_temperature_drift)                                                                      \
   X(offset_temperature_curvature)                                                                  \
   X(offset_step)                                                                                   \
+  X(offset_wander)                                                                                 \
+  X(gain_wander)                                                                                   \
   X(quadratic_nonlinearity)                                                                        \
   X(cubic_nonlinearity)                                                                            \
   X(harmonic_distortion)                                                                           \
@@ -32,14 +35,21 @@
   X(propagation_delay)                                                                             \
   X(channel_skew)                                                                                  \
   X(multiplexer_memory)                                                                            \
+  X(timing_jitter)                                                                                 \
+  X(angle_noise)                                                                                   \
+  X(amplitude_noise)                                                                               \
+  X(flicker_noise)                                                                                 \
   X(periodic_interference)                                                                         \
   X(impulse_noise)                                                                                 \
   X(excess_noise)                                                                                  \
   X(stuck_channel)                                                                                 \
   X(channel_swap)                                                                                  \
   X(channel_inverted)                                                                              \
-  X(sample_loss)                                                                                   \
-  X(reference_eccentricity)
+  X(reference_delay)                                                                               \
+  X(reference_eccentricity)                                                                        \
+  X(reference_harmonic)                                                                            \
+  X(reference_resolution)                                                                          \
+  X(sample_loss)
 
 namespace ada {
 
@@ -54,6 +64,15 @@ std::span<const Effect *const> catalogue() {
 #undef X
   };
   return table;
+}
+
+std::vector<EffectInstance> in_physical_order(std::vector<EffectInstance> effects) {
+  const auto place = [](const EffectInstance &e) {
+    return std::find(catalogue().begin(), catalogue().end(), e.effect) - catalogue().begin();
+  };
+  std::stable_sort(effects.begin(), effects.end(),
+                   [&](const auto &a, const auto &b) { return place(a) < place(b); });
+  return effects;
 }
 
 const Effect *find_effect(std::string_view id) {

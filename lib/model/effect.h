@@ -53,6 +53,25 @@ enum class Evidence {
   signal,    ///< a deterministic part of VSIN and VCOS: joint least squares
   screening, ///< seen before any fit: wiring, dead channels, lost samples, spikes
   noise,     ///< changes the noise, not the signal
+  process,   ///< a slow random change, whose course is known only from the data
+};
+
+/// What happens to the vector of the two signals.
+enum class Pattern {
+  other,
+  offset, ///< a shift, whatever the angle
+  gain,   ///< along the vector, both channels in proportion
+  turn,   ///< across the vector: the angle moves and the circle stays
+};
+
+/// What kind of thing the cause is.
+enum class Character {
+  fixed,    ///< the same again at the same angle and temperature
+  dynamic,  ///< grows with a rate: of the rotation, of the temperature
+  event,    ///< happens at a moment
+  recorded, ///< follows a column of the record
+  process,  ///< random, and slow against the samples
+  white,    ///< random, each sample by itself
 };
 
 struct EffectInfo {
@@ -68,10 +87,29 @@ struct EffectInfo {
   std::string_view yields_to = {};
   /// Its wave form is a column of the record: nothing of higher order is left of it.
   bool recorded = false;
+  /// On which most of it shows: angle, speed, temperature, supply, time, frequency or noise.
+  std::string_view axis = "angle";
+  Pattern pattern = Pattern::other;
+  Character character = Character::fixed;
+  /// Which of several causes that data cannot tell apart leads, the least first: 0 what every pair
+  /// has; 1 drift, delay, skew, field errors; 2 transfer errors, memory and the rest; 3 signatures.
+  int prior_rank = 2;
+  bool repeats = false; ///< may be there several times: at other orders, frequencies, moments
 };
 
 using Values = std::span<const double>;
 using Rng = std::mt19937_64;
+
+/// One part of a capture while the simulation makes it.
+struct Take {
+  const Model &model;
+  const Conditions &at; ///< the true ones, sample by sample
+  double duration_s;    ///< of the whole capture; 0: without end
+  Rng &rng;
+  /// What the effect carries from one part to the next; empty at the first.
+  std::vector<double> &memory;
+  Capture &capture; ///< its reference is unwrapped here
+};
 
 class Effect {
 public:
@@ -84,14 +122,15 @@ public:
   virtual void apply(Values, Wave &) const {}
   /// Linear dynamics before the sampler.
   virtual void dynamics(Values, Taps &) const {}
-  /// From what the reference reads to the shaft's angle, rad, in place.
-  virtual void shaft_from_reference(Values, std::span<double>) const {}
+  /// From what the reference reads to the shaft's angle, rad, in place; `at` as the reference shows
+  /// it.
+  virtual void shaft_from_reference(Values, const Conditions &, std::span<double>) const {}
   /// The part of VCOS that VTEMP carries over, where VTEMP is in the scan.
   virtual double vtemp_on_vcos(Values) const { return 0.0; }
   /// Order-1 error that the reference itself shows against smooth time: cos and sin part, rad.
   virtual std::array<double, 2> reference_ripple(Values) const { return {0.0, 0.0}; }
-  /// Acts on a simulated capture as a whole: lost rows, spikes, the reference column.
-  virtual void record(Values, Rng &, Capture &) const {}
+  /// Acts on a simulated capture: lost rows, spikes, wander, the reference column.
+  virtual void record(Values, Take &) const {}
 
   // --- how it is fitted
 
@@ -117,6 +156,9 @@ public:
 
 /// All effects in physical order.
 std::span<const Effect *const> catalogue();
+
+/// The same effects in the order of the catalogue.
+std::vector<EffectInstance> in_physical_order(std::vector<EffectInstance> effects);
 
 /// The effect with this identifier, or nullptr.
 const Effect *find_effect(std::string_view id);

@@ -13,11 +13,6 @@ namespace ada {
 
 namespace {
 
-std::size_t table_index(const Effect *effect) {
-  const auto table = catalogue();
-  return static_cast<std::size_t>(std::find(table.begin(), table.end(), effect) - table.begin());
-}
-
 /// e^(j p x) of the direction of (fx, fy).
 void electrical(Wave &w) {
   for (std::size_t i = 0; i < w.n; ++i) {
@@ -51,11 +46,7 @@ ForwardModel::ForwardModel(const Model &model, AlphaIs alpha)
     remainder_ = model.remainder->series(baseline_.amplitude_v);
     remainder_periods_ = model.remainder->electrical ? periods_ : 1.0;
   }
-  std::vector<EffectInstance> effects = model.effects;
-  std::stable_sort(effects.begin(), effects.end(), [](const auto &a, const auto &b) {
-    return table_index(a.effect) < table_index(b.effect);
-  });
-  for (EffectInstance &e : effects) {
+  for (EffectInstance &e : in_physical_order(model.effects)) {
     e.effect->dynamics(e.values, taps_);
     Step step{e.effect, std::move(e.values)};
     switch (e.effect->info().stage) {
@@ -72,8 +63,8 @@ ForwardModel::ForwardModel(const Model &model, AlphaIs alpha)
       chain_.push_back(std::move(step));
       break;
     case Stage::record:
-      if (alpha == AlphaIs::reference)
-        reference_.push_back(step);
+      if (alpha == AlphaIs::reference) // undone in the reverse of the order in which they act
+        reference_.insert(reference_.begin(), step);
       later_.push_back(std::move(step));
       break;
     case Stage::sampler:
@@ -126,7 +117,7 @@ void ForwardModel::add_remainder(Wave &w) const {
 void ForwardModel::motion(Wave &w, double *shaft, double *speed) const {
   std::copy(w.at.alpha, w.at.alpha + w.n, shaft);
   for (const Step &step : reference_)
-    step.effect->shaft_from_reference(step.values, {shaft, w.n});
+    step.effect->shaft_from_reference(step.values, w.at, {shaft, w.n});
   if (!reference_.empty()) {
     // The reference's own ripple is in its speed as well: what the shaft does while it moves by a
     // little.
@@ -135,7 +126,7 @@ void ForwardModel::motion(Wave &w, double *shaft, double *speed) const {
     for (std::size_t i = 0; i < w.n; ++i)
       moved[i] = w.at.alpha[i] + kLittle;
     for (const Step &step : reference_)
-      step.effect->shaft_from_reference(step.values, {moved, w.n});
+      step.effect->shaft_from_reference(step.values, w.at, {moved, w.n});
     if (w.at.omega != nullptr)
       for (std::size_t i = 0; i < w.n; ++i)
         speed[i] = w.at.omega[i] * (moved[i] - shaft[i]) / kLittle;

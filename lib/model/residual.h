@@ -49,6 +49,10 @@ std::vector<std::vector<double>> find_tones(const Residual &residual);
 /// Levels at which the signal stops below what the model expects, as values of `clipping`.
 std::vector<std::vector<double>> find_clipping(const Residual &residual);
 
+/// Orders of the turn, whole or not, at which the angle of the residual shows lines against the
+/// angle; the strongest first. Empty below a few turns.
+std::vector<double> find_orders(const Residual &residual);
+
 /// A cause that is seen before any fit.
 struct ScreenFinding {
   const Effect *effect;
@@ -75,6 +79,9 @@ bool screen_spikes(Screened &look, const Effect &effect);
 bool screen_stuck(Screened &look, const Effect &effect);
 bool screen_orientation(Screened &look, const Effect &effect);
 bool screen_losses(Screened &look, const Effect &effect);
+/// Width of the steps in which the reference moves, degrees; 0 where it does not, or where they are
+/// too fine to matter.
+double find_reference_step(const Screened &look);
 bool screen_slip(Screened &look, const Effect &effect); ///< only where there is no reference
 
 /// Places of isolated outliers: residuals that stand out of their neighbours by more than

@@ -52,7 +52,8 @@ Generator::Generator(const Simulation &simulation)
     : model_(simulation.model()), options_(simulation.options()), forward_(model_),
       speed_(parse_motion(options_.motion, options_.duration_s)),
       temperature_(parse_temperature(options_.temperature, options_.duration_s)),
-      rng_(simulation.seed()) {
+      rng_(simulation.seed()), effects_(in_physical_order(model_.effects)),
+      memory_(effects_.size()) {
   std::uniform_real_distribution<double> turn(0.0, kTwoPi);
   supply_phase_slow_ = turn(rng_);
   supply_phase_fast_ = turn(rng_);
@@ -100,14 +101,18 @@ double Generator::quantised(double volts) const {
   return std::clamp(std::round(volts / lsb), 0.0, top) * lsb;
 }
 
-void Generator::disturb(Capture &capture) {
+void Generator::disturb(const Conditions &at, Capture &capture) {
   std::normal_distribution<double> normal;
   for (std::size_t i = 0; i < capture.size(); ++i) {
     capture.vsin_v[i] += options_.noise_rms_v * normal(rng_);
     capture.vcos_v[i] += options_.noise_rms_v * normal(rng_);
   }
-  for (const EffectInstance &e : model_.effects)
-    e.effect->record(e.values, rng_, capture);
+  for (std::size_t i = 0; i < effects_.size(); ++i) {
+    Take take{model_, at, options_.duration_s, rng_, memory_[i], capture};
+    effects_[i].effect->record(effects_[i].values, take);
+  }
+  for (double &r : capture.reference_deg)
+    r = wrap(r, 360.0);
   for (auto *column : {&capture.vsin_v, &capture.vcos_v, &capture.vtemp_v})
     for (double &v : *column)
       v = quantised(v);
@@ -120,8 +125,8 @@ Capture Generator::next(std::size_t count) {
   capture.time_s = x.time;
   capture.vsin_v.resize(count);
   capture.vcos_v.resize(count);
-  forward_.evaluate(x.view(1.0 / options_.sample_rate_hz, options_.has_vtemp),
-                    capture.vsin_v.data(), capture.vcos_v.data());
+  const Conditions at = x.view(1.0 / options_.sample_rate_hz, options_.has_vtemp);
+  forward_.evaluate(at, capture.vsin_v.data(), capture.vcos_v.data());
   std::normal_distribution<double> normal;
   if (options_.has_vtemp)
     for (std::size_t i = 0; i < count; ++i)
@@ -134,8 +139,8 @@ Capture Generator::next(std::size_t count) {
                               kVddNoiseV * normal(rng_));
   if (options_.has_reference)
     for (std::size_t i = 0; i < count; ++i)
-      capture.reference_deg.push_back(wrap(x.alpha[i] * kDegPerRad, 360.0));
-  disturb(capture);
+      capture.reference_deg.push_back(x.alpha[i] * kDegPerRad);
+  disturb(at, capture);
   index_ += count;
   return capture;
 }

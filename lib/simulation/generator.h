@@ -24,7 +24,7 @@ public:
 private:
   struct Columns;
   void conditions(std::size_t count, Columns &columns);
-  void disturb(Capture &capture);
+  void disturb(const Conditions &at, Capture &capture);
   double quantised(double volts) const;
 
   Model model_;
@@ -32,6 +32,8 @@ private:
   ForwardModel forward_;
   PiecewiseLinear speed_, temperature_;
   Rng rng_;
+  std::vector<EffectInstance> effects_;     ///< in physical order
+  std::vector<std::vector<double>> memory_; ///< of each of them, from one part to the next
   std::size_t index_ = 0;
   double lag_s_ = 0.0, supply_rms_ = 0.0, supply_phase_slow_, supply_phase_fast_, start_angle_;
   double vtemp_ = 0.0;

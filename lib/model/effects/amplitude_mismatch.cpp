@@ -15,7 +15,8 @@ constexpr EffectInfo kInfo{.id = "amplitude-mismatch",
                            .cause = "The two channels have different amplitudes.",
                            .stage = Stage::bridge,
                            .parameters = kParameters,
-                           .correctable = true};
+                           .correctable = true,
+                           .prior_rank = 0};
 
 class AmplitudeMismatch final : public Effect {
 public:

@@ -15,7 +15,10 @@ constexpr EffectInfo kInfo{.id = "amplitude-temperature-drift",
                            .cause = "The amplitude changes with temperature.",
                            .stage = Stage::bridge,
                            .parameters = kParameters,
-                           .correctable = true};
+                           .correctable = true,
+                           .axis = "temperature",
+                           .pattern = Pattern::gain,
+                           .prior_rank = 1};
 
 class AmplitudeTemperatureDrift final : public Effect {
 public:

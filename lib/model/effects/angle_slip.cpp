@@ -23,7 +23,11 @@ constexpr EffectInfo kInfo{.id = "angle-slip",
                            .correctable = false,
                            .separations = kSeparations,
                            // At the only reversal of a capture the two look alike.
-                           .yields_to = "hysteresis"};
+                           .yields_to = "hysteresis",
+                           .axis = "time",
+                           .pattern = Pattern::turn,
+                           .character = Character::event,
+                           .repeats = true};
 
 class AngleSlip final : public Effect {
 public:

@@ -21,7 +21,10 @@ constexpr EffectInfo kInfo{.id = "channel-skew",
                            .stage = Stage::sampler,
                            .parameters = kParameters,
                            .correctable = true,
-                           .separations = kSeparations};
+                           .separations = kSeparations,
+                           .axis = "speed",
+                           .character = Character::dynamic,
+                           .prior_rank = 1};
 
 class ChannelSkew final : public Effect {
 public:

@@ -24,6 +24,82 @@ std::vector<std::vector<double>> TransferError::choices(Values v) const {
   return {{v[0], v[1] == 1.0 ? std::nan("") : 1.0}};
 }
 
+void ReferenceError::shaft_from_reference(Values v, const Conditions &,
+                                          std::span<double> angle) const {
+  const double e = v[amplitude_index()] * kRadPerDeg, phase = v[phase_index()] * kRadPerDeg;
+  if (e == 0.0)
+    return;
+  const std::size_t n = angle.size();
+  const double order = this->order(v), contraction = std::min(std::abs(e * order), 0.9);
+  double alpha[kWaveBlock], s[kWaveBlock], c[kWaveBlock];
+  std::copy(angle.begin(), angle.end(), alpha);
+  // Each pass contracts the error by e n; three are enough for the usual one.
+  double left = e * contraction * contraction * contraction;
+  for (int k = 0; k < 3 || (left > 1e-9 && k < 60); ++k, left *= contraction) {
+    for (std::size_t i = 0; i < n; ++i)
+      alpha[i] = order * alpha[i] + phase;
+    sincos_of(alpha, n, s, c);
+    for (std::size_t i = 0; i < n; ++i)
+      alpha[i] = angle[i] - e * s[i];
+  }
+  std::copy(alpha, alpha + n, angle.begin());
+}
+
+std::array<double, 2> ReferenceError::reference_ripple(Values v) const {
+  if (order(v) != 1.0)
+    return {0.0, 0.0};
+  const double e = v[amplitude_index()] * kRadPerDeg, phase = v[phase_index()] * kRadPerDeg;
+  return {e * std::sin(phase), e * std::cos(phase)};
+}
+
+void ReferenceError::record(Values v, Take &take) const {
+  for (double &r : take.capture.reference_deg)
+    r += v[amplitude_index()] * std::sin((order(v) * r + v[phase_index()]) * kRadPerDeg);
+}
+
+std::string ReferenceError::invisible(const Residual &r) const {
+  return r.has_reference ? "" : "there is no reference";
+}
+
+void SlowCourse::draw(double duration_s, Rng &rng, std::vector<double> &numbers) {
+  const double span = duration_s > 0.0 ? duration_s : kEndless;
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<double> drawn{0.0};
+  for (std::size_t k = 0; 3 * k + 1 < kNumbers; ++k) {
+    const double cycles = 0.5 + 1.5 * (static_cast<double>(k) + unit(rng)); // below 10 in all
+    drawn.insert(drawn.end(), {kTwoPi * cycles / span, kTwoPi * unit(rng), normal(rng) / cycles});
+  }
+  constexpr int kPoints = 2000;
+  double mean = 0.0, square = 0.0;
+  for (int i = 0; i < kPoints; ++i) {
+    const double x = SlowCourse(drawn)(span * (i + 0.5) / kPoints);
+    mean += x / kPoints;
+    square += x * x / kPoints;
+  }
+  const double scale = 1.0 / std::sqrt(square - mean * mean);
+  drawn[0] = mean * scale;
+  for (std::size_t k = 3; k < kNumbers; k += 3)
+    drawn[k] *= scale;
+  numbers.insert(numbers.end(), drawn.begin(), drawn.end());
+}
+
+double SlowCourse::operator()(double time_s) const {
+  double sum = -numbers_[0];
+  for (std::size_t k = 1; k < kNumbers; k += 3)
+    sum += numbers_[k + 2] * std::cos(numbers_[k] * time_s + numbers_[k + 1]);
+  return sum;
+}
+
+void turn_vector(Take &take, std::size_t i, double re, double im) {
+  const double mid = 0.5 * take.model.supply_v;
+  const double centre_s = mid + take.model.baseline.offset_sin_v;
+  const double centre_c = mid + take.model.baseline.offset_cos_v;
+  const double s = take.capture.vsin_v[i] - centre_s, c = take.capture.vcos_v[i] - centre_c;
+  take.capture.vsin_v[i] = centre_s + s * re + c * im;
+  take.capture.vcos_v[i] = centre_c + c * re - s * im;
+}
+
 std::vector<std::vector<double>> one_of_each(std::size_t parameters, std::size_t index, int first,
                                              int last) {
   std::vector<std::vector<double>> out;

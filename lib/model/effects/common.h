@@ -70,6 +70,44 @@ protected:
   virtual int order() const = 0;
 };
 
+/// The reference's own periodic error: it reads alpha + e sin(n alpha + phase). Whoever names it
+/// says where n comes from.
+class ReferenceError : public PolarEffect {
+public:
+  void shaft_from_reference(Values v, const Conditions &at, std::span<double> angle) const override;
+  std::array<double, 2> reference_ripple(Values v) const override;
+  void record(Values v, Take &take) const override;
+  std::string invisible(const Residual &r) const override;
+
+protected:
+  virtual double order(Values v) const = 0;
+};
+
+/// Which of sensor and reference is at fault.
+inline constexpr std::string_view kSteadySpin =
+    "capture a steady spin: whichever of sensor and reference keeps uniform time is the innocent "
+    "one; or turn the reference on the shaft by a part of its period";
+
+/// A random smooth course over a capture, with zero mean and an rms of 1 over its duration: a sum
+/// of cosines with periods from a tenth of the duration on. Kept as plain numbers from one part of
+/// a capture to the next.
+class SlowCourse {
+public:
+  static void draw(double duration_s, Rng &rng, std::vector<double> &numbers);
+  static constexpr std::size_t kNumbers = 1 + 3 * 6;
+  explicit SlowCourse(std::span<const double> numbers) : numbers_(numbers) {}
+  double operator()(double time_s) const;
+
+private:
+  std::span<const double> numbers_; ///< mean, then rate (rad/s), phase and amplitude of each cosine
+};
+
+/// The duration over which what has no end is drawn, s.
+inline constexpr double kEndless = 100.0;
+
+/// Multiplies the vector of one sample, seen from the centre of its circle, by re + j im.
+void turn_vector(Take &take, std::size_t i, double re, double im);
+
 /// Starting points that differ in one chosen parameter, everything else absent.
 std::vector<std::vector<double>> one_of_each(std::size_t parameters, std::size_t index, int first,
                                              int last);

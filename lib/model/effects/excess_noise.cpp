@@ -15,16 +15,21 @@ constexpr EffectInfo kInfo{.id = "excess-noise",
                            .stage = Stage::converter,
                            .parameters = kParameters,
                            .correctable = false,
-                           .evidence = Evidence::noise};
+                           .evidence = Evidence::noise,
+                           .axis = "noise",
+                           .pattern = Pattern::offset,
+                           .character = Character::white,
+                           .prior_rank = 1};
 
 class ExcessNoise final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
-  void record(Values v, Rng &rng, Capture &capture) const override {
+  void record(Values v, Take &take) const override {
+    Capture &capture = take.capture;
     std::normal_distribution<double> noise(0.0, v[0]);
     for (std::size_t i = 0; i < capture.size(); ++i) {
-      capture.vsin_v[i] += noise(rng);
-      capture.vcos_v[i] += noise(rng);
+      capture.vsin_v[i] += noise(take.rng);
+      capture.vcos_v[i] += noise(take.rng);
     }
   }
 };

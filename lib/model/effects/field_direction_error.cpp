@@ -14,9 +14,10 @@ constexpr std::array<ParameterInfo, 3> kParameters{
     ParameterInfo{"a_deg", "deg", 0.2, 0.0, 20.0, Role::fitted, 0.01},
     ParameterInfo{"phase_deg", "deg", 0.0, -360.0, 360.0}};
 
-constexpr std::array<Separation, 3> kSeparations{
+constexpr std::array<Separation, 4> kSeparations{
     {{"rotation-nonuniformity",
       "record a reference angle, or repeat at another speed or in a coast-down"},
+     {"reference-harmonic", kSteadySpin},
      {"stray-field", "turn the housing in space: a stray field stays where it is"},
      {"sensor-off-axis", "move the sensor by a known step: the error of an off-axis sensor grows "
                          "with the square of the distance"}}};
@@ -28,7 +29,10 @@ constexpr EffectInfo kInfo{.id = "field-direction-error",
                            .parameters = kParameters,
                            .correctable = true,
                            .signature = true,
-                           .separations = kSeparations};
+                           .separations = kSeparations,
+                           .pattern = Pattern::turn,
+                           .prior_rank = 3,
+                           .repeats = true};
 
 class FieldDirectionError final : public PolarEffect {
 public:

@@ -20,7 +20,9 @@ constexpr EffectInfo kInfo{.id = "harmonic-distortion",
                            .stage = Stage::chain,
                            .parameters = kParameters,
                            .correctable = true,
-                           .signature = true};
+                           .signature = true,
+                           .prior_rank = 3,
+                           .repeats = true};
 
 class HarmonicDistortion final : public PolarEffect {
 public:

@@ -22,7 +22,9 @@ constexpr EffectInfo kInfo{.id = "hysteresis",
                            .stage = Stage::field,
                            .parameters = kParameters,
                            .correctable = true,
-                           .separations = kSeparations};
+                           .separations = kSeparations,
+                           .axis = "speed",
+                           .pattern = Pattern::turn};
 
 class Hysteresis final : public Effect {
 public:

@@ -17,19 +17,23 @@ constexpr EffectInfo kInfo{.id = "impulse-noise",
                            .stage = Stage::converter,
                            .parameters = kParameters,
                            .correctable = false,
-                           .evidence = Evidence::screening};
+                           .evidence = Evidence::screening,
+                           .axis = "noise",
+                           .pattern = Pattern::offset,
+                           .character = Character::white};
 
 class ImpulseNoise final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
-  void record(Values v, Rng &rng, Capture &capture) const override {
+  void record(Values v, Take &take) const override {
+    Capture &capture = take.capture;
     std::bernoulli_distribution hit(v[0]);
     std::normal_distribution<double> size(0.0, v[1]);
     for (std::size_t i = 0; i < capture.size(); ++i) {
-      if (!hit(rng))
+      if (!hit(take.rng))
         continue;
-      capture.vsin_v[i] += size(rng);
-      capture.vcos_v[i] += size(rng);
+      capture.vsin_v[i] += size(take.rng);
+      capture.vcos_v[i] += size(take.rng);
     }
   }
   bool screen(Screened &look) const override { return screen_spikes(look, *this); }

@@ -25,7 +25,9 @@ constexpr EffectInfo kInfo{
     .parameters = kParameters,
     .correctable = true,
     .separations = kSeparations,
-    .yields_to = "propagation-delay"};
+    .yields_to = "propagation-delay",
+    .axis = "speed",
+    .character = Character::dynamic};
 
 class LowPassRolloff final : public Effect {
 public:

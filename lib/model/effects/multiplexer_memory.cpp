@@ -51,7 +51,8 @@ public:
     }
   }
   double vtemp_on_vcos(Values v) const override { return v[0]; }
-  void record(Values v, Rng &, Capture &capture) const override {
+  void record(Values v, Take &take) const override {
+    Capture &capture = take.capture;
     for (std::size_t i = 0; i < capture.vtemp_v.size(); ++i)
       capture.vtemp_v[i] += v[0] * (capture.vcos_v[i] - capture.vtemp_v[i]);
   }

@@ -18,7 +18,11 @@ constexpr EffectInfo kInfo{
     .cause = "An offset jumped at one moment: a contact, a solder joint or a stressed package.",
     .stage = Stage::chain,
     .parameters = kParameters,
-    .correctable = false};
+    .correctable = false,
+    .axis = "time",
+    .pattern = Pattern::offset,
+    .character = Character::event,
+    .repeats = true};
 
 class OffsetStep final : public Effect {
 public:

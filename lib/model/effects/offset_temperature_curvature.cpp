@@ -22,7 +22,9 @@ constexpr EffectInfo kInfo{.id = "offset-temperature-curvature",
                            .stage = Stage::chain,
                            .parameters = kParameters,
                            .correctable = true,
-                           .separations = kSeparations};
+                           .separations = kSeparations,
+                           .axis = "temperature",
+                           .pattern = Pattern::offset};
 
 class OffsetTemperatureCurvature final : public Effect {
 public:

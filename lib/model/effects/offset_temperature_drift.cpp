@@ -16,7 +16,10 @@ constexpr EffectInfo kInfo{.id = "offset-temperature-drift",
                            .cause = "The offsets drift with temperature.",
                            .stage = Stage::chain,
                            .parameters = kParameters,
-                           .correctable = true};
+                           .correctable = true,
+                           .axis = "temperature",
+                           .pattern = Pattern::offset,
+                           .prior_rank = 1};
 
 class OffsetTemperatureDrift final : public Effect {
 public:

@@ -20,7 +20,11 @@ constexpr EffectInfo kInfo{.id = "periodic-interference",
                                     "mains pickup or the alias of a PWM.",
                            .stage = Stage::converter,
                            .parameters = kParameters,
-                           .correctable = false};
+                           .correctable = false,
+                           .axis = "frequency",
+                           .pattern = Pattern::offset,
+                           .character = Character::process,
+                           .repeats = true};
 
 class PeriodicInterference final : public Effect {
 public:

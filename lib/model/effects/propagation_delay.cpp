@@ -11,10 +11,12 @@ namespace {
 constexpr std::array<ParameterInfo, 1> kParameters{
     ParameterInfo{"tau_s", "s", 50e-6, -1.0, 1.0, Role::fitted, 1e-6}};
 
-constexpr std::array<Separation, 2> kSeparations{
+constexpr std::array<Separation, 3> kSeparations{
     {{"hysteresis", "capture a second speed: a delay grows with it, hysteresis does not"},
      {"low-pass-rolloff",
-      "capture at a higher speed: a low pass also lowers the amplitude, a delay does not"}}};
+      "capture at a higher speed: a low pass also lowers the amplitude, a delay does not"},
+     {"reference-delay",
+      "use another reference, or measure the delay of the signal path by itself"}}};
 
 constexpr EffectInfo kInfo{
     .id = "propagation-delay",
@@ -22,7 +24,11 @@ constexpr EffectInfo kInfo{
     .stage = Stage::chain,
     .parameters = kParameters,
     .correctable = true,
-    .separations = kSeparations};
+    .separations = kSeparations,
+    .axis = "speed",
+    .pattern = Pattern::turn,
+    .character = Character::dynamic,
+    .prior_rank = 1};
 
 class PropagationDelay final : public Effect {
 public:

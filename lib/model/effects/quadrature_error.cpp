@@ -22,7 +22,8 @@ constexpr EffectInfo kInfo{.id = "quadrature-error",
                            .stage = Stage::bridge,
                            .parameters = kParameters,
                            .correctable = true,
-                           .separations = kSeparations};
+                           .separations = kSeparations,
+                           .prior_rank = 0};
 
 class QuadratureError final : public Effect {
 public:

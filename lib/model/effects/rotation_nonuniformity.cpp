@@ -26,7 +26,9 @@ constexpr EffectInfo kInfo{
     .stage = Stage::motion,
     .parameters = kParameters,
     .correctable = false,
-    .separations = kSeparations};
+    .separations = kSeparations,
+    .pattern = Pattern::turn,
+    .repeats = true};
 
 class RotationNonuniformity final : public PolarEffect {
 public:

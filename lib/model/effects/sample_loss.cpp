@@ -22,13 +22,17 @@ constexpr EffectInfo kInfo{.id = "sample-loss",
                            .parameters = kParameters,
                            .correctable = false,
                            .evidence = Evidence::screening,
-                           .separations = kSeparations};
+                           .separations = kSeparations,
+                           .axis = "time",
+                           .pattern = Pattern::turn,
+                           .character = Character::event};
 
 class SampleLoss final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
-  void record(Values v, Rng &rng, Capture &capture) const override {
-    drop_rows(static_cast<std::size_t>(v[0]), static_cast<std::size_t>(v[1]), rng, capture);
+  void record(Values v, Take &take) const override {
+    drop_rows(static_cast<std::size_t>(v[0]), static_cast<std::size_t>(v[1]), take.rng,
+              take.capture);
   }
   bool screen(Screened &look) const override { return screen_losses(look, *this); }
 };

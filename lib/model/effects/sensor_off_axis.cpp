@@ -29,7 +29,9 @@ constexpr EffectInfo kInfo{
     .stage = Stage::field,
     .parameters = kParameters,
     .correctable = true,
-    .separations = kSeparations};
+    .separations = kSeparations,
+    .pattern = Pattern::turn,
+    .prior_rank = 1};
 
 class SensorOffAxis final : public PolarEffect {
 public:

@@ -27,7 +27,9 @@ constexpr EffectInfo kInfo{
     .stage = Stage::field,
     .parameters = kParameters,
     .correctable = true,
-    .separations = kSeparations};
+    .separations = kSeparations,
+    .pattern = Pattern::turn,
+    .prior_rank = 1};
 
 class StrayField final : public PolarEffect {
 public:

@@ -18,12 +18,16 @@ constexpr EffectInfo kInfo{
     .stage = Stage::record,
     .parameters = kParameters,
     .correctable = false,
-    .evidence = Evidence::screening};
+    .evidence = Evidence::screening,
+    .axis = "time",
+    .character = Character::event,
+    .repeats = true};
 
 class StuckChannel final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
-  void record(Values v, Rng &, Capture &capture) const override {
+  void record(Values v, Take &take) const override {
+    Capture &capture = take.capture;
     std::vector<double> &channel = channel_of(capture, v[0]);
     std::size_t i = 0;
     while (i < capture.size() && capture.time_s[i] < v[1])

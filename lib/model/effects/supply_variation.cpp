@@ -19,7 +19,10 @@ constexpr EffectInfo kInfo{.id = "supply-variation",
                            .stage = Stage::chain,
                            .parameters = kParameters,
                            .correctable = true,
-                           .recorded = true};
+                           .recorded = true,
+                           .axis = "supply",
+                           .pattern = Pattern::gain,
+                           .character = Character::recorded};
 
 class SupplyVariation final : public Effect {
 public:

@@ -23,7 +23,9 @@ constexpr EffectInfo kInfo{
     .stage = Stage::bridge,
     .parameters = kParameters,
     .correctable = true,
-    .separations = kSeparations};
+    .separations = kSeparations,
+    .axis = "temperature",
+    .character = Character::dynamic};
 
 class TemperatureLag final : public Effect {
 public:

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The reference's own periodic error of another order than 1: line interpolation, a gear. It reads
+// alpha + e sin(n alpha + phase), n not always whole. Nothing is wrong with the sensor.
+
+#include "model/effects/common.h"
+
+namespace ada {
+namespace {
+
+constexpr std::array<ParameterInfo, 3> kParameters{
+    ParameterInfo{"order", "per turn", 8.0, 0.01, 65536.0, Role::chosen},
+    ParameterInfo{"e_deg", "deg", 0.1, 0.0, 20.0, Role::fitted, 0.01},
+    ParameterInfo{"phase_deg", "deg", 0.0, -360.0, 360.0}};
+
+constexpr std::array<Separation, 4> kSeparations{
+    {{"field-direction-error", kSteadySpin},
+     {"sensor-off-axis", kSteadySpin},
+     {"stray-field", kSteadySpin},
+     {"harmonic-distortion", "turn the reference on the shaft by a part of its period: what the "
+                             "sensor errs keeps its place"}}};
+
+constexpr EffectInfo kInfo{.id = "reference-harmonic",
+                           .cause = "The reference itself errs periodically, by its lines, its "
+                                    "interpolation or a gear; the sensor is right.",
+                           .stage = Stage::record,
+                           .parameters = kParameters,
+                           .correctable = false,
+                           .signature = true,
+                           .separations = kSeparations,
+                           .yields_to = "field-direction-error",
+                           .pattern = Pattern::turn,
+                           .prior_rank = 3,
+                           .repeats = true};
+
+class ReferenceHarmonic final : public ReferenceError {
+public:
+  const EffectInfo &info() const override { return kInfo; }
+  std::vector<std::vector<double>> guesses(const Residual &r) const override {
+    auto out = one_of_each(3, 0, 2, 8); // order 1 is the eccentricity's
+    for (const double order : {16.0, 32.0, 64.0})
+      out.push_back({order, 0.0, 0.0});
+    for (const double order : find_orders(r))
+      if (std::abs(order - 1.0) > 1e-9 &&
+          std::none_of(out.begin(), out.end(), [&](const auto &v) { return v[0] == order; }))
+        out.push_back({order, 0.0, 0.0});
+    return out;
+  }
+
+protected:
+  double order(Values v) const override { return v[0]; }
+  std::size_t amplitude_index() const override { return 1; }
+  std::size_t phase_index() const override { return 2; }
+};
+
+} // namespace
+
+const Effect &reference_harmonic() {
+  static const ReferenceHarmonic effect;
+  return effect;
+}
+
+} // namespace ada

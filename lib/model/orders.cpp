@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <unsupported/Eigen/FFT>
+
+#include "base/angle.h"
+#include "model/residual.h"
+
+namespace ada {
+
+namespace {
+
+constexpr double kFewestTurns = 3.0;
+constexpr std::size_t kMostLines = 4;
+constexpr std::size_t kLongest = std::size_t{1} << 20; ///< of the transform: 16 MB
+/// A line stands this far above the median power: exp(-12 ln 2) of the lines of noise do.
+constexpr double kClearPower = 12.0;
+
+/// The residual's turn of the angle at one sample, mechanical rad.
+double turn_of(const Residual &r, std::size_t i) {
+  const double s = r.model_sin_v[i] - 0.5 * r.supply_v, c = r.model_cos_v[i] - 0.5 * r.supply_v;
+  const double radius2 = s * s + c * c;
+  return radius2 > 0.0 ? (r.sin_v[i] * c - r.cos_v[i] * s) / (radius2 * r.periods) : 0.0;
+}
+
+/// Mean turn in even cells of the unwrapped angle; zeros fill up to a power of two.
+struct Cells {
+  std::vector<std::complex<float>> mean;
+  double turns_in_all = 0.0; ///< that the whole length stands for
+};
+
+Cells cells_of(const Residual &r, double first, double turns, double cells_a_turn) {
+  const auto used = static_cast<std::size_t>(std::ceil(turns * cells_a_turn)) + 1;
+  std::size_t size = 256;
+  while (size < 2 * used) // twice as long: lines between the bins do not get lost
+    size *= 2;
+  Cells out{std::vector<std::complex<float>>(size), static_cast<double>(size) / cells_a_turn};
+  std::vector<std::uint32_t> count(used, 0);
+  for (std::size_t i = 0; i < r.alpha.size(); ++i) {
+    const auto cell =
+        std::min(used - 1, static_cast<std::size_t>((r.alpha[i] - first) / kTwoPi * cells_a_turn));
+    out.mean[cell] += static_cast<float>(turn_of(r, i));
+    ++count[cell];
+  }
+  for (std::size_t k = 0; k < used; ++k)
+    if (count[k] > 1)
+      out.mean[k] /= static_cast<float>(count[k]);
+  return out;
+}
+
+/// Offset of a peak from its highest bin by the parabola through three powers.
+double top_of(double before, double at, double after) {
+  const double bend = before - 2.0 * at + after;
+  return bend < 0.0 ? 0.5 * (before - after) / bend : 0.0;
+}
+
+} // namespace
+
+std::vector<double> find_orders(const Residual &r) {
+  const std::size_t n = r.alpha.size();
+  if (n < 256)
+    return {};
+  const auto [low, high] = std::minmax_element(r.alpha.begin(), r.alpha.end());
+  const double turns = (*high - *low) / kTwoPi;
+  double travel = 0.0;
+  for (std::size_t i = 1; i < n; ++i)
+    travel += std::abs(r.alpha[i] - r.alpha[i - 1]) / kTwoPi;
+  if (turns < kFewestTurns)
+    return {};
+  const double most = static_cast<double>(kLongest) / (2.0 * turns + 2.0);
+  const Cells cells = cells_of(r, *low, turns, std::min(static_cast<double>(n) / travel, most));
+  std::vector<std::complex<float>> line;
+  Eigen::FFT<float> fft;
+  fft.fwd(line, cells.mean);
+
+  std::vector<double> power(line.size() / 2);
+  for (std::size_t k = 0; k < power.size(); ++k)
+    power[k] = static_cast<double>(std::norm(line[k]));
+  std::vector<double> sorted = power;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  std::vector<std::pair<double, std::size_t>> peaks;
+  const auto first = static_cast<std::size_t>(2.0 * cells.turns_in_all / turns) + 1;
+  for (std::size_t k = first; k + 1 < power.size(); ++k)
+    if (power[k] > kClearPower * *middle && power[k] >= power[k - 1] && power[k] > power[k + 1])
+      peaks.emplace_back(power[k], k);
+  std::sort(peaks.rbegin(), peaks.rend());
+
+  std::vector<double> orders;
+  for (const auto &[height, k] : peaks) {
+    const double bin = static_cast<double>(k) + top_of(power[k - 1], height, power[k + 1]);
+    double order = bin / cells.turns_in_all;
+    if (std::abs(order - std::round(order)) < 0.25 / turns) // no telling it from the whole one
+      order = std::round(order);
+    // A line's own side lobes come within a turn's resolution of it.
+    if (std::none_of(orders.begin(), orders.end(),
+                     [&](double o) { return std::abs(o - order) < 2.0 / turns; }))
+      orders.push_back(order);
+    if (orders.size() == kMostLines)
+      break;
+  }
+  return orders;
+}
+
+} // namespace ada

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/angle.h"
+#include "model/residual.h"
+
+namespace ada {
+
+namespace {
+
+constexpr std::size_t kFewest = 64;      ///< samples
+constexpr double kOnGrid = 0.95;         ///< part of the samples
+constexpr double kOffGrid = 0.1;         ///< of a step
+constexpr std::size_t kWindow = 8;       ///< samples to either side over which the speed is even
+constexpr double kAddsToNoise = 1.0 / 9; ///< of its power: a twentieth of its rms
+
+/// The spacing of which all spacings of the values are multiples; 0 where there is none.
+double grid_of(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[i] - values[i - 1] > 1e-9) // rounding of the text's numbers
+      gaps.push_back(values[i] - values[i - 1]);
+  if (gaps.size() < 3)
+    return 0.0;
+  std::vector<double> sorted = gaps;
+  const auto low = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 10);
+  std::nth_element(sorted.begin(), low, sorted.end());
+  // The text rounds each value, so one gap is no measure of the step: count them over the turn.
+  double steps = 0.0;
+  for (const double gap : gaps)
+    steps += std::round(gap / *low);
+  const double step = (values.back() - values.front()) / steps;
+  const auto fits = std::count_if(values.begin(), values.end(), [&](double v) {
+    const double at = (v - values.front()) / step;
+    return std::abs(at - std::round(at)) < kOffGrid;
+  });
+  return static_cast<double>(fits) >= kOnGrid * static_cast<double>(values.size()) ? step : 0.0;
+}
+
+/// White noise of a column, squared, from its third differences.
+double noise_power(const std::vector<double> &x) {
+  std::vector<double> size;
+  for (std::size_t i = 3; i < x.size(); ++i)
+    if (const double d = x[i] - 3.0 * x[i - 1] + 3.0 * x[i - 2] - x[i - 3]; std::isfinite(d))
+      size.push_back(std::abs(d));
+  if (size.empty())
+    return 0.0;
+  const auto middle = size.begin() + static_cast<std::ptrdiff_t>(size.size() / 2);
+  std::nth_element(size.begin(), middle, size.end());
+  const double rms = *middle / 0.6745; // of a normal distribution
+  return rms * rms / 20.0;
+}
+
+/// Sums up to each element, to take means over windows.
+std::vector<double> sums(const std::vector<double> &x) {
+  std::vector<double> out{0.0};
+  for (const double v : x)
+    out.push_back(out.back() + v);
+  return out;
+}
+
+} // namespace
+
+// A grid alone is no evidence: a stage that stops at whole degrees has one as well. A counter that
+// shows steps of width q to a shaft that moves by v = (k + f) q from sample to sample counts k or
+// k + 1, so that its differences scatter by q^2 f (1 - f) about those of the pair.
+double find_reference_step(const Screened &look) {
+  const std::vector<double> &reference = look.capture.reference_deg;
+  if (reference.size() < kFewest || look.angle.size() != reference.size())
+    return 0.0;
+  const double step = grid_of(reference) * kRadPerDeg;
+  const double noise = noise_power(look.angle);
+  if (!(step * step / 12.0 > kAddsToNoise * noise))
+    return 0.0;
+
+  std::vector<double> moved(reference.size() - 1), seen(moved.size()), apart(moved.size());
+  double together = 0.0;
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    const double of_pair = look.angle[i + 1] - look.angle[i];
+    const double of_reference = wrap_centred(reference[i + 1] - reference[i], 360.0) * kRadPerDeg;
+    if (!std::isfinite(of_pair) || !std::isfinite(of_reference))
+      continue;
+    seen[i] = of_pair;
+    moved[i] = of_reference;
+    together += of_pair * of_reference;
+  }
+  const double sense = together < 0.0 ? -1.0 : 1.0; // of a pair that is wired the other way round
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    apart[i] = moved[i] - sense * seen[i];
+  const std::vector<double> speed = sums(seen), mean = sums(apart);
+  double scatter = 0.0, expected = 0.0, count = 0.0;
+  for (std::size_t i = kWindow; i + kWindow < moved.size(); ++i) {
+    const std::size_t from = i - kWindow, to = i + kWindow + 1;
+    const double length = static_cast<double>(to - from);
+    const double e = apart[i] - (mean[to] - mean[from]) / length;
+    const double v = std::abs(speed[to] - speed[from]) / length / step;
+    const double f = v - std::floor(v);
+    if (std::abs(e) > 2.0 * step + 6.0 * std::sqrt(noise)) // a spike, a loss
+      continue;
+    scatter += e * e;
+    expected += step * step * f * (1.0 - f);
+    count += 1.0;
+  }
+  scatter -= 2.0 * noise * count;
+  // At whole multiples of the step, and at rest, a counter shows nothing of its width.
+  const bool shows = expected > 0.02 * step * step * count;
+  return shows && scatter > 0.5 * expected && scatter < 2.0 * expected ? step * kDegPerRad : 0.0;
+}
+
+} // namespace ada
