@@ -24,6 +24,8 @@ public:
       advance(first, static_cast<int>(std::ceil((first - time_) * bench.sampler.rate)));
   }
 
+  double gain_now = 1.0; ///< factor on the amplitude for the sample to come
+
   double operator()(double t) {
     if (time_constant_ <= 0.0)
       return unfiltered(t);
@@ -67,8 +69,10 @@ private:
     if (unknown.quadrature)
       bridge.quadrature += unknown.quadrature(t);
     const double unit = bridge.signal(channel_, direction, field.strength);
-    const double gain = unknown.gain ? unknown.gain(t) : 1.0;
-    const double extra = unknown.offset ? unknown.offset(channel_, t) : 0.0;
+    const double gain =
+        gain_now * (unknown.gain ? unknown.gain(t) : 1.0) * (1.0 + bench_.wander.gain(t));
+    const double extra = (unknown.offset ? unknown.offset(channel_, t) : 0.0) +
+                         (channel_ == Channel::sine ? bench_.wander.sine : bench_.wander.cosine)(t);
     const double vtemp = bench_.chain.supply * bench_.thermal.bridge_fraction(t);
     const double ratio = bench_.supply.at(t);
     double volts = bench_.chain.output(channel_, unit, bridge.periods_per_turn * direction, vtemp,
@@ -92,6 +96,19 @@ private:
 double wrapped_degrees(double radians) {
   const double degrees = std::fmod(radians / kDegree, 360.0);
   return degrees < 0.0 ? degrees + 360.0 : degrees;
+}
+
+/// What the reference shows at an angle of the shaft, degrees.
+double reference_reading(const Record &record, double shaft, double noise) {
+  double angle = shaft + record.reference_zero +
+                 record.reference_eccentricity * std::sin(shaft + record.reference_phase) +
+                 noise * kDegree;
+  for (const ReferenceLine &line : record.reference_lines)
+    angle += line.amplitude * std::sin(line.order * shaft + line.phase);
+  const double degrees = wrapped_degrees(angle);
+  if (record.reference_step <= 0.0)
+    return degrees;
+  return std::fmod(record.reference_step * std::floor(degrees / record.reference_step), 360.0);
 }
 
 /// A channel that has stopped follows nothing, but keeps its noise.
@@ -127,6 +144,8 @@ Capture simulate(const Bench &bench) {
   const Converter &converter = bench.converter;
   Random noise(bench.noise_seed, 10);
   Random clock(bench.noise_seed, 11);
+  Random gain(bench.noise_seed, 12);
+  Random reading(bench.noise_seed, 13);
   const double noise_rms = std::hypot(converter.noise, converter.excess_noise);
   const double jitter = std::hypot(sampler.jitter, bench.unknown.jitter);
 
@@ -152,6 +171,8 @@ Capture simulate(const Bench &bench) {
         std::clamp(jitter * clock.normal(), -0.4 / sampler.rate, 0.4 / sampler.rate);
     const double t = k == 0 ? 0.0 : nominal * (1 + sampler.clock_error) + wobble;
 
+    if (bench.gain_noise > 0.0)
+      sine.gain_now = cosine.gain_now = 1.0 + bench.gain_noise * gain.normal();
     double line_sine = sine(t);
     double line_cosine = cosine(t + sampler.skew);
     const double vtemp_fraction = k == 0
@@ -213,10 +234,10 @@ Capture simulate(const Bench &bench) {
     capture.vtemp.push_back(converter.quantise(vtemp));
     // VDD comes through a divider by two, or it would not fit the converter's range.
     capture.vdd.push_back(2 * converter.quantise(vdd / 2));
-    capture.reference.push_back(wrapped_degrees(shaft + bench.record.reference_zero +
-                                                bench.record.reference_eccentricity *
-                                                    std::sin(shaft + bench.record.reference_phase) +
-                                                reference_noise * kDegree));
+    const double read_at =
+        t + bench.record.reference_delay + bench.record.reference_jitter * reading.normal();
+    capture.reference.push_back(reference_reading(
+        bench.record, read_at == t ? shaft : bench.motion.angle(read_at), reference_noise));
     capture.shaft.push_back(shaft);
   }
   return capture;

@@ -15,6 +15,7 @@
 #include "sampler.h"
 #include "thermal.h"
 #include "unknown.h"
+#include "wander.h"
 #include <cstddef>
 #include <cstdint>
 #include <ostream>
@@ -35,6 +36,8 @@ struct Bench {
   Sampler sampler;
   Converter converter;
   Record record;
+  Wander wander;
+  double gain_noise = 0.0; // rms, relative: white, of both amplitudes together
   Unknown unknown;
   std::uint64_t noise_seed = 1;
 

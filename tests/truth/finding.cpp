@@ -59,8 +59,12 @@ void write_json(std::ostream &out, const Expectation &expectation, const std::st
     separator = ",\n";
   }
   out << "],\n \"tolerated\": " << list(expectation.tolerated)
-      << ",\n \"verdicts\": " << list(expectation.verdicts)
-      << ",\n \"unexplained\": " << (expectation.unexplained ? "true" : "false")
+      << ",\n \"verdicts\": " << list(expectation.verdicts) << ",\n \"unexplained\": "
+      << (expectation.unexplained_open ? "null"
+          : expectation.unexplained    ? "true"
+                                       : "false")
+      << ",\n \"named_instead\": " << list(expectation.named_instead)
+      << ",\n \"axis\": " << quoted(expectation.axis)
       << ",\n \"noise_rms_v\": " << number(expectation.noise_rms_v)
       << ",\n \"amplitude_v\": " << number(expectation.amplitude_v)
       << ",\n \"periods_per_turn\": " << expectation.periods_per_turn << "\n}\n";

@@ -44,6 +44,12 @@ struct Expectation {
   /// Verdicts that are right.
   std::vector<std::string> verdicts;
   bool unexplained = false;
+  /// Causes of which one may be named instead of calling the capture unexplained.
+  std::vector<std::string> named_instead;
+  /// Neither calling it unexplained nor explaining it is wrong.
+  bool unexplained_open = false;
+  /// The axis of the budget with the most on it; empty: not asked.
+  std::string axis;
   /// What the noise floor of a corrected angle follows from: noise/(amplitude periods), in rad.
   double noise_rms_v = 0.0;
   double amplitude_v = 0.0;

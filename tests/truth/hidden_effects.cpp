@@ -3,63 +3,13 @@
 
 #include "hidden_effects.h"
 
+#include "hidden_parameters.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace truth {
 namespace {
-
-constexpr double kAngleFloor = 6.0; // degrees: a tenth of the effect as a vector
-
-Parameter sized(double value, const char *unit, double floor) {
-  Parameter p;
-  p.value = value;
-  p.unit = unit;
-  p.tolerance = std::max(0.1 * std::abs(value), floor);
-  return p;
-}
-
-Parameter exact(double value, const char *unit) {
-  Parameter p;
-  p.value = value;
-  p.unit = unit;
-  p.tolerance = 1e-9;
-  return p;
-}
-
-Parameter within(double value, const char *unit, double tolerance) {
-  Parameter p;
-  p.value = value;
-  p.unit = unit;
-  p.tolerance = tolerance;
-  return p;
-}
-
-Parameter text(const std::string &value) {
-  Parameter p;
-  p.text = value;
-  return p;
-}
-
-/// A phase or direction; \p zero_factor is how it changes if counted from the reference's zero.
-Parameter direction(const Bench &bench, double radians, double period, double zero_factor) {
-  Parameter p;
-  p.value = radians / kDegree;
-  p.unit = "deg";
-  p.tolerance = kAngleFloor;
-  p.period = period;
-  p.has_other = zero_factor != 0.0 && bench.record.has_reference;
-  p.other = p.value + zero_factor * bench.record.reference_zero / kDegree;
-  return p;
-}
-
-/// Two components of one vector: each within 10 % of its length.
-void vector_pair(Truth &truth, const char *first, double a, const char *second, double b,
-                 const char *unit, double floor) {
-  const double tolerance = std::max(0.1 * std::hypot(a, b), floor);
-  truth.parameters[first] = within(a, unit, tolerance);
-  truth.parameters[second] = within(b, unit, tolerance);
-}
 
 std::string channel_name(bool sine) {
   return sine ? "vsin_v" : "vcos_v";
@@ -210,7 +160,10 @@ void low_pass(Random &random, Conditions &c, double scale, std::vector<Truth> &t
 
 void delay(Random &random, Conditions &c, double scale, std::vector<Truth> &truths) {
   c.bench.delay = scale * random.uniform(15e-6, 100e-6);
-  truths.push_back({"propagation-delay", {{"tau_s", sized(c.bench.delay, "s", 1e-6)}}, {}, {}});
+  truths.push_back({"propagation-delay",
+                    {{"tau_s", sized(c.bench.delay, "s", 1e-6)}},
+                    {"reference-delay"},
+                    {"propagation-delay", "reference-delay"}});
 }
 
 // --- field and mechanics --------------------------------------------------------------------
@@ -526,7 +479,7 @@ std::vector<HiddenEffect> make_table() {
   no_reference.reference = kNo;
   Needs vdd;
   vdd.vdd = kYes;
-  return {
+  std::vector<HiddenEffect> table = {
       {"amplitude-mismatch", anything(), {"mismatch"}, amplitude_mismatch},
       {"quadrature-error", quadrature_needs, {"quadrature"}, quadrature_error},
       {"offset-temperature-drift", sweep(), {"drift", "offset"}, offset_drift},
@@ -559,6 +512,9 @@ std::vector<HiddenEffect> make_table() {
       {"channel-swap", with_reference(), {"wiring"}, swap, true},
       {"channel-inverted", with_reference(), {"wiring"}, inverted, true},
   };
+  for (HiddenEffect &effect : bench_effects())
+    table.push_back(std::move(effect));
+  return table;
 }
 
 } // namespace

@@ -24,7 +24,11 @@ struct HiddenEffect {
   /// Adds one or more truths (a lag cannot be seen without a drift).
   void (*hide)(Random &random, Conditions &conditions, double scale, std::vector<Truth> &truths);
   bool alone = false; // not combined with others
+  bool bench = false; // what real benches add; has a category of its own
 };
+
+/// The entries of what real benches add.
+std::vector<HiddenEffect> bench_effects();
 
 const std::vector<HiddenEffect> &hidden_effects();
 const HiddenEffect *find_effect(const std::string &cause);

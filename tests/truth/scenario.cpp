@@ -4,6 +4,7 @@
 #include "scenario.h"
 #include "conditions.h"
 #include "hidden_effects.h"
+#include "outside.h"
 #include "random.h"
 
 #include <algorithm>
@@ -114,6 +115,13 @@ std::vector<AmbiguousCase> make_cases() {
        {"stray-field", "reference-eccentricity"},
        {"stray-field", "reference-eccentricity"},
        {}},
+      {"ragged-speed-order-n",
+       {"reference-harmonic", "field-direction-error"},
+       by_hand,
+       1,
+       {"reference-harmonic", "field-direction-error"},
+       {"reference-harmonic", "field-direction-error"},
+       {}},
       {"no-reference-order-1",
        {"rotation-nonuniformity", "stray-field"},
        needs_of({one_speed}, no, maybe),
@@ -159,6 +167,10 @@ public:
       combined(3);
     else if (category == "four")
       combined(4);
+    else if (category == "bench")
+      combined(1);
+    else if (category == "outside")
+      outside();
     else if (category == "ambiguous")
       ambiguous();
     else if (category == "null")
@@ -185,7 +197,11 @@ private:
 
   void combined(std::size_t count) {
     expectation().verdicts = {"explained"};
-    const std::vector<HiddenEffect> &all = hidden_effects();
+    const bool bench = scenario_.options.category == "bench";
+    std::vector<const HiddenEffect *> all;
+    for (const HiddenEffect &effect : hidden_effects())
+      if (effect.bench == bench)
+        all.push_back(&effect);
     for (int attempt = 0; attempt < 10000; ++attempt) {
       Needs needs;
       std::vector<const HiddenEffect *> chosen;
@@ -206,7 +222,7 @@ private:
       if (!scenario_.options.effect.empty() && !take(effect_or_throw(scenario_.options.effect)))
         throw std::invalid_argument(scenario_.options.effect + " does not go with others");
       for (int draw = 0; draw < 50 && chosen.size() < count; ++draw)
-        take(all[random_.index(all.size())]);
+        take(*all[random_.index(all.size())]);
       if (chosen.size() != count)
         continue;
       conditions_ = draw_conditions(random_, needs);
@@ -320,6 +336,22 @@ private:
     expectation().tolerated = kind->tolerated;
     expectation().verdicts = {"unexplained", "partly-explained"};
     expectation().unexplained = true;
+    expectation().named_instead = kind->instead;
+    if (!kind->instead.empty()) {
+      expectation().verdicts.push_back("explained");
+      expectation().tolerated.insert(expectation().tolerated.end(), kind->instead.begin(),
+                                     kind->instead.end());
+    }
+    hidden_ = name;
+  }
+
+  void outside() {
+    std::string name = scenario_.options.effect;
+    if (name.empty())
+      name = random_.pick(outside_kinds());
+    if (!contains(outside_kinds(), name))
+      throw std::invalid_argument("no such bench: " + name);
+    conditions_ = draw_outside(name, random_, expectation());
     hidden_ = name;
   }
 
@@ -406,8 +438,9 @@ private:
 } // namespace
 
 const std::vector<std::string> &categories() {
-  static const std::vector<std::string> list = {"single", "two",     "three", "four", "ambiguous",
-                                                "null",   "unknown", "tiny",  "short"};
+  static const std::vector<std::string> list = {"single",    "two",   "three",   "four",
+                                                "ambiguous", "null",  "unknown", "tiny",
+                                                "short",     "bench", "outside"};
   return list;
 }
 
@@ -415,6 +448,17 @@ const std::vector<std::string> &causes() {
   static const std::vector<std::string> list = [] {
     std::vector<std::string> names;
     for (const HiddenEffect &effect : hidden_effects())
+      if (!effect.bench)
+        names.push_back(effect.cause);
+    return names;
+  }();
+  return list;
+}
+
+const std::vector<std::string> &bench_causes() {
+  static const std::vector<std::string> list = [] {
+    std::vector<std::string> names;
+    for (const HiddenEffect &effect : bench_effects())
       names.push_back(effect.cause);
     return names;
   }();
@@ -457,6 +501,11 @@ Bench second_capture(const Scenario &scenario) {
   bench.converter.stuck = {};
   bench.record.losses.clear();
   bench.record.reference_eccentricity = 0.0;
+  bench.record.reference_lines.clear();
+  bench.record.reference_delay = bench.record.reference_jitter = bench.record.reference_step = 0.0;
+  bench.record.reference_noise = Record{}.reference_noise;
+  bench.wander = {};
+  bench.gain_noise = 0.0;
   bench.unknown = {};
   return bench;
 }

@@ -15,9 +15,10 @@
 namespace truth {
 
 struct Options {
-  /// single, two, three, four, ambiguous, null, unknown, tiny, short
+  /// single, two, three, four, bench, ambiguous, null, unknown, outside, tiny, short
   std::string category = "single";
-  /// single and tiny: a cause of the catalogue; unknown: a kind; ambiguous: a case; else unused.
+  /// single and tiny: a cause of the catalogue; bench: one that benches add; unknown and outside: a
+  /// kind; ambiguous: a case; else unused.
   /// Empty: drawn.
   std::string effect;
   /// single to four: factor on the size of every hidden effect.
@@ -35,6 +36,7 @@ struct Scenario {
 const std::vector<std::string> &categories();
 /// All causes of the catalogue that can be hidden, in its order.
 const std::vector<std::string> &causes();
+const std::vector<std::string> &bench_causes();
 const std::vector<std::string> &ambiguous_cases();
 
 /// Throws std::invalid_argument for a category or an effect that does not exist.

@@ -32,11 +32,13 @@ import random
 import subprocess
 import sys
 import tempfile
+import time
 
 DEMANDED = {"found": 0.95, "numbers": 0.95, "invented": 0.02, "quiet": 1.0, "unexplained": 0.90,
             "corrected": 0.95}
 CORRECTED_WITHIN = 1.3  # times the noise floor
 QUIET_CATEGORIES = ("null", "tiny", "short")
+WITH_EFFECTS = ("single", "bench", "ambiguous", "unknown", "outside")
 
 
 def names_of(finding):
@@ -99,11 +101,14 @@ class Score:
         self.notes = []
         self.verdict = None
         self.unexplained = False
+        self.report = {}
+        self.seconds = None  # of the diagnosis
         self.correction = None  # angle error over noise floor, on the second capture
 
 
 def judge(truth, report):
     score = Score(truth)
+    score.report = report
     if report.get("schema") != "ada4571-diagnosis/1":
         score.problems.append(f"schema is {report.get('schema')!r}")
     findings = report.get("findings") or []
@@ -143,10 +148,14 @@ def judge(truth, report):
             score.problems.append(f"invented {finding.get('cause')}")
     score.verdict = report.get("verdict")
     score.unexplained = bool((report.get("unexplained") or {}).get("present"))
-    if truth["unexplained"] and not score.unexplained:
-        score.problems.append(f"not called unexplained (verdict {score.verdict})")
-    if not truth["unexplained"] and score.unexplained:
-        score.problems.append("called unexplained")
+    instead = any(f.get("cause") in truth.get("named_instead", []) for f in findings)
+    if truth["unexplained"] is not None and not instead:
+        if truth["unexplained"] and not score.unexplained:
+            score.problems.append(f"not called unexplained (verdict {score.verdict})")
+        if not truth["unexplained"] and score.unexplained:
+            score.problems.append("called unexplained")
+    if truth["unexplained"] and instead:
+        score.unexplained = True  # said, by its name
     if score.verdict not in truth["verdicts"]:
         score.problems.append(f"verdict {score.verdict}")
     return score
@@ -206,6 +215,7 @@ def run_one(arguments, category, effect, seed):
             return None, f"truth-capture: {made.stderr.strip()}"
         with open(hidden, encoding="utf-8") as file:
             truth = json.load(file)
+        began = time.monotonic()
         try:
             diagnosed = subprocess.run(diagnose + [capture], capture_output=True, text=True,
                                        timeout=arguments.timeout)
@@ -218,6 +228,7 @@ def run_one(arguments, category, effect, seed):
             lines = diagnosed.stderr.strip().splitlines() or ["no JSON"]
             return truth, f"exit status {diagnosed.returncode}: {lines[-1]}"
         score = judge(truth, report)
+        score.seconds = time.monotonic() - began
         if arguments.second:
             try:
                 score.correction = correction(arguments, truth, model, second, folder)
@@ -227,6 +238,19 @@ def run_one(arguments, category, effect, seed):
             except (RuntimeError, OSError, ValueError, subprocess.SubprocessError) as error:
                 score.problems.append(str(error))
         return truth, score
+
+
+def effects_of(truth_capture, category):
+    """What --effect takes in a category."""
+    listing = subprocess.run([truth_capture, "--list"], capture_output=True, text=True,
+                             check=True).stdout.splitlines()
+    begin = next(i for i, line in enumerate(listing) if line.startswith(f"effects of {category}"))
+    effects = []
+    for entry in listing[begin + 1:]:
+        if not entry.startswith("  "):
+            break
+        effects.append(entry.strip())
+    return effects
 
 
 class Tally:
@@ -245,7 +269,7 @@ class Tally:
     def add(self, truth, result):
         self.captures += 1
         if truth:
-            self.unexplained_wanted += truth["unexplained"]
+            self.unexplained_wanted += bool(truth["unexplained"])
         if not isinstance(result, Score):
             self.errors += 1
             for effect in (truth or {}).get("effects", []):
@@ -264,7 +288,7 @@ class Tally:
         if result.correction is not None:
             self.corrections.append(result.correction)
         self.verdicts += result.verdict in truth["verdicts"]
-        self.unexplained_said += truth["unexplained"] and result.unexplained
+        self.unexplained_said += bool(truth["unexplained"]) and result.unexplained
 
 
 def share(part, whole):
@@ -345,18 +369,9 @@ def main():
     first = arguments.seed if arguments.seed is not None else random.SystemRandom().randrange(10**9)
     effects = arguments.effect or [""]
     if arguments.each:
-        titles = {"single": "effects of single", "ambiguous": "effects of ambiguous",
-                  "unknown": "effects of unknown"}
-        if arguments.category not in titles:
-            parser.error("--each goes with single, ambiguous or unknown")
-        listing = subprocess.run([arguments.truth_capture, "--list"], capture_output=True,
-                                 text=True, check=True).stdout.splitlines()
-        begin = next(i for i, l in enumerate(listing) if l.startswith(titles[arguments.category]))
-        effects = []
-        for entry in listing[begin + 1:]:
-            if not entry.startswith("  "):
-                break
-            effects.append(entry.strip())
+        if arguments.category not in WITH_EFFECTS:
+            parser.error("--each goes with " + ", ".join(WITH_EFFECTS))
+        effects = effects_of(arguments.truth_capture, arguments.category)
     total = arguments.runs * (len(effects) if arguments.each else 1)
     jobs = [(arguments.category, effects[i % len(effects)], first + i) for i in range(total)]
     print(f"category {arguments.category}, {total} captures, seeds {first}..{first + total - 1}",

@@ -131,6 +131,19 @@ class Judgement(unittest.TestCase):
                                                         verdict="unexplained")), [])
         self.assertEqual(len(self.problems(truth, report_of())), 2)
 
+    def test_a_name_may_stand_instead_of_unexplained(self):
+        truth = truth_of(tolerated=["gain-wander"], unexplained=True,
+                         verdicts=["unexplained", "explained"])
+        truth["named_instead"] = ["gain-wander"]
+        self.assertEqual(self.problems(truth, report_of(finding_of("gain-wander"))), [])
+        self.assertEqual(len(self.problems(truth, report_of())), 1)
+
+    def test_either_may_be_right(self):
+        truth = truth_of(unexplained=None, verdicts=["unexplained", "explained"])
+        self.assertEqual(self.problems(truth, report_of()), [])
+        self.assertEqual(self.problems(truth, report_of(unexplained=True, verdict="unexplained")),
+                         [])
+
     def test_null_must_be_quiet(self):
         truth = truth_of(verdicts=["no-discrepancy"])
         self.assertEqual(self.problems(truth, report_of(verdict="no-discrepancy")), [])
@@ -150,7 +163,7 @@ class WholeRun(unittest.TestCase):
                 capture_output=True, text=True, env={**os.environ, "STAND_IN": mode})
 
     def test_perfect_answers_meet_every_demand(self):
-        for category in ("two", "ambiguous", "null", "unknown", "short"):
+        for category in ("two", "ambiguous", "null", "unknown", "short", "bench", "outside"):
             run = self.run_score("perfect", "--category", category)
             self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
             self.assertRegex(run.stdout, r"nothing wrong at all +3/3 \(100.0 %\)")

@@ -4,6 +4,7 @@
 /// \file
 /// truth-capture: writes a capture with a hidden effect, and what is hidden in it.
 
+#include "outside.h"
 #include "scenario.h"
 
 #include <cstdio>
@@ -84,6 +85,8 @@ void print_list() {
   };
   show("categories:", truth::categories());
   show("effects of single, two, three, four, tiny:", truth::causes());
+  show("effects of bench:", truth::bench_causes());
+  show("effects of outside:", truth::outside_kinds());
   show("effects of ambiguous:", truth::ambiguous_cases());
   std::cout << "effects of unknown:\n";
   for (const truth::UnknownKind &kind : truth::unknown_kinds())

@@ -3,6 +3,7 @@
 
 #include "unknown.h"
 #include "random.h"
+#include "wander.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,62 +11,6 @@
 
 namespace truth {
 namespace {
-
-/// A random function of time by its values at even steps, straight lines in between.
-class Track {
-public:
-  Track(double duration, std::vector<double> values)
-      : step_(duration / static_cast<double>(values.size() - 1)), values_(std::move(values)) {}
-  double operator()(double t) const {
-    const double x = std::clamp(t / step_, 0.0, static_cast<double>(values_.size()) - 1.001);
-    const auto i = static_cast<std::size_t>(x);
-    return values_[i] + (x - static_cast<double>(i)) * (values_[i + 1] - values_[i]);
-  }
-
-private:
-  double step_;
-  std::vector<double> values_;
-};
-
-/// Scales to the wanted rms about the mean.
-std::vector<double> with_rms(std::vector<double> values, double rms) {
-  double mean = 0.0;
-  for (double v : values)
-    mean += v / static_cast<double>(values.size());
-  double power = 0.0;
-  for (double v : values)
-    power += (v - mean) * (v - mean) / static_cast<double>(values.size());
-  for (double &v : values)
-    v = (v - mean) * rms / std::sqrt(power);
-  return values;
-}
-
-Track random_walk(Random &random, double duration, std::size_t points, double rms) {
-  std::vector<double> values(points);
-  double sum = 0.0;
-  for (double &v : values)
-    v = sum += random.normal();
-  return {duration, with_rms(std::move(values), rms)};
-}
-
-/// 1/f noise as a sum of relaxations whose time constants are spread evenly over the octaves.
-Track flicker(Random &random, double duration, std::size_t points, double rms) {
-  constexpr int kOctaves = 16;
-  std::vector<double> state(kOctaves);
-  std::vector<double> values(points);
-  for (double &x : state)
-    x = random.normal();
-  for (double &v : values) {
-    v = 0.0;
-    for (int i = 0; i < kOctaves; ++i) {
-      double &x = state[static_cast<std::size_t>(i)];
-      const double keep = std::exp(-std::ldexp(1.0, -i));
-      x = keep * x + std::sqrt(1 - keep * keep) * random.normal();
-      v += x;
-    }
-  }
-  return {duration, with_rms(std::move(values), rms)};
-}
 
 std::vector<double> random_moments(Random &random, double duration, std::size_t count) {
   std::vector<double> moments(count);
@@ -257,29 +202,34 @@ struct Entry {
 const std::vector<Entry> &entries() {
   static const std::vector<std::string> none;
   static const std::vector<Entry> table = {
-      {{"offset-random-walk", {}, none}, offset_random_walk},
-      {{"amplitude-telegraph", {}, none}, amplitude_telegraph},
-      {{"flicker-noise", {}, {"excess-noise"}}, flicker_noise},
-      {{"rotating-pattern", {true, false, false}, none}, rotating_pattern},
-      {{"crossover-dead-band", {}, {"cubic-nonlinearity", "weak-field", "harmonic-distortion"}},
+      {{"offset-random-walk", {}, none, {"offset-wander", "flicker-noise"}}, offset_random_walk},
+      {{"amplitude-telegraph", {}, none, none}, amplitude_telegraph},
+      {{"flicker-noise", {}, {"excess-noise"}, {"flicker-noise", "offset-wander"}}, flicker_noise},
+      {{"rotating-pattern", {true, false, false}, none, none}, rotating_pattern},
+      {{"crossover-dead-band",
+        {},
+        {"cubic-nonlinearity", "weak-field", "harmonic-distortion"},
+        none},
        crossover},
       {{"angle-detents",
         {true, false, false},
-        {"field-direction-error", "stray-field", "sensor-off-axis", "reference-eccentricity"}},
+        {"field-direction-error", "stray-field", "sensor-off-axis", "reference-eccentricity"},
+        none},
        angle_detents},
       {{"adc-bit-weight",
         {},
         {"excess-noise", "harmonic-distortion", "cubic-nonlinearity", "quadratic-nonlinearity",
-         "weak-field", "amplitude-mismatch"}},
+         "weak-field", "amplitude-mismatch"},
+        none},
        bit_weight},
-      {{"chirped-tone", {}, none}, chirped_tone},
-      {{"acceleration-gain", {false, true, true}, none}, acceleration_gain},
-      {{"channel-dropouts", {}, {"impulse-noise"}}, dropouts},
-      {{"wandering-tone", {}, none}, wandering_tone},
-      {{"gain-wander", {}, none}, gain_wander},
-      {{"quadrature-wander", {}, none}, quadrature_wander},
-      {{"speed-offset", {false, true, true}, none}, speed_offset},
-      {{"torsional-ringing", {true, false, false}, none}, torsional_ringing},
+      {{"chirped-tone", {}, none, none}, chirped_tone},
+      {{"acceleration-gain", {false, true, true}, none, none}, acceleration_gain},
+      {{"channel-dropouts", {}, {"impulse-noise"}, none}, dropouts},
+      {{"wandering-tone", {}, none, none}, wandering_tone},
+      {{"gain-wander", {}, none, {"gain-wander"}}, gain_wander},
+      {{"quadrature-wander", {}, none, none}, quadrature_wander},
+      {{"speed-offset", {false, true, true}, none, none}, speed_offset},
+      {{"torsional-ringing", {true, false, false}, none, none}, torsional_ringing},
   };
   return table;
 }

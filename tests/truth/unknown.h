@@ -45,6 +45,7 @@ struct UnknownKind {
   std::string name;
   UnknownNeeds needs;
   std::vector<std::string> tolerated; // causes that may be named beside "unexplained"
+  std::vector<std::string> instead;   // causes that may be named instead
 };
 
 const std::vector<UnknownKind> &unknown_kinds();
