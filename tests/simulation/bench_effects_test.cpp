@@ -72,7 +72,10 @@ double five_sigma(std::size_t n) {
 
 /// The model's way back from what the reference reads to the shaft, degrees.
 std::vector<double> shaft_behind(const Pair &p, double acceleration) {
-  const std::vector<double> angle = unwrapped(p.with);
+  std::vector<double> angle = unwrapped(p.with);
+  const double turn = 360.0 * std::round((p.clean.reference_deg[0] - angle[0]) / 360.0);
+  for (double &a : angle) // the error must not put the beginning into another turn
+    a += turn;
   const std::size_t n = angle.size();
   std::vector<double> alpha(n), omega(n), out(n);
   std::vector<float> accel(n, static_cast<float>(acceleration));
@@ -123,8 +126,9 @@ TEST(ReferenceDelay, ReadsTheAngleOfTauLaterAndIsTakenOutAgain) {
       ASSERT_NEAR(std::remainder(p.with.reference_deg[i] - alpha[i], 360.0), at(t + tau) - at(t),
                   1e-6) // the acceleration is a float
           << i;
-      if (i > 0 && i + 1 < alpha.size()) // the test takes the speed from neighbours
-        ASSERT_NEAR(std::remainder(back[i] - alpha[i], 360.0), 0.0, 1e-6) << i;
+      if (i == 0 || i + 1 == alpha.size())
+        continue; // the test takes the speed from neighbours
+      ASSERT_NEAR(std::remainder(back[i] - alpha[i], 360.0), 0.0, 1e-6) << i;
     }
   }
 }
@@ -134,12 +138,12 @@ TEST(ReferenceErrors, ComeApartInTheReverseOfTheirOrder) {
   Pair p = captures("reference-harmonic:order=32,e_deg=0.2,phase_deg=10",
                     options_with("constant:rpm=120"), seed);
   add_effect(p.model, parse_effect("reference-eccentricity:e_deg=0.5,phase_deg=70"));
-  add_effect(p.model, parse_effect("reference-delay:tau_s=1e-3"));
+  add_effect(p.model, parse_effect("reference-delay:tau_s=1e-4"));
   p.with = Simulation(p.model, options_with("constant:rpm=120"), seed).run();
   const std::vector<double> alpha = unwrapped(p.clean), back = shaft_behind(p, 0.0);
   for (std::size_t i = 1; i + 1 < alpha.size(); ++i)
     // The reference's own speed scatters by e n = 0.11 of 720 deg/s, and so does tau times it.
-    ASSERT_NEAR(std::remainder(back[i] - alpha[i], 360.0), 0.0, 0.13 * 720.0 * 1e-3) << i;
+    ASSERT_NEAR(std::remainder(back[i] - alpha[i], 360.0), 0.0, 0.13 * 720.0 * 1e-4) << i;
 }
 
 TEST(ReferenceResolution, ReadsTheNearestStep) {
@@ -266,14 +270,14 @@ TEST(FlickerNoise, HasEqualPowerInEveryOctaveAndTheStatedRmsBelowTheCorner) {
     Eigen::FFT<double> fft;
     fft.fwd(line, off);
     const double expected = 0.002 * 0.002 / std::log(corner * duration) * std::log(2.0);
-    for (std::size_t k = 64; k <= 2048; k *= 2) { // 8 Hz to 512 Hz, an octave each
+    for (std::size_t k = 64; k <= 1024; k *= 2) { // 8 Hz to 256 Hz, an octave each
       double power = 0.0;
       for (std::size_t j = k; j < 2 * k; ++j) // both signs of the frequency; 1.5: Hann's power
         power += 2.0 * std::norm(line[j]) / (1.5 * static_cast<double>(n) * static_cast<double>(n));
       // k lines of which the window leaves k/2 independent ones, with weights of 1 to 1/2: their
-      // power scatters by 1.02 sqrt(2/k).
+      // power scatters by 1.02 sqrt(2/k). What is folded back adds 2 % to the highest octave.
       EXPECT_NEAR(power, expected,
-                  expected * (5.0 * 1.02 * std::sqrt(2.0 / static_cast<double>(k)) + 0.02))
+                  expected * (5.0 * 1.02 * std::sqrt(2.0 / static_cast<double>(k)) + 0.03))
           << "from " << static_cast<double>(k) / duration << " Hz";
     }
   }

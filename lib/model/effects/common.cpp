@@ -33,9 +33,8 @@ void ReferenceError::shaft_from_reference(Values v, const Conditions &,
   const double order = this->order(v), contraction = std::min(std::abs(e * order), 0.9);
   double alpha[kWaveBlock], s[kWaveBlock], c[kWaveBlock];
   std::copy(angle.begin(), angle.end(), alpha);
-  // Each pass contracts the error by e n; three are enough for the usual one.
-  double left = e * contraction * contraction * contraction;
-  for (int k = 0; k < 3 || (left > 1e-9 && k < 60); ++k, left *= contraction) {
+  double left = e; // of the error: each pass contracts it by e n
+  for (int k = 0; k < 3 || (left > 1e-8 && k < 60); ++k, left *= contraction) {
     for (std::size_t i = 0; i < n; ++i)
       alpha[i] = order * alpha[i] + phase;
     sincos_of(alpha, n, s, c);

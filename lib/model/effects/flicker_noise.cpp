@@ -37,8 +37,9 @@ public:
   void record(Values v, Take &take) const override {
     const double duration = take.duration_s > 0.0 ? take.duration_s : kEndless;
     const double period = take.at.frame_period_s;
-    // First-order relaxations with time constants of 1, 2, 4, ... / (2 pi) periods and an rms of a
-    // each have a power density of a^2 / (ln 2 f) together, between the slowest and the fastest.
+    // First-order relaxations with time constants of 2, 4, 8, ... / (2 pi) periods and an rms of a
+    // each have a power density of a^2 / (ln 2 f) together, between the slowest and the fastest;
+    // what is folded back from above the sampling rate adds 0.6 a^2 a sample to it.
     const double rms = v[0] * std::sqrt(std::log(2.0) / std::max(std::log(v[1] * duration), 1.0));
     const auto octaves = static_cast<std::size_t>(
         std::clamp(std::ceil(std::log2(4.0 * duration / period)), 1.0, 48.0));
@@ -48,7 +49,7 @@ public:
         take.memory.push_back(normal(take.rng));
     std::vector<double> keep(octaves);
     for (std::size_t k = 0; k < octaves; ++k)
-      keep[k] = std::exp(-kTwoPi * std::ldexp(1.0, -static_cast<int>(k)));
+      keep[k] = std::exp(-kTwoPi * std::ldexp(0.5, -static_cast<int>(k)));
     const auto next = [&](double *state) {
       double sum = 0.0;
       for (std::size_t k = 0; k < octaves; ++k) {
