@@ -3,7 +3,8 @@
 # shellcheck shell=bash
 #
 # What Debian 12 and 13 call the things that the project needs; README.md says what each is for.
-# Sourced by tools/demo, tests/run and tests/prepare: nothing else installs or downloads.
+# Sourced by tools/demo, tools/package, tests/run and tests/prepare: nothing else installs or
+# downloads, but for what does so in a chroot.
 
 # What is needed for what: a new package goes here and nowhere else. `kernel` is for the tests that
 # boot a kernel or read its source; `where-offered` is not in every release (Debian 13 has no
@@ -11,13 +12,16 @@
 declare -A PACKAGES=(
   [build]="g++ cmake ninja-build pkgconf libiio-dev libgpiod-dev libeigen3-dev libhwy-dev
     libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev python3"
+  [python]="pybind11-dev python3-dev python3-numpy"
+  [docs]="doxygen mandoc mkdocs device-tree-compiler"
   [report]="gnuplot-nox"
   [test]="libgtest-dev libbenchmark-dev libsleef-dev libumockdev-dev umockdev libiio-utils iiod
-    device-tree-compiler mandoc shellcheck chromium"
+    device-tree-compiler mandoc python3-pytest shellcheck chromium"
   [kernel]="qemu-system-x86 busybox-static cpio kmod xz-utils zstd bc gcc make perl gpiod udev
     systemd iproute2"
   [where-offered]="dt-schema"
   [other-release]="debootstrap"
+  [package]="build-essential dpkg-dev"
 )
 
 # Downloads that are only unpacked, and what is made of them.

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+#include <pybind11/stl.h>
+
+#include "call.h"
+
+namespace binding {
+
+namespace {
+
+/// What the library's progress reaches: the callable, and the exception that ends the work.
+class Watcher {
+public:
+  explicit Watcher(py::object progress) : progress_(std::move(progress)) {}
+
+  /// Called by the library in the thread of diagnose(), which does not hold the interpreter.
+  static int on_progress(double fraction, const char *what, void *user) {
+    const py::gil_scoped_acquire acquire;
+    return static_cast<Watcher *>(user)->look(fraction, what);
+  }
+
+  /// Raises what ended the work, a Ctrl-C or an exception of the callable.
+  void raise_if_ended() {
+    if (ended_)
+      throw std::move(*ended_);
+  }
+
+private:
+  int look(double fraction, const char *what) {
+    try {
+      if (PyErr_CheckSignals() != 0)
+        throw py::error_already_set();
+      if (!progress_.is_none())
+        progress_(fraction, what);
+      return 0;
+    } catch (py::error_already_set &error) {
+      ended_.emplace(error);
+      return 1;
+    }
+  }
+
+  py::object progress_;
+  std::optional<py::error_already_set> ended_;
+};
+
+Diagnosis diagnose(const Recording &recording, const Recording *heldout, const Model *model,
+                   const std::optional<std::string> &name, const py::object &progress) {
+  Watcher watcher(progress);
+  auto o = initialised(ada4571_diagnosis_options_init);
+  o.baseline = model ? model->get() : nullptr;
+  o.baseline_name = or_null(name);
+  o.heldout = heldout ? heldout->get() : nullptr;
+  o.progress = Watcher::on_progress;
+  o.user = &watcher;
+  ada4571_diagnosis *fresh = nullptr;
+  const Outcome outcome =
+      released([&] { return ada4571_diagnose(recording.get(), &o, &fresh); }, recording);
+  Diagnosis diagnosis(fresh);
+  watcher.raise_if_ended();
+  check(outcome);
+  return diagnosis;
+}
+
+py::tuple check_health(const Recording &recording, const Model *model) {
+  using Health = Handle<ada4571_health, ada4571_health_free>;
+  const auto health = made<Health, ada4571_health>(
+      [&](ada4571_health **fresh) {
+        return ada4571_check(recording.get(), model ? model->get() : nullptr, fresh);
+      },
+      recording);
+  return py::make_tuple(ada4571_health_json(health.get()), ada4571_health_text(health.get()));
+}
+
+} // namespace
+
+void add_diagnosis(py::module_ &module) {
+  py::class_<Diagnosis>(module, "Diagnosis")
+      .def("json", [](const Diagnosis &d) { return ada4571_diagnosis_json(d.get()); })
+      .def("text", [](const Diagnosis &d) { return ada4571_diagnosis_text(d.get()); })
+      .def("model",
+           [](const Diagnosis &d) {
+             return made<Model, ada4571_model>(
+                 [&](ada4571_model **fresh) { return ada4571_diagnosis_model(d.get(), fresh); }, d);
+           })
+      .def("report", [](const Diagnosis &d, const std::string &path) {
+        call([&] { return ada4571_diagnosis_report(d.get(), path.c_str()); }, d);
+      });
+  module.def("diagnose", diagnose);
+  module.def("check", check_health);
+}
+
+} // namespace binding
