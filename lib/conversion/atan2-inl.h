@@ -25,60 +25,77 @@ namespace ada {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// atan of t in [0, 1], times `scale`.
-template <class D> struct AtanF32 {
-  using V = hn::Vec<D>;
-  V c0, c1, c2, c3, c4, c5, c6, c7;
+// Vectors are arguments, results and local variables, never members: those of SVE and RVV have no
+// size that the compiler knows, so that no class can hold them. Classes hold the numbers, and the
+// compiler broadcasts each of them once, before the loop.
 
+/// atan of t in [0, 1], times `scale`.
+template <class D> class AtanF32 {
+  using V = hn::Vec<D>;
+
+public:
   HWY_INLINE AtanF32(D d, double scale)
-      : c0(hn::Set(d, static_cast<float>(0.999999335578 * scale))),
-        c1(hn::Set(d, static_cast<float>(-0.333298607843 * scale))),
-        c2(hn::Set(d, static_cast<float>(0.199465656513 * scale))),
-        c3(hn::Set(d, static_cast<float>(-0.139086295502 * scale))),
-        c4(hn::Set(d, static_cast<float>(0.0964219732856 * scale))),
-        c5(hn::Set(d, static_cast<float>(-0.0559123267774 * scale))),
-        c6(hn::Set(d, static_cast<float>(0.0218629578811 * scale))),
-        c7(hn::Set(d, static_cast<float>(-0.00405456721523 * scale))) {}
+      : d_(d), c0_(static_cast<float>(0.999999335578 * scale)),
+        c1_(static_cast<float>(-0.333298607843 * scale)),
+        c2_(static_cast<float>(0.199465656513 * scale)),
+        c3_(static_cast<float>(-0.139086295502 * scale)),
+        c4_(static_cast<float>(0.0964219732856 * scale)),
+        c5_(static_cast<float>(-0.0559123267774 * scale)),
+        c6_(static_cast<float>(0.0218629578811 * scale)),
+        c7_(static_cast<float>(-0.00405456721523 * scale)) {}
 
   HWY_INLINE V operator()(V t) const {
     const V z = hn::Mul(t, t);
     // Even and odd powers apart: one chain of seven would leave the loop waiting for it.
     const V w = hn::Mul(z, z);
-    const V even = hn::MulAdd(hn::MulAdd(hn::MulAdd(c6, w, c4), w, c2), w, c0);
-    const V odd = hn::MulAdd(hn::MulAdd(hn::MulAdd(c7, w, c5), w, c3), w, c1);
+    const V even =
+        hn::MulAdd(hn::MulAdd(hn::MulAdd(set(c6_), w, set(c4_)), w, set(c2_)), w, set(c0_));
+    const V odd =
+        hn::MulAdd(hn::MulAdd(hn::MulAdd(set(c7_), w, set(c5_)), w, set(c3_)), w, set(c1_));
     const V p = hn::MulAdd(odd, z, even);
     return hn::Mul(p, t);
   }
+
+private:
+  HWY_INLINE V set(float c) const { return hn::Set(d_, c); }
+
+  D d_;
+  float c0_, c1_, c2_, c3_, c4_, c5_, c6_, c7_;
 };
 
-template <class D> struct AtanF64 {
+template <class D> class AtanF64 {
   using V = hn::Vec<D>;
-  D d;
-  V scale, eighth_turn;
 
-  HWY_INLINE AtanF64(D tag, double s)
-      : d(tag), scale(hn::Set(d, s)), eighth_turn(hn::Set(d, 0.78539816339744830962)) {}
+public:
+  HWY_INLINE AtanF64(D d, double scale) : d_(d), scale_(scale) {}
 
   HWY_INLINE V operator()(V t) const {
-    const V one = hn::Set(d, 1.0);
-    const auto fold = hn::Gt(t, hn::Set(d, 0.66));
+    const V one = set(1.0);
+    const auto fold = hn::Gt(t, set(0.66));
     const V x = hn::IfThenElse(fold, hn::Div(hn::Sub(t, one), hn::Add(t, one)), t);
     const V z = hn::Mul(x, x);
-    V p = hn::Set(d, -8.750608600031904122785e-1);
-    p = hn::MulAdd(p, z, hn::Set(d, -1.615753718733365076637e1));
-    p = hn::MulAdd(p, z, hn::Set(d, -7.500855792314704667340e1));
-    p = hn::MulAdd(p, z, hn::Set(d, -1.228866684490136173410e2));
-    p = hn::MulAdd(p, z, hn::Set(d, -6.485021904942025371773e1));
-    V q = hn::Add(z, hn::Set(d, 2.485846490142306297962e1));
-    q = hn::MulAdd(q, z, hn::Set(d, 1.650270098316988542046e2));
-    q = hn::MulAdd(q, z, hn::Set(d, 4.328810604912902668951e2));
-    q = hn::MulAdd(q, z, hn::Set(d, 4.853903996359136964868e2));
-    q = hn::MulAdd(q, z, hn::Set(d, 1.945506571482613964425e2));
+    V p = set(-8.750608600031904122785e-1);
+    p = hn::MulAdd(p, z, set(-1.615753718733365076637e1));
+    p = hn::MulAdd(p, z, set(-7.500855792314704667340e1));
+    p = hn::MulAdd(p, z, set(-1.228866684490136173410e2));
+    p = hn::MulAdd(p, z, set(-6.485021904942025371773e1));
+    V q = hn::Add(z, set(2.485846490142306297962e1));
+    q = hn::MulAdd(q, z, set(1.650270098316988542046e2));
+    q = hn::MulAdd(q, z, set(4.328810604912902668951e2));
+    q = hn::MulAdd(q, z, set(4.853903996359136964868e2));
+    q = hn::MulAdd(q, z, set(1.945506571482613964425e2));
     const V r = hn::MulAdd(hn::Mul(x, z), hn::Div(p, q), x);
     // pi/4 in two parts: the second one is what the first one rounds away.
-    const V folded = hn::Add(hn::Add(r, hn::Set(d, 3.061616997868383017e-17)), eighth_turn);
-    return hn::Mul(hn::IfThenElse(fold, folded, r), scale);
+    const V folded =
+        hn::Add(hn::Add(r, set(3.061616997868383017e-17)), set(0.78539816339744830962));
+    return hn::Mul(hn::IfThenElse(fold, folded, r), set(scale_));
   }
+
+private:
+  HWY_INLINE V set(double c) const { return hn::Set(d_, c); }
+
+  D d_;
+  double scale_;
 };
 
 template <class D> HWY_INLINE auto MakeAtan(D d, float, double scale) {
@@ -90,15 +107,15 @@ template <class D> HWY_INLINE auto MakeAtan(D d, double, double scale) {
 
 /// `yes` where the sign bit of v is set, minus zero included.
 template <class D, class V = hn::Vec<D>> HWY_INLINE V IfSignBit(D d, V v, V yes, V no) {
-#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
-  // Highway 1.0.3: IfNegativeThenElse blends single bits on SSSE3, and compares with zero on the
-  // scalar targets.
-  const hn::RebindToSigned<D> di;
-  const V mask = hn::BitCast(d, hn::BroadcastSignBit(hn::BitCast(di, v)));
-  return hn::Or(hn::And(mask, yes), hn::AndNot(mask, no));
-#else
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSE4
   (void)d;
-  return hn::IfNegativeThenElse(v, yes, no);
+  return hn::IfNegativeThenElse(v, yes, no); // one blend
+#else
+  // Highway 1.0.3: IfNegativeThenElse blends single bits on SSSE3, and compares with zero on the
+  // scalar targets. Elsewhere it is no less work than this.
+  const hn::RebindToSigned<D> di;
+  const auto negative = hn::Lt(hn::BitCast(di, v), hn::Zero(di));
+  return hn::IfThenElse(hn::RebindMask(d, negative), yes, no);
 #endif
 }
 

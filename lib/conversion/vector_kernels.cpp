@@ -8,7 +8,6 @@
 #include <cstring>
 #include <stdexcept>
 #include <type_traits>
-#include <utility>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "conversion/vector_kernels.cpp"
@@ -26,8 +25,9 @@ namespace {
 /// No vector is longer.
 constexpr std::size_t kMaxBytes = HWY_MAX_BYTES;
 
-// --- where pairs come from: each reader gives raw numbers about their centres. The centres are
-// broadcast once: the compiler cannot know that writing angles does not change them.
+// --- where pairs come from: each reader gives raw numbers about their centres. It holds the
+// centres by value: the compiler cannot know that writing angles does not change those of the
+// caller.
 
 /// Neighbouring 16-bit numbers.
 template <class D, bool kSigned> class Pairs16 {
@@ -38,8 +38,8 @@ template <class D, bool kSigned> class Pairs16 {
 public:
   HWY_INLINE Pairs16(D d, const void *pairs, const void *, const PairConstants<float> &k)
       : d_(d), data_(static_cast<const std::uint8_t *>(pairs)),
-        centre_sin_(hn::Set(di_, static_cast<std::int32_t>(k.centre_sin))),
-        centre_cos_(hn::Set(di_, static_cast<std::int32_t>(k.centre_cos))) {}
+        centre_sin_(static_cast<std::int32_t>(k.centre_sin)),
+        centre_cos_(static_cast<std::int32_t>(k.centre_cos)) {}
 
   HWY_INLINE void at(std::size_t i, V &s, V &c) const { load(data_ + i * kElement, s, c); }
   HWY_INLINE void last(std::size_t i, std::size_t n, V &s, V &c) const {
@@ -53,11 +53,9 @@ private:
 
   HWY_INLINE void load(const std::uint8_t *at, V &s, V &c) const {
     const VI both = hn::LoadU(di_, reinterpret_cast<const std::int32_t *>(at));
-    VI low = half<false>(both), high = half<true>(both);
-    if constexpr (std::endian::native == std::endian::big)
-      std::swap(low, high);
-    s = hn::ConvertTo(d_, hn::Sub(low, centre_sin_));
-    c = hn::ConvertTo(d_, hn::Sub(high, centre_cos_));
+    constexpr bool kSinIsHigh = std::endian::native == std::endian::big;
+    s = hn::ConvertTo(d_, hn::Sub(half<kSinIsHigh>(both), hn::Set(di_, centre_sin_)));
+    c = hn::ConvertTo(d_, hn::Sub(half<!kSinIsHigh>(both), hn::Set(di_, centre_cos_)));
   }
   template <bool kHigh> HWY_INLINE VI half(VI both) const {
     const hn::RebindToUnsigned<DI> du;
@@ -72,7 +70,7 @@ private:
   D d_;
   DI di_;
   const std::uint8_t *data_;
-  VI centre_sin_, centre_cos_;
+  std::int32_t centre_sin_, centre_cos_;
 };
 
 /// Channels of their own: 16-bit numbers E, or the output's type.
@@ -81,14 +79,12 @@ template <class D, class E> class Planar {
   using V = hn::Vec<D>;
   using Wide = std::conditional_t<sizeof(E) == sizeof(T), T, std::int32_t>;
   using DW = hn::Rebind<Wide, D>;
-  using VW = hn::Vec<DW>;
 
 public:
   HWY_INLINE Planar(D d, const void *sin, const void *cos, const PairConstants<T> &k)
       : d_(d), sin_(static_cast<const std::uint8_t *>(sin)),
-        cos_(static_cast<const std::uint8_t *>(cos)),
-        centre_sin_(hn::Set(dw_, static_cast<Wide>(k.centre_sin))),
-        centre_cos_(hn::Set(dw_, static_cast<Wide>(k.centre_cos))) {}
+        cos_(static_cast<const std::uint8_t *>(cos)), centre_sin_(static_cast<Wide>(k.centre_sin)),
+        centre_cos_(static_cast<Wide>(k.centre_cos)) {}
 
   HWY_INLINE void at(std::size_t i, V &s, V &c) const {
     s = load(sin_ + i * sizeof(E), centre_sin_);
@@ -103,8 +99,9 @@ public:
   }
 
 private:
-  HWY_INLINE V load(const std::uint8_t *at, VW centre) const {
+  HWY_INLINE V load(const std::uint8_t *at, Wide centre_number) const {
     const auto *elements = reinterpret_cast<const E *>(at);
+    const auto centre = hn::Set(dw_, centre_number);
     if constexpr (sizeof(E) == sizeof(T)) {
       return hn::Sub(hn::LoadU(d_, elements), centre);
     } else {
@@ -116,37 +113,33 @@ private:
   D d_;
   DW dw_;
   const std::uint8_t *sin_, *cos_;
-  VW centre_sin_, centre_cos_;
+  Wide centre_sin_, centre_cos_;
 };
 
 // --- what is done with them
 
-template <class T, class D> struct Correction {
+template <class T, class D> class Correction {
   using V = hn::Vec<D>;
   using Atan = decltype(MakeAtan(D(), T(), 1.0));
-  D d;
-  V sin_s, sin_c, sin_0, cos_s, cos_c, cos_0, quarter, half, full, below_full;
-  Atan atan;
 
-  HWY_INLINE Correction(D tag, const PairConstants<T> &k)
-      : d(tag), sin_s(hn::Set(d, k.sin_s)), sin_c(hn::Set(d, k.sin_c)), sin_0(hn::Set(d, k.sin_0)),
-        cos_s(hn::Set(d, k.cos_s)), cos_c(hn::Set(d, k.cos_c)), cos_0(hn::Set(d, k.cos_0)),
-        quarter(hn::Set(d, k.period / 4)), half(hn::Set(d, k.period / 2)),
-        full(hn::Set(d, k.period)), below_full(hn::Set(d, std::nextafter(k.period, T{0}))),
-        atan(MakeAtan(d, T(), static_cast<double>(k.period) / 6.283185307179586477)) {}
+public:
+  HWY_INLINE Correction(D d, const PairConstants<T> &k)
+      : d_(d), k_(k), below_full_(std::nextafter(k.period, T{0})),
+        atan_(MakeAtan(d, T(), static_cast<double>(k.period) / 6.283185307179586477)) {}
 
   HWY_INLINE void vector(V s, V c, V &y, V &x) const {
-    y = hn::MulAdd(sin_s, s, hn::MulAdd(sin_c, c, sin_0));
-    x = hn::MulAdd(cos_s, s, hn::MulAdd(cos_c, c, cos_0));
+    y = hn::MulAdd(set(k_.sin_s), s, hn::MulAdd(set(k_.sin_c), c, set(k_.sin_0)));
+    x = hn::MulAdd(set(k_.cos_s), s, hn::MulAdd(set(k_.cos_c), c, set(k_.cos_0)));
   }
   HWY_INLINE V angle(V y, V x) const {
     const V ax = hn::Abs(x), ay = hn::Abs(y);
-    V r = atan(hn::Div(hn::Min(ax, ay), hn::Max(ax, ay)));
+    V r = atan_(hn::Div(hn::Min(ax, ay), hn::Max(ax, ay)));
     // By sign bits: a subtraction and a blend are cheaper than a comparison and a mask.
-    r = IfSignBit(d, hn::Sub(ax, ay), hn::Sub(quarter, r), r);
-    r = IfSignBit(d, x, hn::Sub(half, r), r);
-    r = IfSignBit(d, y, hn::Sub(full, r), r);
+    r = IfSignBit(d_, hn::Sub(ax, ay), hn::Sub(set(k_.period / 4), r), r);
+    r = IfSignBit(d_, x, hn::Sub(set(k_.period / 2), r), r);
+    r = IfSignBit(d_, y, hn::Sub(set(k_.period), r), r);
     // Rounding may reach the period.
+    const V below_full = set(below_full_);
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
     return hn::Min(below_full, r); // x86: where one is no number, the second operand
 #else
@@ -156,6 +149,16 @@ template <class T, class D> struct Correction {
   HWY_INLINE V radius(V y, V x) const {
     return hn::Sqrt(hn::MulAdd(y, y, hn::Mul(x, x)));
   }
+
+private:
+  HWY_INLINE V set(T number) const {
+    return hn::Set(d_, number);
+  }
+
+  D d_;
+  PairConstants<T> k_;
+  T below_full_;
+  Atan atan_;
 };
 
 /// One loop. Only pointers come in: a function with vector arguments leaves the upper halves of the
