@@ -63,6 +63,7 @@ private:
   float c0_, c1_, c2_, c3_, c4_, c5_, c6_, c7_;
 };
 
+#if HWY_HAVE_FLOAT64
 template <class D> class AtanF64 {
   using V = hn::Vec<D>;
 
@@ -98,11 +99,12 @@ private:
   double scale_;
 };
 
-template <class D> HWY_INLINE auto MakeAtan(D d, float, double scale) {
-  return AtanF32<D>(d, scale);
-}
 template <class D> HWY_INLINE auto MakeAtan(D d, double, double scale) {
   return AtanF64<D>(d, scale);
+}
+#endif
+template <class D> HWY_INLINE auto MakeAtan(D d, float, double scale) {
+  return AtanF32<D>(d, scale);
 }
 
 /// `yes` where the sign bit of v is set, minus zero included.

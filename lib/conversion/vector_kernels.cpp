@@ -3,9 +3,11 @@
 
 #include "conversion/vector_kernels.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <type_traits>
 
@@ -15,6 +17,7 @@
 
 #include <hwy/highway.h>
 
+#include "base/vector_targets.h"
 #include "conversion/atan2-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -28,6 +31,11 @@ constexpr std::size_t kMaxBytes = HWY_MAX_BYTES;
 // --- where pairs come from: each reader gives raw numbers about their centres. It holds the
 // centres by value: the compiler cannot know that writing angles does not change those of the
 // caller.
+
+/// Of any alignment: only LoadU reads there.
+template <class E> HWY_INLINE const E *elements_at(const std::uint8_t *at) {
+  return static_cast<const E *>(static_cast<const void *>(at));
+}
 
 /// Neighbouring 16-bit numbers.
 template <class D, bool kSigned> class Pairs16 {
@@ -52,7 +60,7 @@ private:
   static constexpr std::size_t kElement = 4;
 
   HWY_INLINE void load(const std::uint8_t *at, V &s, V &c) const {
-    const VI both = hn::LoadU(di_, reinterpret_cast<const std::int32_t *>(at));
+    const VI both = hn::LoadU(di_, elements_at<std::int32_t>(at));
     constexpr bool kSinIsHigh = std::endian::native == std::endian::big;
     s = hn::ConvertTo(d_, hn::Sub(half<kSinIsHigh>(both), hn::Set(di_, centre_sin_)));
     c = hn::ConvertTo(d_, hn::Sub(half<!kSinIsHigh>(both), hn::Set(di_, centre_cos_)));
@@ -100,7 +108,7 @@ public:
 
 private:
   HWY_INLINE V load(const std::uint8_t *at, Wide centre_number) const {
-    const auto *elements = reinterpret_cast<const E *>(at);
+    const E *elements = elements_at<E>(at);
     const auto centre = hn::Set(dw_, centre_number);
     if constexpr (sizeof(E) == sizeof(T)) {
       return hn::Sub(hn::LoadU(d_, elements), centre);
@@ -202,6 +210,8 @@ void convert(const void *a, const void *b, std::size_t count, const PairConstant
 }
 
 using F32 = hn::ScalableTag<float>;
+
+#if HWY_HAVE_FLOAT64
 using F64 = hn::ScalableTag<double>;
 
 template <class T> void atan2_block(const T *y, const T *x, std::size_t count, T *out) {
@@ -219,6 +229,33 @@ template <class T> void atan2_block(const T *y, const T *x, std::size_t count, T
   hn::Store(Atan2(d, atan, hn::Load(d, a), hn::Load(d, b)), d, a);
   std::memcpy(out + i, a, (count - i) * sizeof(T));
 }
+
+void planar_f64(const double *s, const double *c, std::size_t n, const PairConstants<double> &k,
+                double *angle, double *radius) {
+  convert<Planar<F64, double>>(s, c, n, k, angle, radius);
+}
+#else
+// NEON of 32 bits has no doubles, takes subnormal floats for zero and divides by an estimate: good
+// for a pair, whose length is near 1, but not for all that C says of atan2.
+template <class T> void atan2_block(const T *y, const T *x, std::size_t count, T *out) {
+  for (std::size_t i = 0; i < count; ++i)
+    out[i] = std::atan2(y[i], x[i]);
+}
+
+void planar_f64(const double *sin, const double *cos, std::size_t n, const PairConstants<double> &k,
+                double *angle, double *radius) {
+  constexpr double kNoAngle = std::numeric_limits<double>::quiet_NaN();
+  const double below_full = std::nextafter(k.period, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double s = sin[i] - k.centre_sin, c = cos[i] - k.centre_cos;
+    const double y = k.sin_s * s + k.sin_c * c + k.sin_0, x = k.cos_s * s + k.cos_c * c + k.cos_0;
+    const double r = std::atan2(y, x) * (k.period / 6.283185307179586477);
+    angle[i] = x == 0.0 && y == 0.0 ? kNoAngle : std::min(r < 0.0 ? r + k.period : r, below_full);
+    if (radius != nullptr)
+      radius[i] = std::sqrt(y * y + x * x);
+  }
+}
+#endif
 
 } // namespace
 
@@ -250,7 +287,7 @@ void PlanarF32(const float *s, const float *c, std::size_t n, const PairConstant
 }
 void PlanarF64(const double *s, const double *c, std::size_t n, const PairConstants<double> &k,
                double *angle, double *radius) {
-  convert<Planar<F64, double>>(s, c, n, k, angle, radius);
+  planar_f64(s, c, n, k, angle, radius);
 }
 std::int64_t Target() {
   return HWY_TARGET;
@@ -332,7 +369,7 @@ void use_vector_target(const std::string &name) {
     }
   if (!name.empty())
     throw std::invalid_argument("no vector target '" + name + "'");
-  hwy::SetSupportedTargetsForTest(0);
+  hwy::SetSupportedTargetsForTest(told_targets());
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
