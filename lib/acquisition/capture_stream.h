@@ -3,7 +3,8 @@
 //
 // Blocks of raw bytes from a capture buffer, with a deadline and a cancel that works at once. Two
 // ways, because libiio 0.24 treats its backends differently: a local buffer is polled, a network
-// buffer has no fd to poll and is read by a thread of its own.
+// buffer has no fd to poll and is read by a thread of its own. In neither does the reading thread
+// allocate, or wait for a lock that another thread may hold.
 #pragma once
 
 #include <chrono>
@@ -14,6 +15,7 @@
 #include <string>
 
 #include "acquisition/iio_library.h"
+#include "acquisition/wake_up.h"
 
 namespace ada {
 
@@ -28,16 +30,16 @@ public:
   enum class Event { data, timeout, cancelled };
 
   virtual ~CaptureStream() = default;
-  /// Waits for the next block until the deadline; a deadline in the past looks once. The block
-  /// lives until the next call. Throws DISCONNECTED when device or server are gone, IO otherwise.
+  /// Waits for the next block until the deadline; a deadline in the past looks once. `cancelled`
+  /// while the cancellation is up. The block lives until the next call. Throws DISCONNECTED when
+  /// device or server are gone, IO otherwise.
   virtual Event next(CaptureBlock &block, Clock::time_point deadline) = 0;
-  /// From any thread; every next() returns `cancelled` from then on.
-  virtual void cancel() noexcept = 0;
 };
 
 /// For buffers with a poll fd. `presence_path` is a path that exists as long as the device does: on
-/// removal the kernel wakes no poll. `name` is for messages.
-std::unique_ptr<CaptureStream> make_polled_stream(std::unique_ptr<IioBuffer> buffer,
+/// removal the kernel wakes no poll. `name` is for messages. The cancellation outlives the stream.
+std::unique_ptr<CaptureStream> make_polled_stream(const Cancellation &cancellation,
+                                                  std::unique_ptr<IioBuffer> buffer,
                                                   std::string presence_path, std::string name);
 
 /// Makes a buffer of that many frames whose refill gives up after the timeout.
@@ -47,7 +49,8 @@ using BufferFactory =
 /// For buffers that can only block. After a time-out, which makes the buffer of 0.24 useless, a new
 /// one is made: smaller, with a longer time-out; where that fails the server is gone. `block_bytes`
 /// is the expected size of a block, `blocks` how many are held for a reader that is late.
-std::unique_ptr<CaptureStream> make_threaded_stream(BufferFactory factory, std::size_t frames,
+std::unique_ptr<CaptureStream> make_threaded_stream(const Cancellation &cancellation,
+                                                    BufferFactory factory, std::size_t frames,
                                                     std::chrono::milliseconds timeout,
                                                     std::size_t block_bytes, std::size_t blocks,
                                                     std::string name);

@@ -219,6 +219,7 @@ StoredConfig parse_config(std::string_view text, const std::string &path) {
         {"vdd", r.text(s.channels.vdd)},
         {"trigger", r.text(s.trigger)},
         {"sample_rate_hz", r.number(s.sample_rate_hz, 1e-3, 1e9)},
+        {"latency_s", r.number(s.latency_s, 1e-6, 60.0)},
         {"supply_v", r.number(s.supply_v, 0.1, 50.0)},
         {"periods_per_turn", r.integer(s.periods_per_turn, 1, 64)}}},
       {"pins",
@@ -261,6 +262,8 @@ std::string config_text(const StoredConfig &config) {
   text("trigger", s.trigger);
   if (s.sample_rate_hz > 0.0)
     out << "sample_rate_hz = " << number(s.sample_rate_hz) << "\n";
+  if (s.latency_s > 0.0)
+    out << "latency_s = " << number(s.latency_s) << "\n";
   out << "supply_v = " << number(s.supply_v) << "\n";
   out << "periods_per_turn = " << s.periods_per_turn << "\n";
   const PinsConfig &p = config.pins;

@@ -3,9 +3,11 @@
 
 #include "acquisition/iio_attributes.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <ctime>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -147,6 +149,28 @@ void write_driver_calibration(IioContext &context, const IioDevice &device, cons
                                      : ": cannot be set to " + number_text(*item.value) + ": " +
                                            errno_text(error)));
   }
+}
+
+bool is_this_machine(const IioContext &context, const std::string &uri) {
+  return context.is_local() || uri.starts_with("ip:127.") || uri.starts_with("ip:localhost") ||
+         uri.starts_with("ip:[::1]");
+}
+
+int read_timestamp_clock(const IioContext &context, const IioDevice &device) {
+  constexpr std::pair<const char *, int> kClocks[] = {{"realtime", CLOCK_REALTIME},
+                                                      {"monotonic", CLOCK_MONOTONIC},
+                                                      {"monotonic_raw", CLOCK_MONOTONIC_RAW},
+                                                      {"realtime_coarse", CLOCK_REALTIME_COARSE},
+                                                      {"monotonic_coarse", CLOCK_MONOTONIC_COARSE},
+                                                      {"boottime", CLOCK_BOOTTIME},
+                                                      {"tai", CLOCK_TAI}};
+  // Without the attribute it is what the kernel takes by default.
+  std::string name = context.read(device.id, "", "current_timestamp_clock").value_or("realtime");
+  name.erase(std::find(name.begin(), name.end(), '\n'), name.end());
+  for (const auto &[clock, id] : kClocks)
+    if (name == clock)
+      return id;
+  return -1;
 }
 
 std::string permission_hint(const std::string &uri) {

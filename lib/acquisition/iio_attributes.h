@@ -32,6 +32,11 @@ DriverCalibration::Channel read_driver_calibration(const IioContext &context,
 void write_driver_calibration(IioContext &context, const IioDevice &device, const IioChannel &sin,
                               const IioChannel &cos, const DriverCalibration &calibration);
 
+/// Whether a program here reads the same clocks as what is behind the URI.
+bool is_this_machine(const IioContext &context, const std::string &uri);
+/// clockid_t of the device's timestamps, -1 for one that this file does not know.
+int read_timestamp_clock(const IioContext &context, const IioDevice &device);
+
 /// What to do about a refused permission.
 std::string permission_hint(const std::string &uri);
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <mutex>
 
 #include "acquisition/capture_stream.h"
 #include "acquisition/frame_assembler.h"
@@ -22,7 +21,9 @@ using std::chrono::milliseconds;
 using Clock = CaptureStream::Clock;
 
 constexpr std::size_t kFramesWithoutRate = 64;
-constexpr std::size_t kMostFrames = 1u << 16;
+constexpr std::size_t kMostFrames = 1u << 16, kMostFramesAsked = 1u << 24;
+/// How long a frame waits for its buffer where nobody asks for less.
+constexpr double kLatency_s = 0.05;
 /// The kernel's FIFO comes from kmalloc, which ends at 4 MiB on most machines.
 constexpr std::size_t kKernelBytes = 4u << 20;
 /// What the kernel holds for a reader that is late.
@@ -102,6 +103,8 @@ void describe_source(Opened &o, const IioSourceOptions &options) {
   o.info.has_vtemp = o.choice.temp.has_value();
   o.info.has_vdd = o.choice.vdd.has_value();
   o.info.adc_bits = static_cast<int>(sin.format.bits);
+  if (o.timestamp && is_this_machine(*o.context, options.uri))
+    o.info.timestamp_clock = read_timestamp_clock(*o.context, o.device);
   if (!o.timestamp && o.info.sample_rate_hz <= 0.0)
     throw Error(ADA4571_ERROR_UNSUPPORTED,
                 display_name(o.device) + " has neither timestamps nor a sampling frequency: give "
@@ -130,14 +133,18 @@ void check(const IioSourceOptions &options) {
     refuse("supply_v must be greater than 0 and at most 50");
   if (options.periods_per_turn < 1 || options.periods_per_turn > 64)
     refuse("periods_per_turn must be from 1 to 64");
-  if (options.buffer_frames > (1u << 24))
+  if (options.buffer_frames > kMostFramesAsked)
     refuse("buffer_frames must be at most 16777216");
+  if (!(options.latency_s >= 0.0 && options.latency_s <= 60.0))
+    refuse("latency_s must be from 0 to 60");
 }
 
 class IioSourceImpl final : public IioSource {
 public:
   explicit IioSourceImpl(const IioSourceOptions &options)
-      : options_(options), opened_(open_device(options)), clock_(opened_.info.sample_rate_hz) {}
+      : options_(options), opened_(open_device(options)), clock_(opened_.info.sample_rate_hz) {
+    opened_.info.buffer_frames = buffer_frames();
+  }
 
   const SourceInfo &info() const override { return opened_.info; }
   SourceStatistics statistics() const override { return clock_.statistics(); }
@@ -147,6 +154,7 @@ public:
   void cancel() noexcept override;
   void stop() noexcept override;
 
+  void set_buffer_frames(std::size_t frames) override;
   DriverCalibration read_driver_calibration() override;
   void write_driver_calibration(const DriverCalibration &calibration) override;
   IioSourceOptions resolved_options() const override;
@@ -155,7 +163,7 @@ private:
   void reopen_after_loss();
   std::size_t buffer_frames() const;
   unsigned kernel_buffers(std::size_t frames) const;
-  std::shared_ptr<CaptureStream> make_stream();
+  std::unique_ptr<CaptureStream> make_stream();
   std::size_t convert(std::span<Frame> out);
   void convert_piece(std::span<const std::byte> bytes, std::span<Frame> out);
   const IioChannel &channel(std::size_t i) const { return opened_.device.channels[i]; }
@@ -167,18 +175,18 @@ private:
   FrameLayout layout_; ///< of the block in hand
   bool lost_ = false;  ///< device or server are gone; start() opens anew
 
-  std::mutex stream_mutex_; ///< cancel() comes from other threads
-  std::shared_ptr<CaptureStream> stream_;
-  bool cancelled_ = false;
+  Cancellation cancellation_; ///< raised by other threads; lowered by start()
+  std::unique_ptr<CaptureStream> stream_;
 };
 
 std::size_t IioSourceImpl::buffer_frames() const {
   std::size_t frames = options_.buffer_frames;
-  if (frames == 0)
-    frames = opened_.info.sample_rate_hz > 0.0
-                 ? static_cast<std::size_t>(
-                       std::clamp(opened_.info.sample_rate_hz / 20.0, 1.0, double(kMostFrames)))
-                 : kFramesWithoutRate;
+  const double wait_s = options_.latency_s > 0.0 ? options_.latency_s : kLatency_s;
+  if (frames == 0 && opened_.info.sample_rate_hz > 0.0)
+    frames = static_cast<std::size_t>(
+        std::clamp(opened_.info.sample_rate_hz * wait_s, 1.0, double(kMostFrames)));
+  else if (frames == 0)
+    frames = options_.latency_s > 0.0 ? 1 : kFramesWithoutRate;
   // libiio 0.24 sizes its buffer by a frame that may be too short (scan_format.h). A multiple of
   // the true frame makes the two end together, so that the kernel is never asked for half a frame.
   if (!opened_.timestamp) {
@@ -186,6 +194,14 @@ std::size_t IioSourceImpl::buffer_frames() const {
     frames = (frames + unit - 1) / unit * unit;
   }
   return frames;
+}
+
+void IioSourceImpl::set_buffer_frames(std::size_t frames) {
+  IioSourceOptions changed = options_;
+  changed.buffer_frames = frames;
+  check(changed);
+  options_ = changed;
+  opened_.info.buffer_frames = buffer_frames();
 }
 
 unsigned IioSourceImpl::kernel_buffers(std::size_t frames) const {
@@ -198,7 +214,7 @@ unsigned IioSourceImpl::kernel_buffers(std::size_t frames) const {
   return count;
 }
 
-std::shared_ptr<CaptureStream> IioSourceImpl::make_stream() {
+std::unique_ptr<CaptureStream> IioSourceImpl::make_stream() {
   const std::size_t frames = buffer_frames();
   const std::string name = display_name(opened_.device);
   IioContext *context = opened_.context.get();
@@ -206,8 +222,8 @@ std::shared_ptr<CaptureStream> IioSourceImpl::make_stream() {
     auto buffer =
         context->create_buffer(opened_.device.id, opened_.scan, frames, kernel_buffers(frames));
     if (buffer->poll_fd() >= 0)
-      return make_polled_stream(std::move(buffer), "/sys/bus/iio/devices/" + opened_.device.id,
-                                name);
+      return make_polled_stream(cancellation_, std::move(buffer),
+                                "/sys/bus/iio/devices/" + opened_.device.id, name);
   }
   const double rate = opened_.info.sample_rate_hz;
   const double block_ms = rate > 0.0 ? 1e3 * static_cast<double>(frames) / rate : 0.0;
@@ -221,13 +237,14 @@ std::shared_ptr<CaptureStream> IioSourceImpl::make_stream() {
     context->set_timeout(wait);
     return context->create_buffer(opened_.device.id, opened_.scan, n, kernel_buffers(n));
   };
-  return make_threaded_stream(std::move(factory), frames, timeout, block_bytes, blocks,
-                              options_.uri + " " + name);
+  return make_threaded_stream(cancellation_, std::move(factory), frames, timeout, block_bytes,
+                              blocks, options_.uri + " " + name);
 }
 
 void IioSourceImpl::reopen_after_loss() {
   try {
     opened_ = open_device(options_);
+    opened_.info.buffer_frames = buffer_frames();
   } catch (const Error &e) {
     const bool away = e.status() == ADA4571_ERROR_NOT_FOUND;
     throw Error(away ? ADA4571_ERROR_DISCONNECTED : e.status(), e.what());
@@ -245,10 +262,8 @@ void IioSourceImpl::start() {
     clock_ = SampleClock(opened_.info.sample_rate_hz);
     layout_ = compute_layout(opened_.formats);
     assembler_.reset(layout_.frame_bytes);
-    auto stream = make_stream();
-    const std::lock_guard lock(stream_mutex_);
-    stream_ = std::move(stream);
-    cancelled_ = false;
+    stream_ = make_stream();
+    cancellation_.lower();
   } catch (const Error &e) {
     lost_ = lost_ || e.status() == ADA4571_ERROR_DISCONNECTED;
     throw Error(e.status(), with_hint(e, options_.uri));
@@ -256,27 +271,17 @@ void IioSourceImpl::start() {
 }
 
 void IioSourceImpl::stop() noexcept {
-  std::shared_ptr<CaptureStream> old;
-  const std::lock_guard lock(stream_mutex_);
-  old.swap(stream_);
+  stream_.reset();
 }
 
 void IioSourceImpl::cancel() noexcept {
-  const std::lock_guard lock(stream_mutex_);
-  cancelled_ = true;
-  if (stream_)
-    stream_->cancel();
+  cancellation_.raise();
 }
 
 ReadResult IioSourceImpl::read(std::span<Frame> out, milliseconds timeout) {
-  CaptureStream *stream;
-  {
-    const std::lock_guard lock(stream_mutex_);
-    if (cancelled_)
-      return {ReadOutcome::cancelled, 0};
-    stream = stream_.get(); // only start() and stop() of this thread replace it
-  }
-  if (!stream)
+  if (cancellation_.raised())
+    return {ReadOutcome::cancelled, 0};
+  if (!stream_)
     throw Error(ADA4571_ERROR_STATE, "the source is not started");
   if (out.empty())
     throw Error(ADA4571_ERROR_INVALID_ARGUMENT, "room for at least one frame is needed");
@@ -287,7 +292,7 @@ ReadResult IioSourceImpl::read(std::span<Frame> out, milliseconds timeout) {
       if (const std::size_t n = convert(out); n > 0)
         return {ReadOutcome::frames, n};
       CaptureBlock block;
-      switch (stream->next(block, deadline)) {
+      switch (stream_->next(block, deadline)) {
       case CaptureStream::Event::cancelled:
         return {ReadOutcome::cancelled, 0};
       case CaptureStream::Event::timeout:

@@ -22,7 +22,8 @@ struct IioSourceOptions {
   double sample_rate_hz = 0.0;   ///< 0: leave what is set
   double supply_v = 5.0;         ///< (0, 50]
   int periods_per_turn = 2;      ///< 1 to 64
-  std::size_t buffer_frames = 0; ///< 0: about a twentieth of a second
+  std::size_t buffer_frames = 0; ///< 0: as many as latency_s allows
+  double latency_s = 0.0; ///< longest wait of a frame for its buffer; 0: a twentieth of a second
 };
 
 /// The driver's own calibration of the pair, as in sysfs: calibbias in counts (added to the
@@ -37,6 +38,8 @@ struct DriverCalibration {
 
 class IioSource : public Source {
 public:
+  /// Length of the buffers from the next start on; 0: by the options.
+  virtual void set_buffer_frames(std::size_t frames) = 0;
   /// NOT_FOUND where a channel has neither attribute.
   virtual DriverCalibration read_driver_calibration() = 0;
   /// Writes the values that are there; all or nothing as far as the kernel allows: a refusal puts

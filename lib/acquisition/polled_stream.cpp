@@ -2,11 +2,9 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include "acquisition/capture_stream.h"
@@ -24,19 +22,14 @@ constexpr milliseconds kSlice{50};
 
 class PolledStream final : public CaptureStream {
 public:
-  PolledStream(std::unique_ptr<IioBuffer> buffer, std::string presence_path, std::string name)
-      : buffer_(std::move(buffer)), presence_path_(std::move(presence_path)),
-        name_(std::move(name)), wake_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-    if (wake_fd_ < 0)
-      throw Error(ADA4571_ERROR_IO, "cannot make an eventfd: " + errno_text(errno));
-  }
-  ~PolledStream() override { close(wake_fd_); }
-  PolledStream(const PolledStream &) = delete;
-  PolledStream &operator=(const PolledStream &) = delete;
+  PolledStream(const Cancellation &cancellation, std::unique_ptr<IioBuffer> buffer,
+               std::string presence_path, std::string name)
+      : cancellation_(cancellation), buffer_(std::move(buffer)),
+        presence_path_(std::move(presence_path)), name_(std::move(name)) {}
 
   Event next(CaptureBlock &block, Clock::time_point deadline) override {
     for (;;) {
-      if (cancelled_.load(std::memory_order_acquire))
+      if (cancellation_.raised())
         return Event::cancelled;
       const std::ptrdiff_t n = buffer_->refill();
       if (n > 0) {
@@ -54,15 +47,9 @@ public:
     }
   }
 
-  void cancel() noexcept override {
-    cancelled_.store(true, std::memory_order_release);
-    const std::uint64_t one = 1;
-    (void)!write(wake_fd_, &one, sizeof one);
-  }
-
 private:
   void wait(milliseconds slice) {
-    pollfd fds[2] = {{wake_fd_, POLLIN, 0}, {buffer_->poll_fd(), POLLIN, 0}};
+    pollfd fds[2] = {{cancellation_.fd(), POLLIN, 0}, {buffer_->poll_fd(), POLLIN, 0}};
     const int timeout = static_cast<int>(slice.count());
     const int ready = poll(fds, 2, timeout);
     // A node in an error state is ready at once for ever: wait on the wake-up alone.
@@ -77,17 +64,17 @@ private:
     throw Error(status_of_errno(error), "reading from " + name_ + " failed: " + errno_text(error));
   }
 
+  const Cancellation &cancellation_;
   std::unique_ptr<IioBuffer> buffer_;
   std::string presence_path_, name_;
-  int wake_fd_;
-  std::atomic<bool> cancelled_{false};
 };
 
 } // namespace
 
-std::unique_ptr<CaptureStream> make_polled_stream(std::unique_ptr<IioBuffer> buffer,
+std::unique_ptr<CaptureStream> make_polled_stream(const Cancellation &cancellation,
+                                                  std::unique_ptr<IioBuffer> buffer,
                                                   std::string presence_path, std::string name) {
-  return std::make_unique<PolledStream>(std::move(buffer), std::move(presence_path),
+  return std::make_unique<PolledStream>(cancellation, std::move(buffer), std::move(presence_path),
                                         std::move(name));
 }
 

@@ -68,6 +68,7 @@ double SampleClock::accept(std::int64_t timestamp_ns) {
   const std::int64_t previous = elapsed_ns_;
   const std::int64_t room = std::numeric_limits<std::int64_t>::max() - elapsed_ns_;
   if (frames_ == 0) {
+    first_ns_ = timestamp_ns;
     step = 0;
   } else if (step < 0 || step > room) {
     // Set back: go on one period after the frame before.
@@ -141,11 +142,11 @@ void SampleClock::take_back(std::int64_t early) {
 
 SourceStatistics SampleClock::statistics() const {
   if (frames_ >= kLearn || frames_ < 2)
-    return SourceStatistics{frames_, lost_, gaps_};
+    return SourceStatistics{frames_, lost_, gaps_, first_ns_};
   // A short capture: evaluate what is there, without ending the learning.
   SampleClock copy = *this;
   copy.learn();
-  return SourceStatistics{frames_, copy.lost_, copy.gaps_};
+  return SourceStatistics{frames_, copy.lost_, copy.gaps_, first_ns_};
 }
 
 } // namespace ada

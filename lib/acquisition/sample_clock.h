@@ -50,7 +50,8 @@ private:
 
   double nominal_period_ns_ = 0.0;
   double period_ns_ = 0.0;
-  double expected_ns_ = 0.0; ///< phase of the loop
+  double expected_ns_ = 0.0;    ///< phase of the loop
+  std::int64_t first_ns_ = 0;   ///< the first timestamp
   std::int64_t last_ns_ = 0;    ///< timestamp as it came
   std::int64_t elapsed_ns_ = 0; ///< since the first frame, without the steps of the clock
   std::uint64_t frames_ = 0, lost_ = 0, gaps_ = 0;

@@ -16,20 +16,23 @@
 namespace ada {
 
 struct SourceInfo {
-  std::string description;  ///< "local: ad7380 (iio:device0)", for people
-  std::string serial;       ///< empty where unknown
+  std::string description;   ///< "local: ad7380 (iio:device0)", for people
+  std::string serial;        ///< empty where unknown
   double sample_rate_hz = 0; ///< 0 where unknown
   double supply_v = 5.0;
   int periods_per_turn = 2;
   bool has_vtemp = false, has_vdd = false, has_reference = false;
   std::optional<bool> gain_control; ///< state of the GC pin where known
   std::optional<int> adc_bits;
+  std::size_t buffer_frames = 0; ///< of the next start; 0: the source has no buffer
+  int timestamp_clock = -1;      ///< clockid_t of the timestamps; -1: none of this machine's
 };
 
 struct SourceStatistics {
-  std::uint64_t frames = 0; ///< delivered since start
-  std::uint64_t lost = 0;   ///< missing, counted from the timestamps
-  std::uint64_t gaps = 0;   ///< places where frames are missing
+  std::uint64_t frames = 0;            ///< delivered since start
+  std::uint64_t lost = 0;              ///< missing, counted from the timestamps
+  std::uint64_t gaps = 0;              ///< places where frames are missing
+  std::int64_t first_timestamp_ns = 0; ///< the device's own, of the frame at time_s = 0
 };
 
 enum class ReadOutcome {

@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
-#include <condition_variable>
 #include <cstring>
 #include <exception>
 #include <mutex>
@@ -26,12 +26,16 @@ constexpr int kFutileAttempts = 3;
 /// How long a last answer may take before the connection is cut.
 constexpr milliseconds kAnswerTime{250};
 
+/// The thread that reads the buffer and the one that calls next() share a ring of blocks and three
+/// atomics: a closed loop must not wait until the other thread, which has no priority, is scheduled
+/// again and lets go of a lock.
 class ThreadedStream final : public CaptureStream {
 public:
-  ThreadedStream(BufferFactory factory, std::size_t frames, milliseconds timeout,
-                 std::size_t block_bytes, std::size_t blocks, std::string name)
-      : factory_(std::move(factory)), frames_(frames), timeout_(timeout), name_(std::move(name)),
-        slots_(std::max<std::size_t>(blocks, 2)) {
+  ThreadedStream(const Cancellation &cancellation, BufferFactory factory, std::size_t frames,
+                 milliseconds timeout, std::size_t block_bytes, std::size_t blocks,
+                 std::string name)
+      : cancellation_(cancellation), factory_(std::move(factory)), frames_(frames),
+        timeout_(timeout), name_(std::move(name)), slots_(std::max<std::size_t>(blocks, 2)) {
     for (Slot &slot : slots_)
       slot.bytes.resize(block_bytes);
     buffer_ = factory_(frames_, timeout_); // in the caller's thread, so that it sees the error
@@ -39,13 +43,12 @@ public:
   }
 
   ~ThreadedStream() override {
-    {
-      std::unique_lock lock(mutex_);
-      stop_ = true;
-      changed_.notify_all();
-      // libiio complains on stderr of a connection that is cut in the middle of an answer.
-      changed_.wait_for(lock, kAnswerTime, [this] { return ended_; });
-    }
+    stop_.store(true);
+    room_.ring();
+    // libiio complains on stderr of a connection that is cut in the middle of an answer.
+    const auto patience = Clock::now() + kAnswerTime;
+    while (!ended_.load() && Clock::now() < patience)
+      arrived_.wait(patience);
     {
       const std::lock_guard lock(buffer_mutex_);
       if (buffer_)
@@ -57,35 +60,27 @@ public:
   ThreadedStream &operator=(const ThreadedStream &) = delete;
 
   Event next(CaptureBlock &block, Clock::time_point deadline) override {
-    std::unique_lock lock(mutex_);
     if (lent_) { // the block of the last call is used up
       lent_ = false;
-      first_ = (first_ + 1) % slots_.size();
-      --filled_;
-      changed_.notify_all();
+      taken_.fetch_add(1);
+      room_.ring();
     }
-    const auto something = [this] { return cancelled_ || filled_ > 0 || failure_; };
-    if (deadline == Clock::time_point::max())
-      changed_.wait(lock, something);
-    else
-      changed_.wait_until(lock, deadline, something);
-    if (cancelled_)
-      return Event::cancelled;
-    if (filled_ > 0) {
-      const Slot &slot = slots_[first_];
-      block = {std::span(slot.bytes).first(slot.used), &slot.layout};
-      lent_ = true;
-      return Event::data;
+    for (bool last_look = false;; last_look = Clock::now() >= deadline) {
+      if (cancellation_.raised())
+        return Event::cancelled;
+      const bool ended = ended_.load(); // before the look at the ring: its last blocks count
+      if (const std::size_t taken = taken_.load(); filled_.load() != taken) {
+        const Slot &slot = slots_[taken % slots_.size()];
+        block = {std::span(slot.bytes).first(slot.used), &slot.layout};
+        lent_ = true;
+        return Event::data;
+      }
+      if (ended && failure_)
+        std::rethrow_exception(failure_);
+      if (last_look)
+        return Event::timeout;
+      wait(deadline);
     }
-    if (failure_)
-      std::rethrow_exception(failure_);
-    return Event::timeout;
-  }
-
-  void cancel() noexcept override {
-    const std::lock_guard lock(mutex_);
-    cancelled_ = true;
-    changed_.notify_all();
   }
 
 private:
@@ -95,23 +90,23 @@ private:
     FrameLayout layout;
   };
 
-  bool stopping() {
-    const std::lock_guard lock(mutex_);
-    return stop_;
+  void wait(Clock::time_point deadline) {
+    pollfd fds[2] = {{cancellation_.fd(), POLLIN, 0}, {arrived_.fd(), POLLIN, 0}};
+    if (poll(fds, 2, poll_timeout(deadline)) > 0 && fds[1].revents != 0)
+      arrived_.clear();
   }
 
+  bool stopping() const { return stop_.load(); }
+
   void run() noexcept {
-    std::exception_ptr failure;
     try {
       while (!stopping())
         refill_once();
     } catch (...) {
-      failure = std::current_exception();
+      failure_ = std::current_exception();
     }
-    const std::lock_guard lock(mutex_);
-    failure_ = failure;
-    ended_ = true;
-    changed_.notify_all();
+    ended_.store(true);
+    arrived_.ring();
   }
 
   void refill_once() {
@@ -163,47 +158,51 @@ private:
   /// Waits for a free slot: a reader that is late holds up the server, whose kernel then drops
   /// frames, and the timestamps tell.
   void push(std::size_t n) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return stop_ || filled_ < slots_.size(); });
-    if (stop_)
-      return;
-    Slot &slot = slots_[(first_ + filled_) % slots_.size()];
-    lock.unlock(); // the slot is not yet visible to the reader
+    const std::size_t filled = filled_.load();
+    while (filled - taken_.load() == slots_.size()) {
+      if (stopping())
+        return;
+      room_.wait(Clock::time_point::max());
+    }
+    Slot &slot = slots_[filled % slots_.size()];
     if (slot.bytes.size() < n)
       slot.bytes.resize(n); // only where the server sends more than was asked for
     std::memcpy(slot.bytes.data(), buffer_->data(), n);
     slot.used = n;
     slot.layout = buffer_->layout();
-    lock.lock();
-    ++filled_;
-    changed_.notify_all();
+    filled_.store(filled + 1);
+    arrived_.ring();
   }
 
+  const Cancellation &cancellation_;
   BufferFactory factory_;
   std::size_t frames_;
   milliseconds timeout_;
   std::string name_;
   int futile_ = 0;
 
-  std::mutex buffer_mutex_; ///< guards the pointer between cancel and re-creation
+  std::mutex buffer_mutex_; ///< guards the pointer between the end and re-creation
   std::unique_ptr<IioBuffer> buffer_;
 
-  std::mutex mutex_; ///< guards everything below
-  std::condition_variable changed_;
-  std::vector<Slot> slots_;
-  std::size_t first_ = 0, filled_ = 0;
-  bool lent_ = false, stop_ = false, ended_ = false, cancelled_ = false;
-  std::exception_ptr failure_;
+  std::vector<Slot> slots_; ///< slot i holds block i, and those a multiple of the size before it
+  std::atomic<std::size_t> filled_{0}; ///< blocks ever written, by the thread
+  std::atomic<std::size_t> taken_{0};  ///< blocks ever used up, by the reader
+  std::atomic<bool> stop_{false}, ended_{false};
+  WakeUp arrived_;             ///< rings for a block, and for the end
+  WakeUp room_;                ///< rings for a free slot, and to stop
+  bool lent_ = false;          ///< the reader's
+  std::exception_ptr failure_; ///< written before `ended_`
   std::thread thread_;
 };
 
 } // namespace
 
-std::unique_ptr<CaptureStream> make_threaded_stream(BufferFactory factory, std::size_t frames,
+std::unique_ptr<CaptureStream> make_threaded_stream(const Cancellation &cancellation,
+                                                    BufferFactory factory, std::size_t frames,
                                                     milliseconds timeout, std::size_t block_bytes,
                                                     std::size_t blocks, std::string name) {
-  return std::make_unique<ThreadedStream>(std::move(factory), frames, timeout, block_bytes, blocks,
-                                          std::move(name));
+  return std::make_unique<ThreadedStream>(cancellation, std::move(factory), frames, timeout,
+                                          block_bytes, blocks, std::move(name));
 }
 
 } // namespace ada

@@ -51,6 +51,7 @@ IioSourceOptions translate(const ada4571_source_options &o) {
   out.supply_v = o.supply_v;
   out.periods_per_turn = o.periods_per_turn;
   out.buffer_frames = o.buffer_frames;
+  out.latency_s = o.latency_s;
   return out;
 }
 
@@ -94,6 +95,7 @@ void ada4571_source_options_init(ada4571_source_options *options) {
   options->supply_v = defaults.supply_v;
   options->periods_per_turn = defaults.periods_per_turn;
   options->buffer_frames = defaults.buffer_frames;
+  options->latency_s = defaults.latency_s;
 }
 
 void ada4571_source_info_init(ada4571_source_info *info) {
@@ -103,6 +105,7 @@ void ada4571_source_info_init(ada4571_source_info *info) {
   info->struct_size = sizeof *info;
   info->description = info->serial = "";
   info->gain_control = -1;
+  info->timestamp_clock = -1;
 }
 
 void ada4571_source_statistics_init(ada4571_source_statistics *statistics) {
@@ -173,6 +176,8 @@ ada4571_status ada4571_source_get_info(const ada4571_source *source, ada4571_sou
     info->has_vdd = i.has_vdd;
     info->has_reference = i.has_reference;
     info->gain_control = gain ? int{*gain} : -1;
+    info->buffer_frames = i.buffer_frames;
+    info->timestamp_clock = i.timestamp_clock;
   });
 }
 
@@ -180,6 +185,13 @@ ada4571_status ada4571_source_start(ada4571_source *source) {
   return guard([&] {
     require(source, "source");
     source->impl->start();
+  });
+}
+
+ada4571_status ada4571_source_set_buffer(ada4571_source *source, size_t frames) {
+  return guard([&] {
+    require(source, "source");
+    source->device("buffers").set_buffer_frames(frames);
   });
 }
 
@@ -222,6 +234,7 @@ ada4571_status ada4571_source_get_statistics(const ada4571_source *source,
     statistics->frames = s.frames;
     statistics->lost = s.lost;
     statistics->gaps = s.gaps;
+    statistics->first_timestamp_ns = s.first_timestamp_ns;
   });
 }
 

@@ -123,7 +123,10 @@ typedef struct ada4571_source_options {
   double sample_rate_hz;    /* 0: leave what is set */
   double supply_v;          /* 5.0 */
   int periods_per_turn;     /* 2 */
-  size_t buffer_frames;     /* frames a buffer; 0: about a twentieth of a second */
+  size_t buffer_frames;     /* frames a buffer; 0: as many as latency_s allows */
+  double latency_s; /* longest time that a frame waits for its buffer to fill; 0: 0.05. Each buffer
+                     * is a wake-up: a short one gives fresh angles, a long one costs little
+                     * processor time (docs/latency.md) */
 } ada4571_source_options;
 
 typedef struct ada4571_source_info {
@@ -135,6 +138,9 @@ typedef struct ada4571_source_info {
   int periods_per_turn;
   int has_vtemp, has_vdd, has_reference;
   int gain_control; /* 1 on, 0 off, -1 unknown */
+  size_t buffer_frames; /* frames a buffer from the next start on; 0: a source without buffers */
+  int timestamp_clock;  /* clockid_t that the device's timestamps are of; -1: there are none, or they
+                         * are of another machine */
 } ada4571_source_info;
 
 typedef struct ada4571_source_statistics {
@@ -142,6 +148,8 @@ typedef struct ada4571_source_statistics {
   uint64_t frames; /* delivered since start */
   uint64_t lost;   /* missing, counted from the timestamps */
   uint64_t gaps;   /* places where frames are missing */
+  int64_t first_timestamp_ns; /* the device's own of the frame at time_s = 0; 0 where it has none. By
+                               * timestamp_clock it tells how old a frame is */
 } ada4571_source_statistics;
 
 typedef enum ada4571_read_outcome {
@@ -171,8 +179,12 @@ ADA4571_API ada4571_status ada4571_source_get_info(const ada4571_source *source,
                                                    ada4571_source_info *info);
 /* Begins the capture; again after a loss, a cancel or a stop begins it anew. */
 ADA4571_API ada4571_status ada4571_source_start(ada4571_source *source);
+/* Frames a buffer from the next start on, 0: by the options. ADA4571_ERROR_UNSUPPORTED for a source
+ * that is no device. */
+ADA4571_API ada4571_status ada4571_source_set_buffer(ada4571_source *source, size_t frames);
 /* Reads up to `capacity` frames; fewer is ordinary. Waits at most timeout_ms for the first
- * (0: do not wait, negative: for ever). `count` and `outcome` are written on ADA4571_OK. */
+ * (0: do not wait, negative: for ever). `count` and `outcome` are written on ADA4571_OK. For a
+ * device it neither allocates memory nor waits for a lock of another thread. */
 ADA4571_API ada4571_status ada4571_source_read(ada4571_source *source, ada4571_frame *frames,
                                                size_t capacity, int timeout_ms, size_t *count,
                                                ada4571_read_outcome *outcome);

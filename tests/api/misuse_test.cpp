@@ -112,6 +112,11 @@ const std::map<std::string, Case> &source_cases() {
          info.struct_size = 0;
          REFUSED(ada4571_source_get_info(h.source, &info));
        }},
+      {"ada4571_source_set_buffer",
+       [](const Handles &h) {
+         REFUSED(ada4571_source_set_buffer(nullptr, 1));
+         EXPECT_EQ(ada4571_source_set_buffer(h.source, 1), ADA4571_ERROR_UNSUPPORTED);
+       }},
       {"ada4571_source_start", [](const Handles &) { REFUSED(ada4571_source_start(nullptr)); }},
       {"ada4571_source_read",
        [](const Handles &h) {

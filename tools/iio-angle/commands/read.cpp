@@ -2,8 +2,10 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "common/angle_text.h"
+#include "common/latency.h"
 #include "common/live.h"
 #include "common/output_file.h"
 #include "common/source_options.h"
@@ -16,8 +18,9 @@ namespace {
 struct Options {
   SourceOptions source;
   std::string calibration, format = "text";
-  bool dynamic = false;
+  bool dynamic = false, latency = false;
   std::uint64_t samples = 0;
+  std::vector<std::size_t> buffers;
 };
 
 AngleFormat format_of(const std::string &name) {
@@ -29,6 +32,10 @@ int run(const Options &options) {
   const Model model = live_model(source, options.calibration);
   mention_remainder(model);
   LiveAngles angles(model, options.dynamic);
+  if (options.latency) {
+    measure_latency(source, angles, options.buffers, options.samples, format_of(options.format));
+    return kDone;
+  }
   AngleText text(format_of(options.format), angles.range_deg());
   OutputFile out("-");
   std::uint64_t left = options.samples;
@@ -64,8 +71,17 @@ void add_read(CLI::App &app, Action &action) {
   verb->add_option("--samples", options->samples, "stop after so many samples")
       ->check(CLI::PositiveNumber)
       ->type_name("N");
+  auto *latency = verb->add_flag("--latency", options->latency,
+                                 "measure the time from a sample to its angle, by buffer length");
+  verb->add_option("--buffers", options->buffers,
+                   "buffer lengths to measure (default: from 1 to what is in use)")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber)
+      ->needs(latency)
+      ->type_name("N,N...");
   example(*verb, "  iio-angle read --calibration sensor.toml\n"
-                 "  iio-angle read -s wheel --dynamic --format json | jq .angle_deg");
+                 "  iio-angle read -s wheel --dynamic --format json | jq .angle_deg\n"
+                 "  iio-angle read -s wheel --latency --buffers 1,10,100");
   verb->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

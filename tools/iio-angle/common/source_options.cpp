@@ -18,7 +18,7 @@ void refuse_both_ways(const CLI::App &verb) {
   if (verb.count("--stored") == 0)
     return;
   for (const char *name : {"--uri", "--device", "--sin", "--cos", "--temp", "--vdd", "--trigger",
-                           "--rate", "--supply", "--periods"})
+                           "--rate", "--supply", "--periods", "--within"})
     if (verb.count(name) > 0)
       throw CLI::ExcludesError("--stored", name);
 }
@@ -58,6 +58,11 @@ void add_source_options(CLI::App &verb, SourceOptions &options) {
                   "electrical periods a turn: 2 for AMR, 1 for GMR, TMR and Hall (default 2)")
       ->check(CLI::Range(1, 1000))
       ->type_name("N");
+  verb.add_option("--within", options.latency_s,
+                  "longest wait of a sample for its buffer: short costs processor time "
+                  "(default 0.05)")
+      ->check(CLI::Range(1e-6, 60.0))
+      ->type_name("S");
   verb.parse_complete_callback([&verb] { refuse_both_ways(verb); });
 }
 
@@ -75,6 +80,7 @@ Source open_source(const SourceOptions &options) {
   wanted.sample_rate_hz = options.rate_hz;
   wanted.supply_v = options.supply_v;
   wanted.periods_per_turn = options.periods_per_turn;
+  wanted.latency_s = options.latency_s;
   return make<Source>(ada4571_source_open, &wanted);
 }
 

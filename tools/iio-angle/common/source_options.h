@@ -15,6 +15,7 @@ struct SourceOptions {
   double rate_hz = 0;
   double supply_v = 5.0;
   int periods_per_turn = 2;
+  double latency_s = 0;
 };
 
 /// -u alone, for `list`.
