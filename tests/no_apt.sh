@@ -6,7 +6,7 @@
 # has one lock. Only what runs before ctest may, and what ctest never runs.
 set -euo pipefail
 cd "$1"
-ALLOWED='^tests/(run|prepare|no_apt\.sh|kernel/other-release|package/(run|inside\.sh)):'
+ALLOWED='^tests/(run|prepare|no_apt\.sh|kernel/other-release|package/(run|inside\.sh)|port/(run|systems\.sh)):'
 WORDS='\b(apt|apt-get|apt-cache|aptitude|apt_get|debootstrap|install_packages|install_named'
 WORDS+='|install_where_offered|download_package|apt_offers)\b|dpkg(-deb)? +(-i|--install|--unpack)\b'
 

@@ -22,6 +22,7 @@ declare -A PACKAGES=(
   [where-offered]="dt-schema"
   [other-release]="debootstrap"
   [package]="build-essential dpkg-dev"
+  [port]="debootstrap qemu-user-static"
 )
 
 # Downloads that are only unpacked, and what is made of them.

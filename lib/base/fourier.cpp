@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/sincos.h"
+#include "base/vectors_of_doubles.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "base/fourier.cpp"

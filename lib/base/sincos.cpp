@@ -2,8 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 
 #include "base/sincos.h"
-
-#include <cmath>
+#include "base/vectors_of_doubles.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "base/sincos.cpp"
@@ -18,7 +17,6 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if HWY_HAVE_FLOAT64
 /// Cody-Waite: x minus the nearest multiple of pi/2, in three parts of pi/2 with trailing zeros;
 /// then the kernels of fdlibm (k_sin.c, k_cos.c) on [-pi/4, pi/4].
 template <class D> HWY_INLINE void sincos(D d, const double *x, double *sine, double *cosine) {
@@ -73,15 +71,6 @@ void sincos_block(const double *x, std::size_t n, double *sine, double *cosine) 
     cosine[k] = c[k - i];
   }
 }
-#else // NEON of 32 bits has no doubles
-void sincos_block(const double *x, std::size_t n, double *sine, double *cosine) {
-  for (std::size_t i = 0; i < n; ++i) {
-    const double v = x[i]; // x may be one of the results
-    sine[i] = std::sin(v);
-    cosine[i] = std::cos(v);
-  }
-}
-#endif
 
 } // namespace
 } // namespace HWY_NAMESPACE

@@ -43,24 +43,35 @@ make_links_relative() {
 }
 
 # The release's own compiler: this system's where it is the same release, else one in a folder.
+choose_tools() {
+  TOOLS=$CACHE/tools-$SUITE
+  [[ $(. /etc/os-release && echo "${VERSION_CODENAME:-}") != "$SUITE" ]] || TOOLS=
+}
+
 make_tools() {
-  if [[ $(. /etc/os-release && echo "${VERSION_CODENAME:-}") == "$SUITE" ]]; then
-    TOOLS=
-    install_packages "${TOOL_PACKAGES[@]}"
+  if [[ -z $TOOLS ]]; then
+    install_named "${TOOL_PACKAGES[@]}"
     return
   fi
-  TOOLS=$CACHE/tools-$SUITE
-  if [[ ! -e $TOOLS.$ARCH.done ]]; then
-    echo "== making a Debian $SUITE for the compiler in $TOOLS"
-    [[ -e $TOOLS/etc/debian_version ]] ||
-      debootstrap --variant=minbase "$SUITE" "$TOOLS" "$MIRROR" >"$TOOLS.log" 2>&1 ||
-      { tail -5 "$TOOLS.log" >&2 && refuse "cannot make a Debian $SUITE"; }
-    cp /etc/resolv.conf "$TOOLS/etc/resolv.conf"
-    DEBIAN_FRONTEND=noninteractive chroot "$TOOLS" apt-get -qq install -y --no-install-recommends \
-      "${TOOL_PACKAGES[@]}" >>"$TOOLS.log" 2>&1 </dev/null ||
-      { tail -5 "$TOOLS.log" >&2 && refuse "cannot install g++-$TRIPLET"; }
-    touch "$TOOLS.$ARCH.done"
-  fi
+  [[ ! -e $TOOLS.$ARCH.done ]] || return 0
+  echo "== making a Debian $SUITE for the compiler in $TOOLS"
+  [[ -e $TOOLS/etc/debian_version ]] ||
+    debootstrap --variant=minbase "$SUITE" "$TOOLS" "$MIRROR" >"$TOOLS.log" 2>&1 ||
+    { tail -5 "$TOOLS.log" >&2 && refuse "cannot make a Debian $SUITE"; }
+  cp /etc/resolv.conf "$TOOLS/etc/resolv.conf"
+  DEBIAN_FRONTEND=noninteractive chroot "$TOOLS" apt-get -qq install -y --no-install-recommends \
+    "${TOOL_PACKAGES[@]}" >>"$TOOLS.log" 2>&1 </dev/null ||
+    { tail -5 "$TOOLS.log" >&2 && refuse "cannot install g++-$TRIPLET"; }
+  touch "$TOOLS.$ARCH.done"
+}
+
+is_prepared() {
+  [[ -e $ROOT.done && -e /proc/sys/fs/binfmt_misc/qemu-$QEMU ]] &&
+    if [[ -n $TOOLS ]]; then
+      [[ -e $TOOLS.$ARCH.done ]]
+    else
+      command -v "$TRIPLET-g++" >/dev/null
+    fi
 }
 
 # Runs a command beside the compilers, where source, build and foreign system have the same paths.
