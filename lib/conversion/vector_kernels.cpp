@@ -348,7 +348,13 @@ const char *vector_target() {
 
 namespace {
 std::int64_t real_targets() {
-  static const std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
+  static const std::int64_t targets = [] {
+    const std::int64_t supported = hwy::SupportedTargets();
+    // On Arm the question itself leaves a choice behind, made before the length of the vectors was
+    // looked at.
+    hwy::GetChosenTarget().Update(supported);
+    return supported & HWY_TARGETS;
+  }();
   return targets;
 }
 } // namespace
