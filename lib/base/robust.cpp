@@ -3,7 +3,32 @@
 
 #include "base/robust.h"
 
+#include <iterator>
+
 namespace ada {
+
+Reach bulk(std::span<const double> x) {
+  std::vector<double> v;
+  v.reserve(x.size());
+  std::copy_if(x.begin(), x.end(), std::back_inserter(v),
+               [](double e) { return std::isfinite(e); });
+  if (v.empty())
+    return {};
+  constexpr std::size_t kShare = 100, kFewest = 3;
+  const std::size_t cut = std::min(std::max(v.size() / kShare, kFewest), (v.size() - 1) / 2);
+  const auto at = [&v](std::size_t k) {
+    const auto place = v.begin() + static_cast<std::ptrdiff_t>(k);
+    std::nth_element(v.begin(), place, v.end());
+    return *place;
+  };
+  const double low = at(cut);
+  return {low, at(v.size() - 1 - cut)};
+}
+
+Reach fence(std::span<const double> x) {
+  const Reach middle = bulk(x);
+  return {middle.low - middle.width(), middle.high + middle.width()};
+}
 
 std::vector<std::size_t> standing_out(std::span<const double> x, double threshold, double floor) {
   constexpr std::size_t kFewest = 20, kReach = 3, kRare = 60;
@@ -16,9 +41,10 @@ std::vector<std::size_t> standing_out(std::span<const double> x, double threshol
     double window[2 * kReach + 1];
     std::size_t m = 0;
     for (std::size_t k = i > kReach ? i - kReach : 0; k < std::min(n, i + kReach + 1); ++k)
-      window[m++] = x[k];
+      if (!std::isnan(x[k]))
+        window[m++] = x[k];
     std::nth_element(window, window + m / 2, window + m);
-    off[i] = x[i] - window[m / 2];
+    off[i] = m > 0 ? x[i] - window[m / 2] : 0.0;
   }
   const double sigma = std::max({robust_spread(off), floor, 1e-9});
   for (std::size_t i = 0; i < n; ++i)
@@ -34,6 +60,7 @@ double converter_step(const std::vector<double> &values) {
   constexpr double kNone = 1e-8; ///< V, rounding of the record
   std::vector<double> sorted(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(std::min(
                                                                   values.size(), kLookedAt)));
+  std::erase_if(sorted, [](double v) { return !std::isfinite(v); });
   std::sort(sorted.begin(), sorted.end());
   double step = 0.0;
   for (std::size_t i = 1; i < sorted.size(); ++i) {

@@ -4,6 +4,7 @@
 #include "calibration/angle_path.h"
 
 #include <cmath>
+#include <utility>
 
 #include "base/angle.h"
 #include "base/error.h"
@@ -17,28 +18,47 @@ constexpr double kMaxStep = 0.8 * kPi;
 /// Steps across a gap are allowed to be long; more of them than this means too high a speed.
 constexpr double kMaxAmbiguous = 0.01;
 
+/// A longer row that was left out is no spike, and the speed may be another after it.
+constexpr std::size_t kMissedSamples = 4;
+
 } // namespace
 
-AnglePath unwrap(const Capture &capture, const EllipseFit &fit) {
-  const EllipseInverse inverse = invert(fit.value);
+AnglePath path_of(const Capture &capture, std::vector<std::size_t> samples,
+                  const EllipseParameters &ellipse) {
+  const EllipseInverse inverse = invert(ellipse);
   AnglePath path;
-  path.sample.reserve(fit.used);
-  path.psi.reserve(fit.used);
-  std::size_t ambiguous = 0;
-  for (std::size_t i = 0; i < capture.size(); ++i) {
-    if (!fit.accepted[i])
-      continue;
+  path.sample = std::move(samples);
+  path.psi.reserve(path.sample.size());
+  double speed = 0; // rad a sample, of the last step between neighbours
+  for (std::size_t k = 0; k < path.sample.size(); ++k) {
+    const std::size_t i = path.sample[k];
     const double psi = std::atan2(inverse.sine(capture.vsin_v[i], capture.vcos_v[i]),
                                   inverse.cosine(capture.vsin_v[i], capture.vcos_v[i]));
-    double next = psi;
-    if (!path.psi.empty()) {
-      const double step = wrap_centred(psi - path.psi.back(), kTwoPi);
-      next = path.psi.back() + step;
-      ambiguous += std::abs(step) > kMaxStep;
+    if (k == 0) {
+      path.psi.push_back(psi);
+      continue;
     }
-    path.sample.push_back(i);
-    path.psi.push_back(next);
+    const std::size_t on = i - path.sample[k - 1];
+    const double expected =
+        on > 1 && on <= kMissedSamples + 1 ? speed * static_cast<double>(on) : 0.0;
+    const double step = expected + wrap_centred(psi - path.psi.back() - expected, kTwoPi);
+    path.psi.push_back(path.psi.back() + step);
+    if (on == 1)
+      speed = step;
   }
+  return path;
+}
+
+AnglePath unwrap(const Capture &capture, const EllipseFit &fit) {
+  std::vector<std::size_t> samples;
+  samples.reserve(fit.used);
+  for (std::size_t i = 0; i < capture.size(); ++i)
+    if (fit.accepted[i])
+      samples.push_back(i);
+  AnglePath path = path_of(capture, std::move(samples), fit.value);
+  std::size_t ambiguous = 0;
+  for (std::size_t k = 1; k < path.psi.size(); ++k)
+    ambiguous += std::abs(path.psi[k] - path.psi[k - 1]) > kMaxStep;
   if (static_cast<double>(ambiguous) > kMaxAmbiguous * static_cast<double>(path.psi.size()))
     throw Error(ADA4571_ERROR_UNUSABLE_DATA,
                 "fewer than about three samples an electrical period: turns cannot be counted; "

@@ -17,8 +17,15 @@ struct AnglePath {
   std::vector<double> psi;         ///< electrical, unwrapped, rad; one a sample of the list
 };
 
-/// Throws ADA4571_ERROR_UNUSABLE_DATA where the magnet turns so fast that the steps from sample to
-/// sample are ambiguous (half an electrical period and more).
+/// The given samples about an ellipse. Each step is taken the shortest way; across up to
+/// kMissedSamples samples that the list leaves out, the shortest way from where the step before
+/// them leads on to, so that a spike at a high speed does not cost a period.
+AnglePath path_of(const Capture &capture, std::vector<std::size_t> samples,
+                  const EllipseParameters &ellipse);
+
+/// The same for all samples that the fit accepted. Throws ADA4571_ERROR_UNUSABLE_DATA where the
+/// magnet turns so fast that the steps from sample to sample are ambiguous (half an electrical
+/// period and more).
 AnglePath unwrap(const Capture &capture, const EllipseFit &fit);
 
 } // namespace ada

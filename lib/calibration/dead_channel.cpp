@@ -5,63 +5,77 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+
+#include "base/robust.h"
 
 namespace ada {
 
 namespace {
 
-constexpr double kStuckAcross = 0.7;        ///< of its travel that the other channel crosses
-constexpr std::size_t kMinStuckSamples = 5; ///< fewer may be a coarse sampling
+constexpr double kStuckAcross = 0.5;         ///< of its travel that the other channel crosses
+constexpr double kWildShare = 1.0 / 6;       ///< of a stretch that may be wild on either side
+constexpr std::size_t kMinStuckSamples = 20; ///< three of them are less than kWildShare
 
-struct Range {
-  double low = INFINITY, high = -INFINITY;
-  void add(double v) {
-    low = std::min(low, v);
-    high = std::max(high, v);
+/// Collects one stretch of `v` after the other.
+class Stretches {
+public:
+  Stretches(double own_travel, double other_travel)
+      : most_own_(kStuckRatio * own_travel), least_other_(kStuckAcross * other_travel) {}
+
+  void add(std::size_t i, double own, double other) {
+    const double low = std::min(low_, own), high = std::max(high_, own);
+    if (!other_.empty() && high - low > most_own_) {
+      close();
+      low_ = high_ = own;
+    } else {
+      low_ = low;
+      high_ = high;
+    }
+    if (other_.empty())
+      first_ = i;
+    other_.push_back(other);
   }
-  double width() const { return high - low; }
+
+  std::optional<Stuck> result() {
+    close();
+    return found_;
+  }
+
+private:
+  void close() {
+    if (other_.size() >= kMinStuckSamples &&
+        quantile(other_, 1 - kWildShare) - quantile(other_, kWildShare) > least_other_) {
+      if (!found_)
+        found_ = Stuck{first_, 0};
+      found_->samples += other_.size();
+    }
+    other_.clear();
+    low_ = INFINITY;
+    high_ = -INFINITY;
+  }
+
+  double most_own_, least_other_;
+  std::vector<double> other_; ///< of the present stretch
+  double low_ = INFINITY, high_ = -INFINITY;
+  std::size_t first_ = 0;
+  std::optional<Stuck> found_;
 };
 
 } // namespace
 
 double travel(const std::vector<double> &v) {
-  std::vector<double> finite;
-  finite.reserve(v.size());
-  std::copy_if(v.begin(), v.end(), std::back_inserter(finite),
-               [](double x) { return std::isfinite(x); });
-  if (finite.empty())
-    return 0;
-  const auto point = [&](double fraction) {
-    const auto at = finite.begin() +
-                    static_cast<std::ptrdiff_t>(fraction * static_cast<double>(finite.size() - 1));
-    std::nth_element(finite.begin(), at, finite.end());
-    return *at;
-  };
-  const double low = point(0.01);
-  return point(0.99) - low;
+  return bulk(v).width();
 }
 
-std::optional<std::size_t> stuck_from(const std::vector<double> &v, double own_travel,
-                                      const std::vector<double> &other, double other_travel) {
-  std::size_t first = 0;
-  Range own, across;
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    if (!std::isfinite(v[i]) || !std::isfinite(other[i]))
-      continue;
-    Range grown = own;
-    grown.add(v[i]);
-    if (grown.width() > kStuckRatio * own_travel) {
-      first = i;
-      grown = across = Range();
-      grown.add(v[i]);
-    }
-    own = grown;
-    across.add(other[i]);
-    if (i - first >= kMinStuckSamples && across.width() > kStuckAcross * other_travel)
-      return first;
-  }
-  return std::nullopt;
+std::optional<Stuck> stuck_stretches(const std::vector<double> &v, double own_travel,
+                                     const std::vector<double> &other, double other_travel) {
+  if (!(other_travel > 0))
+    return std::nullopt;
+  Stretches stretches(own_travel, other_travel);
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (std::isfinite(v[i]) && std::isfinite(other[i]))
+      stretches.add(i, v[i], other[i]);
+  return stretches.result();
 }
 
 } // namespace ada

@@ -13,13 +13,22 @@ namespace ada {
 /// A channel that moves less than this part of the other channel's travel is stuck.
 inline constexpr double kStuckRatio = 0.02;
 
-/// Distance between the 1 % and 99 % points: a few spikes do not count as motion.
+/// Distance from end to end of the bulk (base/robust.h): a few spikes do not count as motion.
 double travel(const std::vector<double> &v);
 
-/// First sample of a stretch in which `v` stays put while `other` crosses most of its travel;
-/// nothing when there is none. On a circle no channel can: its peak is flat only for a short part
-/// of the other's way.
-std::optional<std::size_t> stuck_from(const std::vector<double> &v, double own_travel,
-                                      const std::vector<double> &other, double other_travel);
+/// A stretch in which one channel stays put while the other moves on.
+struct Stuck {
+  std::size_t first = 0;   ///< sample with which the first such stretch begins
+  std::size_t samples = 0; ///< in all such stretches together
+};
+
+/// The stretches in which `v` stays within kStuckRatio of its travel while the other channel
+/// crosses half of its own. On a circle none can: a channel stays within 2 % of its travel only
+/// about its peak, for 16 electrical degrees to either side, and the other crosses 28 % of its
+/// travel then. Two thirds of the samples must span that half, so that up to a sixth of them may be
+/// wild on either side, and a stretch holds 20 samples at least, of which three are less than a
+/// sixth.
+std::optional<Stuck> stuck_stretches(const std::vector<double> &v, double own_travel,
+                                     const std::vector<double> &other, double other_travel);
 
 } // namespace ada

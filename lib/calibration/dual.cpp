@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "base/angle.h"
 #include "base/error.h"
@@ -72,12 +73,12 @@ void refuse_strangers(const Capture &cold, const Capture &hot) {
 
 double span_of(const PairEstimate &cold, const PairEstimate &hot, double supply_v) {
   const double span = *hot.vtemp_mean_v - *cold.vtemp_mean_v;
-  if (std::abs(span) < kMinVtempSpan * supply_v) {
+  if (!(span >= kMinVtempSpan * supply_v)) {
     char text[200];
     std::snprintf(text, sizeof text,
                   "the two temperatures are too close: VTEMP differs by %.0f mV, at least %.0f mV "
                   "are needed for a slope",
-                  std::abs(span) * 1e3, kMinVtempSpan * supply_v * 1e3);
+                  span * 1e3, kMinVtempSpan * supply_v * 1e3);
     throw Error(ADA4571_ERROR_UNUSABLE_DATA, text);
   }
   return span;
@@ -87,8 +88,11 @@ double span_of(const PairEstimate &cold, const PairEstimate &hot, double supply_
 
 Model calibrate_dual(const Capture &cold, const Capture &hot, CalibrationMethod method) {
   refuse_strangers(cold, hot);
-  const PairEstimate a = estimate_named(cold, method, "cold");
-  const PairEstimate b = estimate_named(hot, method, "hot");
+  PairEstimate a = estimate_named(cold, method, "cold");
+  PairEstimate b = estimate_named(hot, method, "hot");
+  const bool exchanged = *b.vtemp_mean_v < *a.vtemp_mean_v;
+  if (exchanged)
+    std::swap(a, b);
   const double span = span_of(a, b, cold.meta.supply_v);
 
   // At the middle of the two temperatures the lines are known best, and level and slope are
@@ -113,7 +117,8 @@ Model calibrate_dual(const Capture &cold, const Capture &hot, CalibrationMethod 
   both.vtemp_max_v = std::max(*a.vtemp_max_v, *b.vtemp_max_v);
 
   Model model = model_of(both, cold, std::string("dual ") + method_name(method));
-  model.provenance.capture_identity = cold.identity + " " + hot.identity;
+  model.provenance.capture_identity =
+      exchanged ? hot.identity + " " + cold.identity : cold.identity + " " + hot.identity;
   const Known tc_sin = slope(parameter(a, kCentreSin), parameter(b, kCentreSin), span);
   const Known tc_cos = slope(parameter(a, kCentreCos), parameter(b, kCentreCos), span);
   model.effects.push_back(effect_instance("offset-temperature-drift", {tc_sin.value, tc_cos.value},

@@ -14,7 +14,7 @@ namespace ada {
 /// moves by about a third of a percent of the supply a kelvin, so this is some ten kelvin.
 inline constexpr double kMinVtempSpan = 0.03;
 
-/// The order of the two does not matter.
+/// The order of the two does not matter: the one with the lower VTEMP is the cold one.
 Model calibrate_dual(const Capture &cold, const Capture &hot, CalibrationMethod method);
 
 } // namespace ada

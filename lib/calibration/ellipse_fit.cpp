@@ -11,6 +11,7 @@
 
 #include "base/angle.h"
 #include "base/error.h"
+#include "base/robust.h"
 #include "calibration/circle_start.h"
 
 namespace ada {
@@ -108,7 +109,7 @@ private:
   Structure structure() const;
   void weigh_angles(EllipseFit &fit);
   void report(EllipseFit &fit) const;
-  double coverage() const;
+  void describe_coverage(EllipseFit &fit) const;
   std::size_t used() const {
     return static_cast<std::size_t>(std::count(use_.begin(), use_.end(), 1));
   }
@@ -126,8 +127,9 @@ private:
 }
 
 void Fitter::start() {
+  const Reach sin_fence = fence(vsin_), cos_fence = fence(vcos_);
   for (std::size_t i = 0; i < vsin_.size(); ++i)
-    use_[i] = std::isfinite(vsin_[i]) && std::isfinite(vcos_[i]);
+    use_[i] = sin_fence.holds(vsin_[i]) && cos_fence.holds(vcos_[i]);
   if (used() < 3 * free_parameters())
     no_ellipse("the capture holds " + std::to_string(used()) + " usable samples");
   value_ = circle_start(vsin_, vcos_, use_);
@@ -263,7 +265,7 @@ bool Fitter::reject() {
     distance[i] = std::abs(p.distance);
     bin[i] = std::isfinite(p.distance) ? bin_of(p, kBins) : 0;
   }
-  const double limit = options_.rejection * scale(distance, bin);
+  const double limit = kOutlierSigmas * scale(distance, bin);
   bool changed = false;
   for (std::size_t i = 0; i < vsin_.size(); ++i) {
     const unsigned char use = distance[i] <= limit; // false for no number
@@ -322,18 +324,33 @@ void Fitter::weigh_angles(EllipseFit &fit) {
   }
 }
 
-double Fitter::coverage() const {
+/// What of the circle holds samples: all but the longest stretch without, and how many angles
+/// kDirectionDeg apart can be picked from it, going round from the end of that stretch.
+void Fitter::describe_coverage(EllipseFit &fit) const {
   const Curve curve(value_);
   std::array<bool, kCoverageBins> seen{};
   for (std::size_t i = 0; i < vsin_.size(); ++i)
     if (use_[i])
       seen[bin_of(curve.foot(vsin_[i], vcos_[i]), kCoverageBins)] = true;
-  std::size_t longest = 0, run = 0;
+  std::size_t longest = 0, run = 0, begin = 0;
   for (std::size_t i = 0; i < 2 * kCoverageBins; ++i) {
     run = seen[i % kCoverageBins] ? 0 : run + 1;
-    longest = std::max(longest, run);
+    if (run > longest) {
+      longest = run;
+      begin = i + 1;
+    }
   }
-  return 360.0 * (1 - static_cast<double>(std::min(longest, kCoverageBins)) / kCoverageBins);
+  longest = std::min(longest, kCoverageBins);
+  constexpr double bin_deg = 360.0 / kCoverageBins;
+  fit.coverage_deg = 360.0 - bin_deg * static_cast<double>(longest);
+  constexpr auto apart = static_cast<std::size_t>(kDirectionDeg / bin_deg);
+  for (std::size_t i = 0; i + apart <= kCoverageBins;)
+    if (seen[(begin + i) % kCoverageBins]) {
+      ++fit.directions;
+      i += apart;
+    } else {
+      ++i;
+    }
 }
 
 void Fitter::report(EllipseFit &fit) const {
@@ -369,7 +386,8 @@ void Fitter::report(EllipseFit &fit) const {
       out.row(held).setZero();
       out.col(held).setZero();
     }
-  fit.coverage_deg = coverage();
+  fit.free_parameters = free_parameters();
+  describe_coverage(fit);
 }
 
 EllipseFit Fitter::run() {

@@ -7,8 +7,11 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
+#include "base/robust.h"
 #include "calibration/dead_channel.h"
 
 namespace ada {
@@ -17,15 +20,12 @@ namespace {
 
 constexpr double kStillFraction = 0.01; ///< of the supply: a channel at rest moves less
 constexpr double kMaxRejected = 0.10;   ///< more is no matter of spikes
+constexpr double kSectorOutlier = 6.0;  ///< sigmas from the median of a peak's sector
 constexpr double kPeakSector = 0.2;     ///< sine of half the sector about a peak
 constexpr double kClippedSlope = 0.5;
 constexpr double kFlat = 0.25;         ///< of the variance that an arch has
 constexpr double kMaxSlopeError = 0.1; ///< a slope less certain than this is no evidence
 constexpr double kMinSectorSamples = 20;
-
-[[noreturn]] void refuse(const std::string &why) {
-  throw Error(ADA4571_ERROR_UNUSABLE_DATA, why);
-}
 
 std::string number(const char *format, double x) {
   char text[64];
@@ -46,18 +46,25 @@ std::size_t longest_rejected_run(const EllipseFit &fit) {
   return best;
 }
 
-/// Straight line of measured over expected volts near one peak of one channel.
+/// Straight line of measured over expected volts near one peak of one channel. What lies far off
+/// the sector's median, more than a sound peak is high in it, is no part of the peak but a spike.
 class PeakSlope {
 public:
-  void add(double expected, double measured) {
-    n_ += 1;
-    const double dx = expected - mean_x_, dy = measured - mean_y_;
-    mean_x_ += dx / n_;
-    mean_y_ += dy / n_;
-    xx_ += dx * (expected - mean_x_);
-    xy_ += dx * (measured - mean_y_);
-    yy_ += dy * (measured - mean_y_);
+  void add(double expected, double measured) { points_.emplace_back(expected, measured); }
+
+  void draw(double amplitude) {
+    std::vector<double> levels;
+    levels.reserve(points_.size());
+    for (const auto &[expected, measured] : points_)
+      levels.push_back(measured);
+    const double middle = quantile(levels, 0.5);
+    const double least = kPeakSector * kPeakSector * amplitude; // twice the height of an arch
+    const double limit = std::max(kSectorOutlier * robust_spread(levels), least);
+    for (const auto &[expected, measured] : points_)
+      if (std::abs(measured - middle) <= limit)
+        accumulate(expected, measured);
   }
+
   bool clipped(double noise_v) const {
     if (n_ < kMinSectorSamples || !(xx_ > 0))
       return false;
@@ -71,12 +78,23 @@ public:
   double level() const { return mean_y_; }
 
 private:
+  void accumulate(double expected, double measured) {
+    n_ += 1;
+    const double dx = expected - mean_x_, dy = measured - mean_y_;
+    mean_x_ += dx / n_;
+    mean_y_ += dy / n_;
+    xx_ += dx * (expected - mean_x_);
+    xy_ += dx * (measured - mean_y_);
+    yy_ += dy * (measured - mean_y_);
+  }
+
+  std::vector<std::pair<double, double>> points_; ///< expected, measured
   double n_ = 0, mean_x_ = 0, mean_y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0;
 };
 
-void check_channel(const char *name, const std::vector<double> &v, double centre, double amplitude,
-                   const std::vector<double> &other, double other_centre, double other_amplitude,
-                   double delta, double noise_v) {
+std::string clipped_channel(const char *name, const std::vector<double> &v, double centre,
+                            double amplitude, const std::vector<double> &other, double other_centre,
+                            double other_amplitude, double delta, double noise_v) {
   PeakSlope top, bottom;
   const double cos_d = std::cos(delta), sin_d = std::sin(delta);
   for (std::size_t i = 0; i < v.size(); ++i) {
@@ -89,13 +107,21 @@ void check_channel(const char *name, const std::vector<double> &v, double centre
     else
       bottom.add(amplitude * (tilt - arch), v[i]);
   }
-  for (const PeakSlope *side : {&top, &bottom})
+  for (PeakSlope *side : {&top, &bottom}) {
+    side->draw(amplitude);
     if (side->clipped(noise_v))
-      refuse(std::string(name) + " is clipped at about " + number("%.3f", side->level()) +
-             " V: its peaks are cut off, so amplitude and offset cannot be measured");
+      return std::string(name) + " is clipped at about " + number("%.3f", side->level()) +
+             " V: its peaks are cut off, so amplitude and offset cannot be measured";
+  }
+  return {};
 }
 
 } // namespace
+
+void refuse(const std::string &why) {
+  if (!why.empty())
+    throw Error(ADA4571_ERROR_UNUSABLE_DATA, why);
+}
 
 void refuse_dead_channels(const Capture &capture) {
   const double sin_travel = travel(capture.vsin_v), cos_travel = travel(capture.vcos_v);
@@ -110,13 +136,30 @@ void refuse_dead_channels(const Capture &capture) {
   };
   stuck("VSIN", sin_travel, cos_travel);
   stuck("VCOS", cos_travel, sin_travel);
-  const auto partly = [&](const char *name, std::optional<std::size_t> first) {
-    if (first)
+  // Less than what a fit leaves out anyway does no harm: a stretch at a rail, say.
+  const double most = kMaxRejected * static_cast<double>(capture.size());
+  const auto partly = [&](const char *name, const std::optional<Stuck> &found) {
+    if (found && static_cast<double>(found->samples) > most)
       refuse(std::string(name) + " is stuck for a part of the capture, from " +
-             number("%.6g", capture.time_s[*first]) + " s");
+             number("%.6g", capture.time_s[found->first]) + " s");
   };
-  partly("VSIN", stuck_from(capture.vsin_v, sin_travel, capture.vcos_v, cos_travel));
-  partly("VCOS", stuck_from(capture.vcos_v, cos_travel, capture.vsin_v, sin_travel));
+  partly("VSIN", stuck_stretches(capture.vsin_v, sin_travel, capture.vcos_v, cos_travel));
+  partly("VCOS", stuck_stretches(capture.vcos_v, cos_travel, capture.vsin_v, sin_travel));
+}
+
+std::string why_no_circle(const EllipseFit &fit) {
+  const EllipseParameters &e = fit.value;
+  const double least_v = e.amplitude_v * (1 - std::abs(e.k) / 2);
+  if (!(kOutlierSigmas * fit.residual_rms_v <= least_v))
+    return "VSIN and VCOS draw no circle: their distance from the best one scatters by " +
+           number("%.0f", 100 * fit.residual_rms_v / e.amplitude_v) +
+           " % of its radius, so nothing shows that they follow a magnet";
+  const std::size_t needed = fit.free_parameters + 1;
+  if (fit.directions < needed)
+    return "the samples stand at " + std::to_string(fit.directions) +
+           " angles only, which prove no circle: at least " + std::to_string(needed) +
+           " that differ by " + number("%.0f", kDirectionDeg) + " electrical degrees are needed";
+  return {};
 }
 
 void refuse_scattered(const Capture &capture, const EllipseFit &fit) {
@@ -129,15 +172,17 @@ void refuse_scattered(const Capture &capture, const EllipseFit &fit) {
          number("%.6g", capture.time_s[longest_rejected_run(fit)]) + " s");
 }
 
-void refuse_clipped(const Capture &capture, const EllipseFit &fit) {
+std::string why_clipped(const Capture &capture, const EllipseFit &fit) {
   const EllipseParameters &e = fit.value;
   const double a_sin = e.amplitude_v * (1 + e.k / 2), a_cos = e.amplitude_v * (1 - e.k / 2);
   const double noise_v = std::sqrt(std::max(
       fit.residual_rms_v * fit.residual_rms_v - fit.structure_rms_v * fit.structure_rms_v, 0.0));
-  check_channel("VSIN", capture.vsin_v, e.centre_sin_v, a_sin, capture.vcos_v, e.centre_cos_v,
-                a_cos, e.delta_rad, noise_v);
-  check_channel("VCOS", capture.vcos_v, e.centre_cos_v, a_cos, capture.vsin_v, e.centre_sin_v,
-                a_sin, e.delta_rad, noise_v);
+  std::string why = clipped_channel("VSIN", capture.vsin_v, e.centre_sin_v, a_sin, capture.vcos_v,
+                                    e.centre_cos_v, a_cos, e.delta_rad, noise_v);
+  return !why.empty()
+             ? why
+             : clipped_channel("VCOS", capture.vcos_v, e.centre_cos_v, a_cos, capture.vsin_v,
+                               e.centre_sin_v, a_sin, e.delta_rad, noise_v);
 }
 
 } // namespace ada

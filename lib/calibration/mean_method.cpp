@@ -39,9 +39,23 @@ struct Moments {
   double sin = 0, cos = 0, sin_sin = 0, cos_cos = 0, sin_cos = 0; ///< about the present centre
 };
 
+/// Weights with which the products of a segment's ends give the integral of a product of two
+/// sinusoids over its h radians: `same` for those of one end, `across` for those of both. Exact
+/// whatever the step; h/3 and h/6, the integral of straight lines, where it is small.
+struct SegmentWeights {
+  double same, across;
+  explicit SegmentWeights(double h) : same(h / 3), across(h / 6) {
+    constexpr double small = 1e-3; // there both agree to h^2/15, and 1/sin^2 h costs digits
+    if (std::abs(h) < small)
+      return;
+    const double s = std::sin(h), c = std::cos(h);
+    same = (h - s * c) / (2 * s * s);
+    across = (s - h * c) / (2 * s * s);
+  }
+};
+
 /// Integrals over psi/(2 pi), along the path from its first point to `end` radians further on. A
-/// segment of h radians of a sinusoid has the exact integral tan(h/2) (v1 + v2); its square, half
-/// constant and half of twice the angle, h/2 and sin h cos h likewise.
+/// segment of h radians of a sinusoid has the exact integral tan(h/2) (v1 + v2).
 Moments integrate(const Capture &capture, const std::vector<std::size_t> &sample,
                   const std::vector<double> &psi, double end, const EllipseParameters &e) {
   Moments m;
@@ -57,13 +71,14 @@ Moments integrate(const Capture &capture, const std::vector<std::size_t> &sample
     double c2 = capture.vcos_v[sample[i + 1]] - e.centre_cos_v;
     s2 = s1 + part * (s2 - s1);
     c2 = c1 + part * (c2 - c1);
-    const double h = part * (b - a);
-    const double w = 2 * std::tan(std::clamp(h, -2.0, 2.0) / 2);
+    const double h = std::clamp(part * (b - a), -2.0, 2.0);
+    const double w = 2 * std::tan(h / 2);
+    const SegmentWeights of(h);
     m.sin += 0.5 * w * (s1 + s2);
     m.cos += 0.5 * w * (c1 + c2);
-    m.sin_sin += 0.5 * h * (s1 * s1 + s2 * s2);
-    m.cos_cos += 0.5 * h * (c1 * c1 + c2 * c2);
-    m.sin_cos += 0.5 * h * (s1 * c1 + s2 * c2);
+    m.sin_sin += of.same * (s1 * s1 + s2 * s2) + of.across * 2 * s1 * s2;
+    m.cos_cos += of.same * (c1 * c1 + c2 * c2) + of.across * 2 * c1 * c2;
+    m.sin_cos += of.same * (s1 * c1 + s2 * c2) + of.across * (s1 * c2 + s2 * c1);
     if (last)
       break;
   }
@@ -71,20 +86,6 @@ Moments integrate(const Capture &capture, const std::vector<std::size_t> &sample
   for (double *x : {&m.sin, &m.cos, &m.sin_sin, &m.cos_cos, &m.sin_cos})
     *x /= range;
   return m;
-}
-
-/// psi of the stretch about the present ellipse, unwrapped.
-std::vector<double> path_about(const Capture &capture, const std::vector<std::size_t> &sample,
-                               const EllipseParameters &e) {
-  const EllipseInverse inverse = invert(e);
-  std::vector<double> psi;
-  psi.reserve(sample.size());
-  for (const std::size_t i : sample) {
-    const double a = std::atan2(inverse.sine(capture.vsin_v[i], capture.vcos_v[i]),
-                                inverse.cosine(capture.vsin_v[i], capture.vcos_v[i]));
-    psi.push_back(psi.empty() ? a : psi.back() + wrap_centred(a - psi.back(), kTwoPi));
-  }
-  return psi;
 }
 
 } // namespace
@@ -120,13 +121,16 @@ void estimate_by_mean(const Capture &capture, const EllipseFit &fit, PairEstimat
   const double n = static_cast<double>(sample.size());
   const double moment_error = std::sqrt(8 / n) * fit.residual_rms_v / e.amplitude_v;
   for (int round = 0; round < 60; ++round) {
-    std::vector<double> psi = path_about(capture, sample, e);
+    std::vector<double> psi = path_of(capture, sample, e).psi;
     const double end = psi.front() + std::copysign(kTwoPi * p * turns, psi.back() - psi.front());
     if (closing)
       psi.push_back(end);
     const Moments m = integrate(capture, closing ? closed : sample, psi, end, e);
     const double a_sin = std::sqrt(2 * (m.sin_sin - m.sin * m.sin));
     const double a_cos = std::sqrt(2 * (m.cos_cos - m.cos * m.cos));
+    if (!(a_sin > 0 && a_cos > 0))
+      throw Error(ADA4571_ERROR_UNUSABLE_DATA,
+                  "the mean over the turns does not settle: use the method fit");
     const double before_sin = e.centre_sin_v, before_cos = e.centre_cos_v;
     e.centre_sin_v += m.sin;
     e.centre_cos_v += m.cos;

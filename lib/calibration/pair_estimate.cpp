@@ -9,6 +9,7 @@
 
 #include "base/angle.h"
 #include "base/error.h"
+#include "base/robust.h"
 #include "calibration/extrema_method.h"
 #include "calibration/guards.h"
 #include "calibration/mean_method.h"
@@ -83,10 +84,12 @@ void refuse_uncertain(const EllipseFit &fit, int periods) {
   throw Error(ADA4571_ERROR_UNUSABLE_DATA, text);
 }
 
+/// A spike of VTEMP tells nothing of the temperature.
 void describe_temperature(const Capture &capture, PairEstimate &estimate) {
+  const Reach believed = fence(capture.vtemp_v);
   double sum = 0, n = 0, low = INFINITY, high = -INFINITY;
   for (const double v : capture.vtemp_v)
-    if (std::isfinite(v)) {
+    if (believed.holds(v)) {
       sum += v;
       n += 1;
       low = std::min(low, v);
@@ -117,7 +120,8 @@ PairEstimate estimate_pair(const Capture &capture, CalibrationMethod method) {
   refuse_dead_channels(capture);
   bool circle_only = false;
   const EllipseFit fit = fit_with_what_the_data_carry(capture, circle_only);
-  refuse_clipped(capture, fit);
+  refuse(why_no_circle(fit));
+  refuse(why_clipped(capture, fit));
   refuse_scattered(capture, fit);
 
   PairEstimate estimate;

@@ -5,7 +5,7 @@
 
 #include "capi/guard.h"
 #include "capi/handles.h"
-#include "diagnosis/health.h"
+#include "health/health.h"
 
 struct ada4571_health {
   bool sound;

@@ -583,17 +583,17 @@ ADA4571_API void ada4571_diagnosis_free(ada4571_diagnosis *diagnosis);
 
 typedef struct ada4571_health ada4571_health;
 
-/* Radius in its band, rails, clipping, stuck or shorted channels, missing samples, noise against
- * what capture or model states, supply. `model` NULL: the ellipse that fits the capture, or where
- * none does, a nominal ADA4571. */
+/* Voltages within supply and converter, rotation, radius in its band, rails, clipping, stuck or
+ * shorted channels, spikes, missing samples, noise against what capture or model states, supply.
+ * `model` NULL: the ellipse that fits the capture, or where none does, a nominal ADA4571. */
 ADA4571_API ada4571_status ada4571_check(const ada4571_recording *recording,
                                          const ada4571_model *model, ada4571_health **health);
-/* 1 when no check failed; 0 for NULL. */
+/* 1 when there were samples enough to judge by and no check failed; 0 for NULL. */
 ADA4571_API int ada4571_health_sound(const ada4571_health *health);
 /* For a person, a line a check. Empty for NULL, likewise below. */
 ADA4571_API const char *ada4571_health_text(const ada4571_health *health);
 /* "ada4571-check/1": schema, sound, against, checks[] of id, state ("passed", "failed",
- * "unknown"), measured, limit, unit, explanation. */
+ * "unknown"), measured, limit, unit, explanation, times_s (of spikes). */
 ADA4571_API const char *ada4571_health_json(const ada4571_health *health);
 ADA4571_API void ada4571_health_free(ada4571_health *health);
 

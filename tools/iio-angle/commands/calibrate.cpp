@@ -36,7 +36,7 @@ void print_effect(const Model &model, std::size_t index) {
   fmt::print("\n");
 }
 
-int finish(const Model &model, const std::string &path) {
+void finish(const Model &model, const std::string &path) {
   check(ada4571_model_save(model.get(), path.c_str()));
   auto baseline = initialised(ada4571_baseline_init);
   check(ada4571_model_get_baseline(model.get(), &baseline));
@@ -45,20 +45,43 @@ int finish(const Model &model, const std::string &path) {
   for (std::size_t i = 0; i < ada4571_model_effect_count(model.get()); ++i)
     print_effect(model, i);
   fmt::print(stderr, "written: {}\n", path);
-  return kDone;
+}
+
+/// A calibration can be exact and its capture odd all the same: a wrong supply, say.
+void warn_of_faults(const Recording &capture, const std::string &path) {
+  const auto health =
+      make<Health>(ada4571_check, capture.get(), static_cast<const ada4571_model *>(nullptr));
+  if (!ada4571_health_sound(health.get()))
+    fmt::print(stderr, "but {0} is not sound: see `iio-angle check {0}`\n", path);
 }
 
 int single(const Options &options) {
   const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
-  return finish(make<Model>(ada4571_calibrate_single, capture.get(), options.method),
-                options.output);
+  finish(make<Model>(ada4571_calibrate_single, capture.get(), options.method), options.output);
+  warn_of_faults(capture, options.capture);
+  return kDone;
+}
+
+double mean_vtemp(const Recording &capture, ada4571_calibration_method method) {
+  const auto model = make<Model>(ada4571_calibrate_single, capture.get(), method);
+  auto baseline = initialised(ada4571_baseline_init);
+  check(ada4571_model_get_baseline(model.get(), &baseline));
+  return baseline.vtemp_reference_v;
 }
 
 int dual(const Options &options) {
   const auto cold = make<Recording>(ada4571_recording_open, options.cold.c_str());
   const auto hot = make<Recording>(ada4571_recording_open, options.hot.c_str());
-  return finish(make<Model>(ada4571_calibrate_dual, cold.get(), hot.get(), options.method),
-                options.output);
+  const auto model = make<Model>(ada4571_calibrate_dual, cold.get(), hot.get(), options.method);
+  const double cold_v = mean_vtemp(cold, options.method), hot_v = mean_vtemp(hot, options.method);
+  if (hot_v < cold_v)
+    fmt::print(stderr,
+               "{} is the cold capture (VTEMP {:.3f} V), {} the hot one ({:.3f} V): taken so\n",
+               options.hot, hot_v, options.cold, cold_v);
+  finish(model, options.output);
+  warn_of_faults(cold, options.cold);
+  warn_of_faults(hot, options.hot);
+  return kDone;
 }
 
 void add_common(CLI::App &verb, Options &options) {

@@ -33,7 +33,7 @@ int run(const Options &options) {
 
 void add_check(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand(
-      "check", "is the sensor healthy: radius, rails, stuck, short, gaps, noise");
+      "check", "is the sensor healthy: radius, rails, stuck, spikes, gaps, noise");
   auto options = std::make_shared<Options>();
   verb->add_option("--calibration", options->calibration,
                    "calibration of this sensor (default: the circle that fits the capture)")
@@ -42,8 +42,9 @@ void add_check(CLI::App &app, Action &action) {
   verb->add_option("CAPTURE", options->capture, "capture file, or - for standard input")
       ->type_name("")
       ->required();
-  example(*verb, "  iio-angle check --calibration sensor.toml capture.csv\n"
-                 "Exit status 0 when every check passed, 1 when one failed.");
+  example(*verb,
+          "  iio-angle check --calibration sensor.toml capture.csv\n"
+          "Exit status 0 when no check failed, 1 when one did or there are too few samples.");
   verb->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

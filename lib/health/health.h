@@ -25,14 +25,16 @@ struct HealthCheck {
   double measured = 0; ///< NaN where nothing was measured
   double limit = 0;    ///< `measured` may not exceed it; NaN where there is none
   std::string unit;
-  std::string explanation; ///< one sentence for a person
+  std::string explanation;       ///< one sentence for a person
+  std::vector<double> times_s{}; ///< where it was seen, the first kMostTimes of them
 };
 
 struct Health {
-  std::string against; ///< what radius and noise were compared with
+  std::string against;  ///< what radius and noise were compared with
+  bool too_few = false; ///< samples to judge a sensor by
   std::vector<HealthCheck> checks;
 
-  /// No check failed.
+  /// There was enough to judge by, and no check failed.
   bool sound() const;
 };
 

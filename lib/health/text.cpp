@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "diagnosis/health.h"
+#include "health/health.h"
 
 namespace ada {
 
@@ -23,6 +25,25 @@ const char *state_name(HealthState state) {
     break;
   }
   return "unknown";
+}
+
+/// The verdict in words: "sound" only where everything was judged. Noise that nothing states is no
+/// gap in the judgement.
+std::string closing_line(const Health &health) {
+  std::size_t failed = 0;
+  std::vector<std::string> open;
+  for (const HealthCheck &check : health.checks) {
+    failed += check.state == HealthState::failed;
+    if (check.state == HealthState::unknown && check.id != "noise")
+      open.push_back(check.id);
+  }
+  if (failed > 0)
+    return fmt::format("NOT sound: {} failed", failed);
+  if (health.too_few)
+    return "not judged: too few samples";
+  if (!open.empty())
+    return fmt::format("no fault seen, but this capture cannot show: {}", fmt::join(open, ", "));
+  return "sound";
 }
 
 } // namespace
@@ -44,6 +65,8 @@ std::string health_json(const Health &health) {
     if (!check.unit.empty())
       entry["unit"] = check.unit;
     entry["explanation"] = check.explanation;
+    if (!check.times_s.empty())
+      entry["times_s"] = check.times_s;
     json["checks"].push_back(std::move(entry));
   }
   return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
@@ -51,14 +74,10 @@ std::string health_json(const Health &health) {
 
 std::string health_text(const Health &health) {
   std::string text = fmt::format("compared with {}\n", health.against);
-  std::size_t failed = 0;
-  for (const HealthCheck &check : health.checks) {
+  for (const HealthCheck &check : health.checks)
     fmt::format_to(std::back_inserter(text), "{:<9} {:<8} {}\n", check.id, state_name(check.state),
                    check.explanation);
-    failed += check.state == HealthState::failed;
-  }
-  text += failed == 0 ? "sound\n" : fmt::format("NOT sound: {} failed\n", failed);
-  return text;
+  return text + closing_line(health) + "\n";
 }
 
 } // namespace ada

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <fmt/format.h>
+
+#include "calibration/dead_channel.h"
+#include "calibration/guards.h"
+#include "health/checks.h"
+#include "health/criteria.h"
+
+namespace ada::health {
+
+HealthCheck check_rotation(const Evidence &e) {
+  if (!e.ellipse) {
+    HealthCheck check = cannot_tell("rotation", e.no_ellipse);
+    if (e.no_circle)
+      check.state = HealthState::failed;
+    return check;
+  }
+  const EllipseFit &fit = *e.ellipse;
+  return verdict("rotation", true, fit.coverage_deg, kAbsent, "deg",
+                 fmt::format("{:.0f} electrical degrees of one circle, which the samples leave by "
+                             "{:.2g} % of its radius (rms)",
+                             fit.coverage_deg, 100 * fit.residual_rms_v / fit.value.amplitude_v));
+}
+
+HealthCheck check_clipping(const Evidence &e) {
+  if (!e.ellipse)
+    return cannot_tell("clipping", kNoCircle);
+  if (e.ellipse->coverage_deg < kWholeTurnDeg)
+    return cannot_tell("clipping",
+                       fmt::format("only {:.0f} electrical degrees were covered, so not every peak "
+                                   "was seen",
+                                   e.ellipse->coverage_deg));
+  const std::string why = why_clipped(e.capture, *e.ellipse);
+  // Beside a channel that is stuck the other one looks clipped; but one that clips hard is both.
+  if (e.stuck && !why.starts_with(e.stuck->name))
+    return cannot_tell("clipping", e.stuck->name + " does not follow the magnet");
+  return verdict("clipping", why.empty(), kAbsent, kAbsent, "",
+                 why.empty() ? "the peaks are round" : why);
+}
+
+HealthCheck check_stuck(const Evidence &e) {
+  const Capture &c = e.capture;
+  if (e.stuck)
+    return verdict("stuck", false, static_cast<double>(e.stuck->samples), kAbsent, "samples",
+                   fmt::format("{} stops following the angle at {} ({} samples in all)",
+                               e.stuck->name, moment(c, e.stuck->first), e.stuck->samples));
+  if (!e.turns)
+    return cannot_tell("stuck", "the magnet does not turn, so nothing shows whether the channels "
+                                "follow it");
+  return verdict("stuck", true, std::min(travel(c.vsin_v), travel(c.vcos_v)), kAbsent,
+                 "V of travel", "both channels follow the magnet");
+}
+
+HealthCheck check_short(const Evidence &e) {
+  if (!e.turns)
+    return cannot_tell("short", "the magnet does not turn, so equal channels prove nothing");
+  const Capture &c = e.capture;
+  std::vector<double> difference(c.size());
+  std::transform(c.vsin_v.begin(), c.vsin_v.end(), c.vcos_v.begin(), difference.begin(),
+                 std::minus<>());
+  const double most = std::max(travel(c.vsin_v), travel(c.vcos_v));
+  const double apart = travel(difference) / most;
+  std::optional<std::size_t> first;
+  if (apart < kShortedRatio)
+    first = 0;
+  else if (const auto found = stuck_stretches(difference, most, c.vsin_v, most))
+    first = found->first;
+  return verdict("short", !first, apart, kAbsent, "of the travel",
+                 first ? fmt::format("VSIN and VCOS move together from {} on: they are shorted",
+                                     moment(c, *first))
+                       : "VSIN and VCOS move apart");
+}
+
+} // namespace ada::health

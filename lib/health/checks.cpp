@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "health/checks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/frame.h"
+#include "health/criteria.h"
+
+namespace ada::health {
+
+HealthCheck verdict(std::string id, bool passed, double measured, double limit, std::string unit,
+                    std::string explanation) {
+  return {std::move(id),   passed ? HealthState::passed : HealthState::failed,
+          measured,        limit,
+          std::move(unit), std::move(explanation)};
+}
+
+HealthCheck cannot_tell(std::string id, std::string why) {
+  return {std::move(id), HealthState::unknown, kAbsent, kAbsent, "", std::move(why)};
+}
+
+std::string moment(const Capture &capture, std::size_t sample) {
+  const double time_s = capture.time_s[sample];
+  return std::isfinite(time_s) ? fmt::format("{:.6g} s", time_s) : fmt::format("sample {}", sample);
+}
+
+Faults count_faults(std::size_t samples, const std::function<bool(std::size_t)> &faulty) {
+  Faults faults;
+  std::size_t row = 0;
+  for (std::size_t i = 0; i < samples; ++i) {
+    row = faulty(i) ? row + 1 : 0;
+    faults.count += row > 0;
+    if (row > faults.longest) {
+      faults.longest = row;
+      faults.longest_first = i + 1 - row;
+    }
+  }
+  return faults;
+}
+
+bool too_many(const Faults &faults, std::size_t samples) {
+  const double allowed =
+      std::max(static_cast<double>(kFewFaulty), kMaxFaultyFraction * static_cast<double>(samples));
+  return static_cast<double>(faults.count) > allowed || faults.longest > kMaxFaultyRow;
+}
+
+} // namespace ada::health

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The checks, in the order in which they are printed. Each looks at the evidence and at nothing
+// else.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "health/evidence.h"
+#include "health/health.h"
+
+namespace ada::health {
+
+// signal.cpp: the voltages
+HealthCheck check_range(const Evidence &e);
+HealthCheck check_radius(const Evidence &e);
+HealthCheck check_rails(const Evidence &e);
+HealthCheck check_amplitude(const Evidence &e);
+HealthCheck check_supply(const Evidence &e);
+
+// channels.cpp: the two of them together
+HealthCheck check_rotation(const Evidence &e);
+HealthCheck check_clipping(const Evidence &e);
+HealthCheck check_stuck(const Evidence &e);
+HealthCheck check_short(const Evidence &e);
+
+// record.cpp: sample by sample
+HealthCheck check_spikes(const Evidence &e);
+HealthCheck check_numbers(const Evidence &e);
+HealthCheck check_gaps(const Evidence &e);
+HealthCheck check_noise(const Evidence &e);
+
+// checks.cpp: what they share
+/// The reason is told by check_rotation.
+inline constexpr const char *kNoCircle = "there is no circle to measure it on";
+HealthCheck verdict(std::string id, bool passed, double measured, double limit, std::string unit,
+                    std::string explanation);
+HealthCheck cannot_tell(std::string id, std::string why);
+
+/// "0.5 s", or where the time is no number "sample 17".
+std::string moment(const Capture &capture, std::size_t sample);
+
+/// How many samples have a fault, and the longest row of them.
+struct Faults {
+  std::size_t count = 0, longest = 0, longest_first = 0;
+};
+Faults count_faults(std::size_t samples, const std::function<bool(std::size_t)> &faulty);
+/// More than spikes are (criteria.h).
+bool too_many(const Faults &faults, std::size_t samples);
+
+} // namespace ada::health

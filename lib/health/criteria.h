@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Every limit of the health checks: unit, and where it comes from.
+#pragma once
+
+#include <cstddef>
+
+namespace ada::health {
+
+/// Samples below which nothing is judged: three wild ones of twenty are less than the sixth on
+/// either side that the robust figures bear, and the ellipse has three samples a parameter and some
+/// to spare.
+inline constexpr std::size_t kFewestSamples = 20;
+
+/// Isolated faulty samples are spikes, which the conversion marks one by one. More than one in a
+/// thousand, or a row of them, is a fault of the sensor. Three never are, however short the
+/// capture.
+inline constexpr double kMaxFaultyFraction = 1e-3;
+inline constexpr std::size_t kFewFaulty = 3;
+inline constexpr std::size_t kMaxFaultyRow = 4; ///< samples
+
+/// Spikes expected in a capture of normal noise alone. As a normal deviate exceeds z sigmas with a
+/// chance below exp(-z^2/2), the threshold for n samples is sqrt(2 ln(n/this)) sigmas: 6.0 for 70
+/// 000.
+inline constexpr double kFalseSpikes = 1e-3;
+inline constexpr std::size_t kTimesInText = 5;  ///< spikes that the sentence names
+inline constexpr std::size_t kMostTimes = 1000; ///< that the result holds
+
+/// Mechanical degrees that an ADA4571 may err by (its data sheet's headline accuracy): smaller
+/// spikes are told, but are no fault however many.
+inline constexpr double kAccuracyDeg = 0.5;
+
+/// Of the supply: less travel than this is standstill. It is 2 electrical degrees of an amplitude
+/// of 0.29 VDD, and above any noise with which an angle could be read.
+inline constexpr double kStillFraction = 0.01;
+
+/// Travel of VSIN - VCOS over that of the channels, below which they are one signal: on a circle it
+/// is 1.4, and two converters of 1 % each leave 0.02 of a signal common to both.
+inline constexpr double kShortedRatio = 0.05;
+
+/// Measured over stated noise. A scale by the median of n deviations is known to 1.17/sqrt(n): of
+/// the fewest samples to 12 %, so that half as much again stands four standard errors off.
+inline constexpr double kNoiseFactor = 1.5;
+inline constexpr std::size_t kMinNoiseSamples = 100;
+
+/// The supply may differ by this from what is stated: the tolerance of a 5 V supply, 4.5 to 5.5 V.
+/// Where VDD is not recorded, the middle of the figure measures it: outputs are about VDD/2, and
+/// the offsets of an ADA4571 (3.75 % of VDD at most, each) can feign 7.5 %.
+inline constexpr double kSupplyTolerance = 0.1;
+
+/// An output cannot leave its supply, a reading cannot leave its converter's range; of either, this
+/// part is left for the error of the converter's scale.
+inline constexpr double kRangeMargin = 0.01;
+
+/// Amplitude of a bare AMR bridge, without amplifier, at the least: 8 mV per volt of supply (span
+/// of the KMT32B: 16 mV/V). A sensor that gives less is not connected, or the scale is wrong.
+inline constexpr double kLeastAmplitude = 0.008;
+
+/// Times are recorded to the nanosecond: a shorter usual step, s, is no sampling.
+inline constexpr double kShortestStep = 1e-9;
+
+/// Equal values in a row that noise cannot leave: with noise of half a converter's step the chance
+/// of a repetition is 0.52 at most, so that 200 in a row do not happen.
+inline constexpr std::size_t kFrozenSamples = 200;
+inline constexpr double kFrozenNoiseSteps = 0.5;
+
+/// Electrical degrees within which every peak was seen.
+inline constexpr double kWholeTurnDeg = 300;
+
+} // namespace ada::health

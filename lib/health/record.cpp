@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/angle.h"
+#include "base/robust.h"
+#include "conversion/gap_detector.h"
+#include "health/checks.h"
+#include "health/criteria.h"
+#include "health/spikes.h"
+
+namespace ada::health {
+
+namespace {
+
+std::vector<double> times_of(const Capture &capture, const std::vector<std::size_t> &samples) {
+  std::vector<double> times;
+  for (const std::size_t i : samples)
+    if (times.size() < kMostTimes && std::isfinite(capture.time_s[i]))
+      times.push_back(capture.time_s[i]);
+  return times;
+}
+
+/// "2 in VTEMP (at 0.1 s, 2.5 s)"
+std::string spike_text(const Capture &capture, const std::string &where,
+                       const std::vector<std::size_t> &samples) {
+  std::vector<std::string> at;
+  for (std::size_t k = 0; k < std::min(samples.size(), kTimesInText); ++k)
+    at.push_back(moment(capture, samples[k]));
+  return fmt::format("{} in {} (at {}{})", samples.size(), where, fmt::join(at, ", "),
+                     samples.size() > kTimesInText ? ", ..." : "");
+}
+
+/// Noise of one channel from the third difference of the radius, which no turning and no slow
+/// change of amplitude reaches: its variance is 20 times that of white noise. Nothing for too few.
+std::optional<double> radial_noise(std::span<const ada4571_angle> angles, double amplitude_v) {
+  std::vector<double> third;
+  for (std::size_t i = 3; i < angles.size(); ++i) {
+    const double d = angles[i].radius - 3 * angles[i - 1].radius + 3 * angles[i - 2].radius -
+                     angles[i - 3].radius;
+    if (std::isfinite(d))
+      third.push_back(d);
+  }
+  if (third.size() < kMinNoiseSamples)
+    return std::nullopt;
+  return robust_spread(third) / std::sqrt(20.0) * amplitude_v;
+}
+
+/// Whether a sample lies farther from the middle of its neighbours than the sensor itself may err.
+bool disturbs(const Capture &c, std::size_t i, double amplitude_v) {
+  if (i == 0 || i + 1 >= c.size())
+    return true;
+  const double sin_v = c.vsin_v[i] - 0.5 * (c.vsin_v[i - 1] + c.vsin_v[i + 1]);
+  const double cos_v = c.vcos_v[i] - 0.5 * (c.vcos_v[i - 1] + c.vcos_v[i + 1]);
+  return !(std::hypot(sin_v, cos_v) <=
+           kAccuracyDeg * c.meta.periods_per_turn * kRadPerDeg * amplitude_v);
+}
+
+} // namespace
+
+HealthCheck check_spikes(const Evidence &e) {
+  const Capture &c = e.capture;
+  const double amplitude_v = e.yardstick.at_supply(c.meta.supply_v).baseline.amplitude_v;
+  const auto large =
+      static_cast<std::size_t>(std::count_if(e.spikes.begin(), e.spikes.end(), [&](std::size_t i) {
+        return disturbs(c, i, amplitude_v);
+      }));
+  std::vector<std::string> parts;
+  if (!e.spikes.empty())
+    parts.push_back(spike_text(c, "the pair", e.spikes));
+  for (const auto &[name, column] : {std::pair("VTEMP", &c.vtemp_v), std::pair("VDD", &c.vdd_v)})
+    if (const auto found = column_spikes(*column); !found.empty())
+      parts.push_back(spike_text(c, name, found));
+  const bool failed = too_many({.count = large}, c.size());
+  HealthCheck check =
+      verdict("spikes", !failed, static_cast<double>(e.spikes.size()), kAbsent, "samples",
+              parts.empty() ? "no sample stands alone"
+                            : fmt::format("samples that stand alone: {}", fmt::join(parts, ", ")));
+  check.times_s = times_of(c, e.spikes);
+  return check;
+}
+
+HealthCheck check_numbers(const Evidence &e) {
+  const std::size_t n = e.capture.size();
+  const Faults faults = count_faults(
+      n, [&](std::size_t i) { return (e.angles[i].status & ADA4571_SAMPLE_INVALID) != 0; });
+  return verdict("numbers", faults.count == 0,
+                 static_cast<double>(faults.count) / static_cast<double>(n), 0, "of the samples",
+                 faults.count == 0
+                     ? "every sample is a number"
+                     : fmt::format("{} samples are no numbers, the longest row {} from {} on",
+                                   faults.count, faults.longest,
+                                   moment(e.capture, faults.longest_first)));
+}
+
+HealthCheck check_gaps(const Evidence &e) {
+  const Capture &c = e.capture;
+  const double step = median_step(c.time_s);
+  GapDetector gap;
+  std::size_t gaps = 0, backward = 0, first_backward = 0;
+  double lost = 0, longest = 0;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const bool reported = std::binary_search(c.gaps.begin(), c.gaps.end(), i) && i > 0;
+    const bool seen = gap(c.time_s[i]);
+    if (i == 0)
+      continue;
+    const double dt = c.time_s[i] - c.time_s[i - 1];
+    if (!(dt > 0) && backward++ == 0)
+      first_backward = i;
+    if (!seen && !reported)
+      continue;
+    ++gaps;
+    lost += std::max(std::round(dt / step) - 1, 0.0);
+    longest = std::max(longest, dt);
+  }
+  if (backward > 0)
+    return verdict("gaps", false, static_cast<double>(backward), 0, "steps",
+                   fmt::format("time does not grow from sample to sample: {} times, first at {}",
+                               backward, moment(c, first_backward)));
+  if (step < kShortestStep)
+    return verdict(
+        "gaps", false, step, kShortestStep, "s",
+        fmt::format("time grows by {:.3g} s a sample, less than a recording can tell", step));
+  constexpr double kCountable = 9007199254740992.0; // 2^53: beyond, a number of samples is none
+  const std::string missing = lost < kCountable
+                                  ? fmt::format("about {:.0f} samples are missing", lost)
+                                  : "samples are missing, too many to count";
+  return verdict("gaps", gaps == 0, static_cast<double>(gaps), 0, "gaps",
+                 gaps == 0 ? "no sample is missing"
+                           : fmt::format("{}, the longest gap is {:.6g} s where {:.6g} s is usual",
+                                         missing, longest, step));
+}
+
+HealthCheck check_noise(const Evidence &e) {
+  const CaptureMetadata &meta = e.capture.meta;
+  const Model model = e.yardstick.at_supply(meta.supply_v);
+  const auto noise = radial_noise(e.angles, model.baseline.amplitude_v);
+  if (!noise)
+    return cannot_tell("noise", fmt::format("at least {} samples in a row are needed to measure it",
+                                            kMinNoiseSamples + 3));
+  std::optional<double> stated = meta.noise_rms_v;
+  if (!stated && e.states_noise)
+    stated = model.noise_rms_v;
+  if (!stated) {
+    HealthCheck check = cannot_tell("noise", fmt::format("{:.3g} mV rms; neither capture nor "
+                                                         "calibration states what it should be",
+                                                         *noise * 1e3));
+    check.measured = *noise;
+    check.unit = "V rms";
+    return check;
+  }
+  double expected = *stated;
+  if (meta.adc_bits && meta.adc_reference_v)
+    expected =
+        std::hypot(expected, *meta.adc_reference_v / std::exp2(*meta.adc_bits) / std::sqrt(12.0));
+  const double limit = kNoiseFactor * expected;
+  return verdict(
+      "noise", *noise <= limit, *noise, limit, "V rms",
+      fmt::format("{:.3g} mV rms where {:.3g} mV is stated", *noise * 1e3, expected * 1e3));
+}
+
+} // namespace ada::health

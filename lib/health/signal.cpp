@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/robust.h"
+#include "conversion/sample_status.h"
+#include "health/checks.h"
+#include "health/criteria.h"
+
+namespace ada::health {
+
+namespace {
+
+/// A check of single samples: what is wrong with them, and what is said of a capture without.
+HealthCheck check_samples(const Evidence &e, std::string id,
+                          const std::function<bool(std::size_t)> &faulty, const std::string &fault,
+                          const std::string &fine) {
+  const std::size_t n = e.capture.size();
+  const Faults faults = count_faults(n, faulty);
+  const double fraction = static_cast<double>(faults.count) / static_cast<double>(n);
+  const bool failed = too_many(faults, n);
+  return verdict(std::move(id), !failed, fraction, kMaxFaultyFraction, "of the samples",
+                 failed ? fmt::format("{}: {} samples, the longest row {} from {} on", fault,
+                                      faults.count, faults.longest,
+                                      moment(e.capture, faults.longest_first))
+                        : fine);
+}
+
+/// "is 3 V", "goes from 1 to 3 V"
+std::string span_text(const Reach &bulk) {
+  return bulk.width() > 0 ? fmt::format("goes from {:.6g} to {:.6g} V", bulk.low, bulk.high)
+                          : fmt::format("is {:.6g} V", bulk.low);
+}
+
+/// Distance of the bulk of a channel beyond a range, volts.
+double beyond(const Reach &bulk, const Reach &range) {
+  return std::max({0.0, bulk.high - range.high, range.low - bulk.low});
+}
+
+} // namespace
+
+HealthCheck check_range(const Evidence &e) {
+  const CaptureMetadata &meta = e.capture.meta;
+  const auto widened = [](double low, double high) {
+    const double margin = kRangeMargin * (high - low);
+    return Reach{low - margin, high + margin};
+  };
+  const Reach supply = widened(0, meta.supply_v);
+  double worst = 0;
+  for (const auto &[name, column] :
+       {std::pair("VSIN", &e.capture.vsin_v), std::pair("VCOS", &e.capture.vcos_v)}) {
+    const Reach seen = bulk(*column);
+    if (meta.adc_reference_v) // bipolar converters go as far below ground
+      if (const double off = beyond(seen, widened(-*meta.adc_reference_v, *meta.adc_reference_v));
+          off > 0)
+        return verdict("range", false, off, 0, "V beyond",
+                       fmt::format("{} {}, which a converter of {:g} V full scale cannot give: "
+                                   "adc_reference_v or the scale is wrong",
+                                   name, span_text(seen), *meta.adc_reference_v));
+    const double off = beyond(seen, supply);
+    worst = std::max(worst, off);
+    if (off > 0)
+      return verdict(
+          "range", false, off, 0, "V beyond",
+          fmt::format("{} {}, which no output does at a supply of {:g} V: supply_v or the "
+                      "scale is wrong",
+                      name, span_text(seen), meta.supply_v));
+  }
+  return verdict("range", true, worst, 0, "V beyond",
+                 fmt::format("both channels stay within the supply of {:g} V", meta.supply_v));
+}
+
+HealthCheck check_radius(const Evidence &e) {
+  std::vector<double> radii;
+  std::size_t spike = 0;
+  for (std::size_t i = 0; i < e.angles.size(); ++i) {
+    while (spike < e.spikes.size() && e.spikes[spike] < i)
+      ++spike;
+    const bool alone = spike < e.spikes.size() && e.spikes[spike] == i;
+    if (std::isfinite(e.angles[i].radius) && !alone)
+      radii.push_back(e.angles[i].radius);
+  }
+  const double median = quantile(radii, 0.5);
+  return check_samples(
+      e, "radius",
+      [&e](std::size_t i) { return (e.angles[i].status & ADA4571_SAMPLE_RADIUS) != 0; },
+      fmt::format(
+          "the radius leaves its band (median {:.3f}): no magnet, a broken wire, or not the "
+          "sensor of this calibration",
+          median),
+      fmt::format("median {:.4f}, from {:.4f} to {:.4f}{}", median, quantile(radii, 0.0),
+                  quantile(radii, 1.0), e.spikes.empty() ? "" : " but for the spikes"));
+}
+
+HealthCheck check_rails(const Evidence &e) {
+  const double supply = e.capture.meta.supply_v, margin = kRailMargin * supply;
+  const auto at_rail = [&](double v) {
+    return std::abs(v) <= margin || std::abs(v - supply) <= margin;
+  };
+  return check_samples(
+      e, "rails",
+      [&](std::size_t i) { return at_rail(e.capture.vsin_v[i]) || at_rail(e.capture.vcos_v[i]); },
+      "a channel sits at ground or at VDD", "no channel sits at a rail");
+}
+
+HealthCheck check_amplitude(const Evidence &e) {
+  if (!e.ellipse)
+    return cannot_tell("amplitude", kNoCircle);
+  const double amplitude = e.ellipse->value.amplitude_v;
+  const double least = kLeastAmplitude * e.capture.meta.supply_v;
+  const std::string text = fmt::format("{:.4g} V", amplitude);
+  return verdict(
+      "amplitude", amplitude >= least, amplitude, kAbsent, "V",
+      amplitude >= least
+          ? text
+          : fmt::format("{}, less than a bare bridge without amplifier gives at a supply "
+                        "of {:g} V ({:.3g} V): supply_v or the scale is wrong, or the "
+                        "signal comes from elsewhere",
+                        text, e.capture.meta.supply_v, least));
+}
+
+HealthCheck check_supply(const Evidence &e) {
+  const double stated = e.capture.meta.supply_v;
+  const auto judged = [&](double volts, const std::string &text) {
+    const double off = std::abs(volts / stated - 1);
+    return verdict("supply", off <= kSupplyTolerance, off, kSupplyTolerance, "of the supply", text);
+  };
+  std::optional<HealthCheck> measured;
+  if (e.capture.has_vdd()) {
+    const double vdd = quantile(e.capture.vdd_v, 0.5);
+    measured = judged(vdd, fmt::format("VDD is {:.3f} V where {:.3f} V is stated", vdd, stated));
+    if (measured->state == HealthState::failed || !e.ellipse)
+      return *measured;
+  }
+  if (!e.ellipse)
+    return cannot_tell("supply", std::string("VDD is not recorded, and ") + kNoCircle);
+  const EllipseParameters &c = e.ellipse->value;
+  const double middle = 0.5 * (c.centre_sin_v + c.centre_cos_v);
+  const HealthCheck seen =
+      judged(2 * middle, fmt::format("the middle of the signals is {:.3f} V where half of the "
+                                     "stated supply is {:.3f} V",
+                                     middle, 0.5 * stated));
+  return measured && seen.state == HealthState::passed ? *measured : seen;
+}
+
+} // namespace ada::health

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// A few wild samples never decide: no method moves by a standard error, whatever their size, place
+// and the speed.
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "base/angle.h"
+#include "base/error.h"
+#include "calibration/dual.h"
+#include "calibration/pair_estimate.h"
+#include "model/effect.h"
+#include "support/seed.h"
+#include "support/sensor_pair.h"
+#include "support/wild.h"
+
+namespace ada::test {
+namespace {
+
+constexpr double kRate = 10000, kDuration = 7;
+
+std::array<double, kEllipseSize> values(const PairEstimate &e) {
+  return {e.value.amplitude_v, e.value.k, e.value.delta_rad, e.value.centre_sin_v,
+          e.value.centre_cos_v};
+}
+
+SensorPair plain_pair() {
+  SensorPair pair;
+  pair.k = 0.009;
+  pair.delta_rad = 0.35 * kRadPerDeg;
+  return pair;
+}
+
+/// Turns so many times a second, and one turn at least.
+Motion turning(double rpm) {
+  return swinging_speed(std::max(rpm / 60, 1.1 / kDuration), 0.3, 0.61);
+}
+
+class Wild : public testing::TestWithParam<std::tuple<CalibrationMethod, std::size_t, double>> {};
+
+TEST_P(Wild, samples_do_not_move_a_calibration_by_a_standard_error) {
+  const auto [method, count, rpm] = GetParam();
+  const std::uint64_t seed = fresh_seed();
+  Sampler sampler(plain_pair(), seed);
+  const Capture clean = sampler.capture(kRate, kDuration, turning(rpm));
+  const PairEstimate before = estimate_pair(clean, method);
+  std::mt19937_64 rng(seed);
+  for (int draw = 0; draw < 2; ++draw) {
+    Capture struck = clean;
+    add_wild(struck, count, rng);
+    const PairEstimate after = estimate_pair(struck, method);
+    EXPECT_EQ(after.has_mismatch, before.has_mismatch);
+    for (std::size_t i = 0; i < kEllipseSize; ++i)
+      EXPECT_LE(std::abs(values(after)[i] - values(before)[i]), before.std_error[i])
+          << "parameter " << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, Wild,
+                         testing::Combine(testing::Values(CalibrationMethod::fit,
+                                                          CalibrationMethod::mean,
+                                                          CalibrationMethod::extrema),
+                                          testing::Values(1u, 3u, 30u),
+                                          testing::Values(6.0, 60.0, 600.0, 30000.0)),
+                         [](const auto &i) {
+                           return std::string(method_name(std::get<0>(i.param))) + "_" +
+                                  std::to_string(std::get<1>(i.param)) + "_samples_at_" +
+                                  std::to_string(static_cast<int>(std::get<2>(i.param))) + "_rpm";
+                         });
+
+TEST(WildDual, samples_of_every_channel_do_not_move_it) {
+  const std::uint64_t seed = fresh_seed();
+  std::mt19937_64 rng(seed);
+  SensorPair pair = plain_pair();
+  pair.tc_sin = 0.01;
+  Sampler sampler(pair, seed);
+  std::vector<Capture> clean, struck;
+  for (const double deg_c : {0.0, 110.0}) {
+    clean.push_back(sampler.capture(kRate, 3, turning(300), [=](double) { return deg_c; }));
+    struck.push_back(clean.back());
+    add_wild(struck.back(), 30, rng);
+    struck.back().vtemp_v[1234] = -1e6;
+    struck.back().vtemp_v[4321] = 1e6;
+  }
+  const Model a = calibrate_dual(clean[0], clean[1], CalibrationMethod::fit);
+  const Model b = calibrate_dual(struck[0], struck[1], CalibrationMethod::fit);
+  EXPECT_NEAR(b.baseline.offset_sin_v, a.baseline.offset_sin_v, a.baseline_std_error.offset_sin_v);
+  EXPECT_NEAR(b.baseline.offset_cos_v, a.baseline.offset_cos_v, a.baseline_std_error.offset_cos_v);
+  const auto drift = [](const Model &m) {
+    for (const EffectInstance &e : m.effects)
+      if (e.effect->info().id == "offset-temperature-drift")
+        return e;
+    throw std::runtime_error("no drift");
+  };
+  EXPECT_NEAR(drift(b).values[0], drift(a).values[0], drift(a).std_errors[0]);
+  EXPECT_NEAR(b.vtemp_reference_v, a.vtemp_reference_v, 1e-6);
+}
+
+TEST(WildShort, one_sample_of_a_short_capture_does_not_decide) {
+  const std::uint64_t seed = fresh_seed();
+  std::mt19937_64 rng(seed);
+  Sampler sampler(plain_pair(), seed);
+  for (int draw = 0; draw < 20; ++draw) {
+    const Capture clean = sampler.capture(100, 2.2, constant_speed(0.5));
+    Capture struck = clean;
+    add_wild(struck, 1, rng);
+    const PairEstimate before = estimate_pair(clean, CalibrationMethod::fit);
+    const PairEstimate after = estimate_pair(struck, CalibrationMethod::fit);
+    for (std::size_t i = 0; i < kEllipseSize; ++i)
+      EXPECT_LE(std::abs(values(after)[i] - values(before)[i]), before.std_error[i]) << i;
+  }
+}
+
+TEST(Rotation, noise_is_refused_by_every_method) {
+  const std::uint64_t seed = fresh_seed();
+  Sampler sampler(plain_pair(), seed);
+  for (const int shape : {0, 1}) {
+    Capture noise = sampler.capture(kRate, 2, turning(60));
+    for (std::size_t i = 0; i < noise.size(); ++i)
+      for (auto *channel : {&noise.vsin_v, &noise.vcos_v})
+        (*channel)[i] = shape == 0 ? sampler.uniform(0, 5) : 2.5 + sampler.noise(0.6);
+    for (const auto method :
+         {CalibrationMethod::fit, CalibrationMethod::mean, CalibrationMethod::extrema})
+      try {
+        estimate_pair(noise, method);
+        ADD_FAILURE() << method_name(method);
+      } catch (const Error &e) {
+        EXPECT_NE(std::string(e.what()).find("draw no circle"), std::string::npos) << e.what();
+      }
+  }
+}
+
+TEST(Rotation, a_square_wave_is_refused) {
+  Capture c = Sampler(plain_pair(), 1).capture(kRate, 2, turning(60));
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const std::size_t quarter = i / 7 % 4;
+    c.vsin_v[i] = quarter < 2 ? 1.5 : 3.5;
+    c.vcos_v[i] = quarter == 1 || quarter == 2 ? 1.5 : 3.5;
+  }
+  try {
+    estimate_pair(c, CalibrationMethod::fit);
+    ADD_FAILURE();
+  } catch (const Error &e) {
+    EXPECT_NE(std::string(e.what()).find("stand at 4 angles only"), std::string::npos) << e.what();
+  }
+}
+
+} // namespace
+} // namespace ada::test
