@@ -4,6 +4,7 @@
 #include "simulation/iiod_buffer.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -12,7 +13,10 @@ namespace ada {
 
 namespace {
 
-constexpr std::size_t kMostBytes = 64u << 20;
+/// Frames that are made at a time.
+constexpr std::size_t kPiece = 1024;
+
+std::atomic<std::size_t> held{0}; ///< bytes, by all buffers of the process
 
 /// Bit i of a mask of words of 32 bits, the highest word first; false where it has too few.
 bool mask_bit(std::string_view mask, std::size_t i) {
@@ -26,6 +30,20 @@ bool mask_bit(std::string_view mask, std::size_t i) {
 }
 
 } // namespace
+
+BufferMemory::~BufferMemory() {
+  held -= bytes_;
+}
+
+bool BufferMemory::take(std::size_t bytes) {
+  std::size_t now = held.load();
+  do {
+    if (bytes > kMostBufferBytes - now)
+      return false;
+  } while (!held.compare_exchange_weak(now, now + bytes));
+  bytes_ = bytes;
+  return true;
+}
 
 int IiodBuffer::open(std::size_t samples, std::string_view mask) {
   const std::size_t channels = device_.channels.size();
@@ -47,11 +65,14 @@ int IiodBuffer::open(std::size_t samples, std::string_view mask) {
       ++columns_;
   }
   layout_ = compute_layout(formats);
-  if (formats.empty() || samples == 0 || samples > kMostBytes / layout_.frame_bytes)
+  if (formats.empty() || samples == 0)
     return EINVAL;
+  if (samples > kMostBufferBytes / layout_.frame_bytes ||
+      !memory_.take(samples * layout_.frame_bytes))
+    return ENOMEM;
   mask_ = mask;
   stream_ = device_.frames();
-  counts_.resize(samples * columns_);
+  counts_.resize(std::min(samples, kPiece) * columns_);
   bytes_.assign(samples * layout_.frame_bytes, '\0');
   began_ = Clock::now();
   began_ns_ = std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -73,24 +94,33 @@ IiodBuffer::Clock::time_point IiodBuffer::due(std::size_t frames) const {
 }
 
 bool IiodBuffer::produce(std::size_t frames) {
-  if (stream_->next(std::span(counts_).first(frames * columns_), frames) < frames)
-    return false;
-  const double period_ns = device_.rate_hz > 0.0 ? 1e9 / device_.rate_hz : 1.0;
-  std::fill(bytes_.begin(), bytes_.end(), '\0'); // the kernel's padding is zero
-  for (std::size_t e = 0; e < elements_.size(); ++e) {
-    const Element &element = elements_[e];
-    char *at = bytes_.data() + layout_.offsets[e];
-    for (std::size_t i = 0; i < frames; ++i, at += layout_.frame_bytes) {
-      const std::int64_t value =
-          element.timestamp
-              ? began_ns_ + std::llround(static_cast<double>(produced_ + i) * period_ns)
-              : counts_[i * columns_ + element.column];
-      put(at, element.format, value);
-    }
+  for (std::size_t first = 0; first < frames;) {
+    const std::size_t n = std::min(frames - first, kPiece);
+    if (stream_->next(std::span(counts_).first(n * columns_), n) < n)
+      return false;
+    lay_down(first, n);
+    first += n;
   }
   used_ = frames * layout_.frame_bytes;
   produced_ += frames;
   return true;
+}
+
+void IiodBuffer::lay_down(std::size_t first, std::size_t frames) {
+  const double period_ns = device_.rate_hz > 0.0 ? 1e9 / device_.rate_hz : 1.0;
+  char *const begin = bytes_.data() + first * layout_.frame_bytes;
+  std::fill_n(begin, frames * layout_.frame_bytes, '\0'); // the kernel's padding is zero
+  for (std::size_t e = 0; e < elements_.size(); ++e) {
+    const Element &element = elements_[e];
+    char *at = begin + layout_.offsets[e];
+    for (std::size_t i = 0; i < frames; ++i, at += layout_.frame_bytes) {
+      const std::uint64_t frame = produced_ + first + i;
+      const std::int64_t value =
+          element.timestamp ? began_ns_ + std::llround(static_cast<double>(frame) * period_ns)
+                            : counts_[i * columns_ + element.column];
+      put(at, element.format, value);
+    }
+  }
 }
 
 void IiodBuffer::put(char *at, const ScanFormat &format, std::int64_t value) const {

@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -21,9 +22,11 @@ namespace ada {
 
 namespace {
 
-constexpr std::size_t kMostClients = 64;
 /// A client that reads nothing for so long is given up.
 constexpr timeval kSendTimeout{10, 0};
+
+/// How long the server leaves new clients waiting when descriptors, threads or memory have run out.
+constexpr int kPauseMs = 200;
 
 int listen_on_loopback(int port) {
   const std::string place = "127.0.0.1:" + std::to_string(port);
@@ -95,27 +98,42 @@ void IiodServer::run() {
   reap(true);
 }
 
+/// What ran out comes back when a client goes. Until then the waiting ones stay in the queue, and a
+/// loop that asked again at once would only be busy.
+void IiodServer::pause() {
+  pollfd stop{stop_fd_, POLLIN, 0};
+  (void)!poll(&stop, 1, kPauseMs);
+}
+
 void IiodServer::accept_client() {
-  const int fd = accept4(listen_fd_, nullptr, nullptr, SOCK_CLOEXEC);
-  if (fd < 0)
-    return;
-  if (clients_.size() >= kMostClients) {
-    close(fd);
+  Descriptor fd(accept4(listen_fd_, nullptr, nullptr, SOCK_CLOEXEC));
+  if (fd.get() < 0) {
+    if (errno != EINTR && errno != ECONNABORTED && errno != EAGAIN)
+      pause();
     return;
   }
+  if (clients_.size() >= kMostClients)
+    return;
   const int yes = 1;
-  setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-  setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &kSendTimeout, sizeof kSendTimeout);
+  setsockopt(fd.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  setsockopt(fd.get(), SOL_SOCKET, SO_SNDTIMEO, &kSendTimeout, sizeof kSendTimeout);
   Client &client = clients_.emplace_back();
-  client.thread = std::thread([this, fd, &client] {
-    try {
-      serve_iiod_connection(fd, stop_fd_, *context_, faults_);
-    } catch (const std::exception &) {
-      // One client's trouble (memory, say) ends its connection and nothing else.
-    }
-    close(fd);
-    client.done = true;
-  });
+  try {
+    client.thread = std::thread([this, raw = fd.get(), &client] {
+      const Descriptor connection(raw);
+      try {
+        serve_iiod_connection(raw, stop_fd_, *context_, faults_);
+      } catch (const std::exception &) {
+        // One client's trouble (memory, say) ends its connection and nothing else.
+      }
+      client.done = true;
+    });
+  } catch (const std::system_error &) { // no thread to be had: this client is turned away
+    clients_.pop_back();
+    pause();
+    return;
+  }
+  fd.release();
 }
 
 void IiodServer::reap(bool all) {

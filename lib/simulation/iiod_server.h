@@ -2,8 +2,9 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 //
 // A server for the network protocol of libiio 0.24: text lines that end in CR LF from the client,
-// answers that begin with a number (a length, 0, or a negative errno) and a line end. It serves any
-// number of clients at once, each buffer on a connection of its own, as libiio opens them.
+// answers that begin with a number (a length, 0, or a negative errno) and a line end. It serves up
+// to kMostClients clients at once, each buffer on a connection of its own, as libiio opens them,
+// and holds no more than kMostBufferBytes (iiod_buffer.h) for all of their buffers together.
 #pragma once
 
 #include <atomic>
@@ -18,6 +19,9 @@
 #include "simulation/served_context.h"
 
 namespace ada {
+
+/// Clients at once; more are turned away.
+inline constexpr std::size_t kMostClients = 64;
 
 /// What a test wants to go wrong.
 struct IiodFault {
@@ -59,6 +63,7 @@ private:
   };
 
   void accept_client();
+  void pause();
   void reap(bool all);
 
   std::shared_ptr<ServedContext> context_;
