@@ -21,6 +21,7 @@
 #include <iio.h>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace ada {
 
@@ -31,8 +32,9 @@ struct ContextDeleter {
 };
 using ContextPointer = std::unique_ptr<iio_context, ContextDeleter>;
 
+/// Text of a device or a server, fit to be printed.
 std::string text(const char *s) {
-  return s ? std::string(s) : std::string();
+  return s ? printable(s) : std::string();
 }
 
 ScanFormat format_of(const iio_channel *channel) {
@@ -52,7 +54,7 @@ std::optional<std::string> read_attribute(const iio_channel *channel, const char
     return std::nullopt;
   std::array<char, 1024> value{};
   const ssize_t n = iio_channel_attr_read(channel, name, value.data(), value.size() - 1);
-  return n < 0 ? std::nullopt : std::optional<std::string>(value.data());
+  return n < 0 ? std::nullopt : std::optional<std::string>(text(value.data()));
 }
 
 IioChannel describe(const iio_channel *channel) {
@@ -197,7 +199,7 @@ std::optional<std::string> ContextV0::read(const std::string &device_id,
     return std::nullopt;
   std::array<char, 1024> value{};
   const ssize_t n = iio_device_attr_read(dev, name.c_str(), value.data(), value.size() - 1);
-  return n < 0 ? std::nullopt : std::optional<std::string>(value.data());
+  return n < 0 ? std::nullopt : std::optional<std::string>(text(value.data()));
 }
 
 int ContextV0::write(const std::string &device_id, const std::string &channel_id,
@@ -255,7 +257,9 @@ std::unique_ptr<IioBuffer> ContextV0::create_buffer(const std::string &device_id
                 "cannot start the capture buffer of " + device_id + ": " + errno_text(error) +
                     (error == EINVAL ? "; most often the device has no trigger: name one with the "
                                        "option for the trigger"
-                                     : ""));
+                     : error == ENOMEM ? "; ask for fewer frames a buffer (the emulator holds 320 "
+                                         "MiB for all clients together)"
+                                       : ""));
   }
   return std::make_unique<BufferV0>(buffer, std::move(enabled));
 }

@@ -24,6 +24,28 @@ std::string excerpt(std::string_view text) {
   return out + (text.size() > kLongest ? "...'" : "'");
 }
 
+std::string printable(std::string_view text) {
+  constexpr char kHex[] = "0123456789abcdef";
+  std::string out;
+  out.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+    const bool eight_bits = byte == 0xc2 && next >= 0x80 && next < 0xa0; // U+0080 to U+009F
+    if (byte == '\n')
+      out += "\\n";
+    else if (byte == '\t')
+      out += "\\t";
+    else if (byte < 0x20 || byte == 0x7f || eight_bits)
+      out.append({'\\', 'x', kHex[(eight_bits ? next : byte) >> 4],
+                  kHex[(eight_bits ? next : byte) & 15]});
+    else
+      out += text[i];
+    i += eight_bits;
+  }
+  return out;
+}
+
 std::string shortest(double value) {
   std::array<char, 40> text;
   char *const last = text.data() + text.size();

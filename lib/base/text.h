@@ -16,6 +16,10 @@ std::string_view trim(std::string_view text);
 /// `text` short and printable, in quotes, for a message; everything else becomes '?'.
 std::string excerpt(std::string_view text);
 
+/// `text` on one line and without power over a terminal: control characters, also those of eight
+/// bits in UTF-8, as \n, \t or \xNN; everything else as it is.
+std::string printable(std::string_view text);
+
 /// Decimal text with no more digits than it takes to read back the same double.
 std::string shortest(double value);
 

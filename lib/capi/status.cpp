@@ -2,7 +2,10 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 
 #include <cstring>
+#include <exception>
+#include <string>
 
+#include "base/text.h"
 #include "capi/guard.h"
 
 namespace {
@@ -15,7 +18,13 @@ thread_local char last_error[1024] = "";
 namespace ada::capi {
 
 void set_last_error(const char *message) noexcept {
-  std::strncpy(last_error, message ? message : "", sizeof last_error - 1);
+  std::string line;
+  try { // a message may quote a server or a file
+    line = printable(message != nullptr ? message : "");
+    message = line.c_str();
+  } catch (const std::exception &) {
+  }
+  std::strncpy(last_error, message != nullptr ? message : "", sizeof last_error - 1);
   last_error[sizeof last_error - 1] = '\0';
 }
 
@@ -23,9 +32,13 @@ void set_last_error(const char *message) noexcept {
 
 extern "C" {
 
-const char *ada4571_last_error(void) { return last_error; }
+const char *ada4571_last_error(void) {
+  return last_error;
+}
 
-const char *ada4571_version(void) { return ADA4571_VERSION_STRING; }
+const char *ada4571_version(void) {
+  return ADA4571_VERSION_STRING;
+}
 
 const char *ada4571_status_name(ada4571_status status) {
   switch (status) {
