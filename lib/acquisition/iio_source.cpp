@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <ctime>
 
 #include "acquisition/capture_stream.h"
 #include "acquisition/frame_assembler.h"
@@ -50,6 +51,13 @@ struct Opened {
   std::optional<std::pair<ElementDecoder, std::size_t>> timestamp; ///< with its element
   SourceInfo info;
 };
+
+/// Counts sleep, and nobody sets it.
+std::int64_t own_clock_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
 
 std::string with_hint(const Error &e, const std::string &uri) {
   return e.what() + (e.status() == ADA4571_ERROR_PERMISSION ? permission_hint(uri) : "");
@@ -172,8 +180,9 @@ private:
   Opened opened_;
   SampleClock clock_;
   FrameAssembler assembler_;
-  FrameLayout layout_; ///< of the block in hand
-  bool lost_ = false;  ///< device or server are gone; start() opens anew
+  FrameLayout layout_;        ///< of the block in hand
+  std::int64_t block_ns_ = 0; ///< when it came, by our own clock
+  bool lost_ = false;         ///< device or server are gone; start() opens anew
 
   Cancellation cancellation_; ///< raised by other threads; lowered by start()
   std::unique_ptr<CaptureStream> stream_;
@@ -303,6 +312,7 @@ ReadResult IioSourceImpl::read(std::span<Frame> out, milliseconds timeout) {
           layout_ = *block.layout;
           assembler_.reset(layout_.frame_bytes);
         }
+        block_ns_ = own_clock_ns();
         assembler_.feed(block.bytes);
       }
     }
@@ -341,7 +351,7 @@ void IioSourceImpl::convert_piece(std::span<const std::byte> bytes, std::span<Fr
   const auto &[decoder, element] = *opened_.timestamp;
   const std::byte *at = bytes.data() + layout_.offsets[element];
   for (std::size_t i = 0; i < out.size(); ++i, at += stride)
-    out[i].time_s = clock_.accept(decoder.raw(at));
+    out[i].time_s = clock_.accept(decoder.raw(at), block_ns_);
 }
 
 DriverCalibration IioSourceImpl::read_driver_calibration() {

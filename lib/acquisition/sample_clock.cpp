@@ -20,6 +20,12 @@ constexpr double kPeriodGain = 0.005;
 /// A loss may be taken back by the next few frames only.
 constexpr unsigned kTakeBackFrames = 32;
 
+/// How far timestamps may run ahead of this machine's clock: buffers and slow lines deliver late,
+/// and then much at once, but not by minutes.
+constexpr std::int64_t kMostAhead_ns = 60'000'000'000;
+/// No hardware FIFO holds frames for as long.
+constexpr double kLongestStill_ns = 1e9;
+
 /// Median interval of the given timestamps, or their mean where most are equal (a driver that
 /// stamps a whole hardware FIFO at once).
 double typical_interval(std::span<const std::int64_t> stamps) {
@@ -60,23 +66,19 @@ double SampleClock::accept_untimed() {
   return static_cast<double>(frames_++) * nominal_period_ns_ * 1e-9;
 }
 
-double SampleClock::accept(std::int64_t timestamp_ns) {
-  // Unsigned, because a broken device may send anything: a difference that does not fit is negative.
-  auto step = static_cast<std::int64_t>(static_cast<std::uint64_t>(timestamp_ns) -
-                                        static_cast<std::uint64_t>(last_ns_));
+double SampleClock::accept(std::int64_t timestamp_ns, std::optional<std::int64_t> own_ns) {
+  // Unsigned, because a broken device may send anything: a difference that does not fit is
+  // negative.
+  const auto step = static_cast<std::int64_t>(static_cast<std::uint64_t>(timestamp_ns) -
+                                              static_cast<std::uint64_t>(last_ns_));
   last_ns_ = timestamp_ns;
   const std::int64_t previous = elapsed_ns_;
-  const std::int64_t room = std::numeric_limits<std::int64_t>::max() - elapsed_ns_;
   if (frames_ == 0) {
     first_ns_ = timestamp_ns;
-    step = 0;
-  } else if (step < 0 || step > room) {
-    // Set back: go on one period after the frame before.
-    const double period = period_ns_ > 0.0 ? period_ns_ : nominal_period_ns_;
-    step = period < static_cast<double>(room) ? std::llround(period) : 0;
-    ++gaps_;
+    own_start_ns_ = own_ns.value_or(0);
+  } else {
+    elapsed_ns_ += believed_step(step, own_ns);
   }
-  elapsed_ns_ += step;
 
   if (frames_ < kLearn) {
     early_[frames_] = elapsed_ns_;
@@ -86,7 +88,32 @@ double SampleClock::accept(std::int64_t timestamp_ns) {
     ++frames_;
     track(elapsed_ns_, previous);
   }
-  return static_cast<double>(elapsed_ns_) * 1e-9;
+  repeats_ = frames_ > 1 && elapsed_ns_ == previous ? repeats_ + 1 : 0;
+  latest_ns_ = std::max(latest_ns_, static_cast<double>(elapsed_ns_) + repeated_ns());
+  return latest_ns_ * 1e-9;
+}
+
+/// The step of the timestamps, or a period in its place.
+std::int64_t SampleClock::believed_step(std::int64_t step, std::optional<std::int64_t> own_ns) {
+  const std::int64_t room = std::numeric_limits<std::int64_t>::max() - elapsed_ns_;
+  const bool back = step < 0 || step > room;
+  const bool ahead = own_ns && step > kMostAhead_ns &&
+                     elapsed_ns_ + (back ? 0 : step) > *own_ns - own_start_ns_ + kMostAhead_ns;
+  if (!back && !ahead)
+    return step;
+  ++gaps_;
+  ++bad_;
+  const double period = typical_period_ns();
+  return period < static_cast<double>(room) ? std::llround(period) : 0;
+}
+
+/// How long after its timestamp a frame is that shares it with frames before: a driver may stamp a
+/// whole hardware FIFO at once.
+double SampleClock::repeated_ns() {
+  const double after = static_cast<double>(repeats_) * typical_period_ns();
+  if (after > kLongestStill_ns && repeats_ > kLearn)
+    ++bad_;
+  return after;
 }
 
 void SampleClock::learn() {
@@ -141,12 +168,17 @@ void SampleClock::take_back(std::int64_t early) {
 }
 
 SourceStatistics SampleClock::statistics() const {
-  if (frames_ >= kLearn || frames_ < 2)
-    return SourceStatistics{frames_, lost_, gaps_, first_ns_};
-  // A short capture: evaluate what is there, without ending the learning.
-  SampleClock copy = *this;
-  copy.learn();
-  return SourceStatistics{frames_, copy.lost_, copy.gaps_, first_ns_};
+  SourceStatistics out{frames_, lost_, gaps_, first_ns_, bad_};
+  if (frames_ >= 2 && frames_ < kLearn) {
+    // A short capture: evaluate what is there, without ending the learning.
+    SampleClock copy = *this;
+    copy.learn();
+    out.lost = copy.lost_;
+    out.gaps = copy.gaps_;
+  }
+  if (out.bad_times * 100 > out.frames) // nobody can tell then
+    out.lost = out.gaps = 0;
+  return out;
 }
 
 } // namespace ada

@@ -9,11 +9,15 @@
 // then followed by a second-order phase-locked loop. A frame is counted as missing when the phase
 // has moved on by more than half a period; a late timestamp, whose successors are on time again,
 // is taken back. So jitter below half a period costs nothing, and the count is exact.
+//
+// A timestamp that makes no sense is not believed: one that goes back, one that runs a minute ahead
+// of this machine's own clock, one that stands still for a second. Time then goes on by the period.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "acquisition/source.h"
 
@@ -30,8 +34,9 @@ public:
   void reset();
 
   /// Takes the next timestamp (ns). Returns seconds since the first frame. A clock that was set
-  /// back is bridged by one period and counted as a gap of unknown size.
-  double accept(std::int64_t timestamp_ns);
+  /// back is bridged by one period and counted as a gap of unknown size. `own_ns` is when the frame
+  /// came, by a clock of this machine that counts sleep and is never set.
+  double accept(std::int64_t timestamp_ns, std::optional<std::int64_t> own_ns = std::nullopt);
 
   /// For a device without timestamps: seconds by the nominal rate.
   double accept_untimed();
@@ -43,6 +48,9 @@ public:
   double period_s() const { return period_ns_ * 1e-9; }
 
 private:
+  std::int64_t believed_step(std::int64_t step, std::optional<std::int64_t> own_ns);
+  double repeated_ns();
+  double typical_period_ns() const { return period_ns_ > 0.0 ? period_ns_ : nominal_period_ns_; }
   void learn();
   void track(std::int64_t elapsed, std::int64_t previous);
   void count_loss(std::int64_t missing);
@@ -50,11 +58,14 @@ private:
 
   double nominal_period_ns_ = 0.0;
   double period_ns_ = 0.0;
-  double expected_ns_ = 0.0;    ///< phase of the loop
-  std::int64_t first_ns_ = 0;   ///< the first timestamp
-  std::int64_t last_ns_ = 0;    ///< timestamp as it came
-  std::int64_t elapsed_ns_ = 0; ///< since the first frame, without the steps of the clock
-  std::uint64_t frames_ = 0, lost_ = 0, gaps_ = 0;
+  double expected_ns_ = 0.0;      ///< phase of the loop
+  std::int64_t first_ns_ = 0;     ///< the first timestamp
+  std::int64_t last_ns_ = 0;      ///< timestamp as it came
+  std::int64_t elapsed_ns_ = 0;   ///< since the first frame, without the steps of the clock
+  std::int64_t own_start_ns_ = 0; ///< this machine's clock at the first frame
+  std::uint64_t repeats_ = 0;     ///< of the last timestamp
+  double latest_ns_ = 0.0;        ///< time that was given out last
+  std::uint64_t frames_ = 0, lost_ = 0, gaps_ = 0, bad_ = 0;
   std::uint64_t recent_lost_ = 0; ///< of the last loss, may still be taken back
   unsigned since_loss_ = 0;
   std::array<std::int64_t, kLearn> early_{}; ///< times until the period is known

@@ -33,6 +33,7 @@ struct SourceStatistics {
   std::uint64_t lost = 0;              ///< missing, counted from the timestamps
   std::uint64_t gaps = 0;              ///< places where frames are missing
   std::int64_t first_timestamp_ns = 0; ///< the device's own, of the frame at time_s = 0
+  std::uint64_t bad_times = 0; ///< frames whose timestamp made no sense (sample_clock.h)
 };
 
 enum class ReadOutcome {

@@ -4,12 +4,8 @@
 #include "base/atomic_file.h"
 
 #include <cerrno>
-#include <climits>
-#include <cstdlib>
-#include <memory>
+#include <cstdio>
 #include <random>
-#include <system_error>
-#include <utility>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -20,110 +16,87 @@ namespace ada {
 namespace {
 
 constexpr std::size_t kBufferBytes = std::size_t{1} << 16;
+constexpr int kNames = 16; ///< tries for a name that nobody has
 
-ada4571_status status_of(int errno_value) {
-  switch (errno_value) {
-  case ENOENT:
-  case ENODEV:
-    return ADA4571_ERROR_NOT_FOUND;
-  case EACCES:
-  case EPERM:
-  case EROFS:
-    return ADA4571_ERROR_PERMISSION;
-  case EBUSY:
-    return ADA4571_ERROR_BUSY;
-  case ENOMEM:
-    return ADA4571_ERROR_NO_MEMORY;
-  default:
-    return ADA4571_ERROR_IO;
-  }
-}
-
-std::string folder_of(const std::string &path) {
-  const auto slash = path.rfind('/');
-  if (slash == std::string::npos)
-    return ".";
-  return slash == 0 ? "/" : path.substr(0, slash);
-}
-
-/// A link is followed to what it names, so that the rename replaces that and not the link.
-std::string resolve(const std::string &path) {
-  const std::unique_ptr<char, void (*)(void *)> real(::realpath(path.c_str(), nullptr), std::free);
-  return real ? std::string(real.get()) : path;
-}
-
-/// A rename is on the disk only when the folder is. Some file systems refuse to sync a folder;
-/// the file itself is whole all the same, so that is no failure.
-void sync_folder(const std::string &folder) {
-  const Descriptor fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (fd.get() >= 0)
-    ::fsync(fd.get());
+/// Where /proc shows an open file, which is how a nameless one gets its name.
+std::string proc_path(int fd) {
+  return "/proc/self/fd/" + std::to_string(fd);
 }
 
 } // namespace
-
-Error system_error(int errno_value, const std::string &place, std::string_view action) {
-  return Error(status_of(errno_value), place + ": " + std::string(action) + ": " +
-                                           std::generic_category().message(errno_value));
-}
-
-Descriptor &Descriptor::operator=(Descriptor &&other) noexcept {
-  std::swap(fd_, other.fd_);
-  return *this;
-}
-
-Descriptor::~Descriptor() {
-  if (fd_ > STDERR_FILENO)
-    ::close(fd_);
-}
-
-int Descriptor::release() noexcept {
-  return std::exchange(fd_, -1);
-}
 
 AtomicFile::AtomicFile(const std::string &path) : shown_(path), target_(path) {
   buffer_.reserve(kBufferBytes);
   if (path == "-") {
     shown_ = "standard output";
+    in_place_ = true;
     fd_ = Descriptor(STDOUT_FILENO);
     return;
   }
   struct stat existing {};
   if (::stat(path.c_str(), &existing) != 0) {
-    open_temporary(); // a missing folder or a missing permission is reported from there
+    target_ = follow_links(path);
+    open_unseen(); // a missing folder or a missing permission is reported from there
     return;
   }
   if (S_ISDIR(existing.st_mode))
     throw system_error(EISDIR, shown_, "cannot write");
   if (!S_ISREG(existing.st_mode)) {
+    in_place_ = true;
     fd_ = Descriptor(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY));
     if (fd_.get() < 0)
       throw system_error(errno, shown_, "cannot write");
     return;
   }
-  target_ = resolve(path);
-  open_temporary();
-  // The new file keeps the permissions of the one that it replaces.
-  if (::fchmod(fd_.get(), existing.st_mode & 07777) != 0) {
-    const int reason = errno;
-    ::unlink(temporary_.c_str());
-    throw system_error(reason, shown_, "cannot set permissions");
+  target_ = follow_links(path);
+  open_unseen();
+  try {
+    keep_owner_and_mode(existing);
+  } catch (...) {
+    discard();
+    throw;
   }
 }
 
 AtomicFile::~AtomicFile() {
-  if (!temporary_.empty())
-    ::unlink(temporary_.c_str());
+  discard();
 }
 
-void AtomicFile::open_temporary() {
+void AtomicFile::discard() noexcept {
+  if (!temporary_.empty())
+    ::unlink(temporary_.c_str());
+  temporary_.clear();
+}
+
+void AtomicFile::keep_owner_and_mode(const struct stat &existing) {
+  // Only root may give a file away; whose it is then is no reason to refuse.
+  [[maybe_unused]] const int given = ::fchown(fd_.get(), existing.st_uid, existing.st_gid);
+  if (::fchmod(fd_.get(), existing.st_mode & 07777) != 0)
+    throw system_error(errno, shown_, "cannot set permissions");
+}
+
+/// Permissions follow the umask, as for any new file.
+bool AtomicFile::open_nameless(const std::string &folder) {
+  Descriptor fd(::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666));
+  if (fd.get() < 0 || ::access(proc_path(fd.get()).c_str(), F_OK) != 0)
+    return false;
+  fd_ = std::move(fd);
+  return true;
+}
+
+std::string AtomicFile::free_name() const {
   std::random_device entropy;
-  for (int attempt = 0; attempt < 16; ++attempt) {
-    // open() rather than mkstemp(): the permissions follow the umask, as for any new file.
-    std::string name = target_ + "." + std::to_string(entropy()) + ".tmp";
+  return target_ + "." + std::to_string(entropy()) + ".tmp";
+}
+
+void AtomicFile::open_unseen() {
+  if (open_nameless(folder_of(target_)))
+    return;
+  for (int attempt = 0; attempt < kNames; ++attempt) {
+    const std::string name = free_name();
     fd_ = Descriptor(::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
     if (fd_.get() >= 0) {
-      temporary_ = std::move(name);
+      temporary_ = name;
       return;
     }
     if (errno != EEXIST)
@@ -138,44 +111,63 @@ void AtomicFile::write(const void *bytes, std::size_t count) {
   if (buffer_.size() + count > kBufferBytes)
     flush();
   if (count >= kBufferBytes)
-    write_through(from, count);
+    write_all(fd_.get(), {from, count}, shown_);
   else
     buffer_.insert(buffer_.end(), from, from + count);
 }
 
-void AtomicFile::write_through(const char *bytes, std::size_t count) {
-  while (count > 0) {
-    const ssize_t written = ::write(fd_.get(), bytes, count);
-    if (written < 0 && errno == EINTR)
-      continue;
-    if (written < 0)
-      throw system_error(errno, shown_, "cannot write");
-    bytes += written;
-    count -= static_cast<std::size_t>(written);
-  }
-}
-
 void AtomicFile::flush() {
-  write_through(buffer_.data(), buffer_.size());
+  write_all(fd_.get(), {buffer_.data(), buffer_.size()}, shown_);
   buffer_.clear();
 }
 
 void AtomicFile::sync() {
   flush();
-  if (!temporary_.empty() && ::fsync(fd_.get()) != 0)
+  if (!in_place_ && ::fsync(fd_.get()) != 0)
     throw system_error(errno, shown_, "cannot write to the disk");
   synced_ = true;
+}
+
+bool AtomicFile::link_to(const std::string &name) const {
+  return ::linkat(AT_FDCWD, proc_path(fd_.get()).c_str(), AT_FDCWD, name.c_str(),
+                  AT_SYMLINK_FOLLOW) == 0;
+}
+
+/// A nameless file can take a free name, but not another's: to replace one it takes a temporary
+/// name for the moment until the rename.
+void AtomicFile::give_name(const std::string &name, bool replace) {
+  if (temporary_.empty()) {
+    if (link_to(name))
+      return;
+    for (int attempt = 0; errno == EEXIST && replace && attempt < kNames; ++attempt) {
+      const std::string between = free_name();
+      if (link_to(between)) {
+        temporary_ = between;
+        break;
+      }
+    }
+    if (temporary_.empty())
+      throw system_error(errno, shown_, "cannot put in place");
+  }
+  if (::rename(temporary_.c_str(), name.c_str()) != 0)
+    throw system_error(errno, shown_, "cannot put in place");
+  temporary_.clear();
 }
 
 void AtomicFile::commit() {
   if (!synced_)
     sync();
-  if (temporary_.empty())
+  if (in_place_)
     return;
-  if (::rename(temporary_.c_str(), target_.c_str()) != 0)
-    throw system_error(errno, shown_, "cannot put in place");
-  temporary_.clear();
+  give_name(target_, true);
   sync_folder(folder_of(target_));
+}
+
+void AtomicFile::commit_as(const std::string &path) {
+  if (!synced_)
+    sync();
+  give_name(path, false);
+  sync_folder(folder_of(path));
 }
 
 } // namespace ada

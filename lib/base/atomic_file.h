@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// Files that are written whole or not at all: a temporary file beside the target, fsync, rename.
+// Files that are written whole or not at all. Until it is complete a file has no name where the
+// file system knows such files (O_TMPFILE), so that nothing remains of a program that is killed;
+// elsewhere it is a temporary file beside the target, NAME.NUMBER.tmp.
 #pragma once
 
 #include <cstddef>
@@ -9,33 +11,14 @@
 #include <string_view>
 #include <vector>
 
-#include "base/error.h"
+#include "base/descriptor.h"
 
 namespace ada {
 
-/// The failure `errno_value` of the system as an Error: "capture.csv: cannot open: No such file or
-/// directory", with the status that fits (not found, permission, busy, memory, else I/O).
-Error system_error(int errno_value, const std::string &place, std::string_view action);
-
-/// An open file descriptor, closed by the destructor unless it is standard input or output.
-class Descriptor {
-public:
-  explicit Descriptor(int fd = -1) noexcept : fd_(fd) {}
-  Descriptor(const Descriptor &) = delete;
-  Descriptor &operator=(const Descriptor &) = delete;
-  Descriptor(Descriptor &&other) noexcept : fd_(other.release()) {}
-  Descriptor &operator=(Descriptor &&other) noexcept;
-  ~Descriptor();
-  int get() const noexcept { return fd_; }
-  int release() noexcept;
-
-private:
-  int fd_;
-};
-
 /// Buffered output. The target appears, or changes, only with commit(); a destructor without it
-/// removes the temporary file. "-" is standard output, and a target that exists and is no regular
-/// file (a pipe, a device) is written in place: those cannot be replaced by a rename.
+/// leaves nothing. "-" is standard output, and a target that exists and is no regular file (a pipe,
+/// a device) is written in place: those cannot be replaced. A file that is replaced hands on its
+/// permissions and, as far as this user may, its owner; a link is followed, wherever it leads.
 class AtomicFile {
 public:
   explicit AtomicFile(const std::string &path);
@@ -50,21 +33,31 @@ public:
   /// flush and fsync; commit() does it too. For a group of files: sync all, then commit all.
   void sync();
   void commit();
+  /// commit() under another name in the target's folder; nothing of that name may be there.
+  void commit_as(const std::string &path);
 
-  /// Where the bytes are until commit(): the temporary file, or the target written in place.
-  const std::string &working_path() const { return temporary_.empty() ? target_ : temporary_; }
+  /// The bytes until commit(), readable; standard output and what is written in place are not.
+  int fd() const { return fd_.get(); }
+  /// Where the bytes will be, links followed.
+  const std::string &target() const { return target_; }
   /// Whether the target is a pipe, a device or standard output, which is written as it stands.
-  bool in_place() const { return temporary_.empty(); }
+  bool in_place() const { return in_place_; }
 
 private:
-  void open_temporary();
-  void write_through(const char *bytes, std::size_t count);
+  void open_unseen();
+  bool open_nameless(const std::string &folder);
+  void keep_owner_and_mode(const struct stat &existing);
+  bool link_to(const std::string &name) const;
+  std::string free_name() const;
+  void give_name(const std::string &name, bool replace);
+  void discard() noexcept;
 
   std::string shown_;     ///< the path as the caller gave it, for messages
   std::string target_;    ///< with links resolved, so that a link stays a link
-  std::string temporary_; ///< empty when written in place
+  std::string temporary_; ///< empty while the file has no name
   Descriptor fd_;
   std::vector<char> buffer_;
+  bool in_place_ = false;
   bool synced_ = false;
 };
 

@@ -9,7 +9,7 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 
-#include "base/atomic_file.h"
+#include "base/descriptor.h"
 
 namespace ada {
 
@@ -18,17 +18,25 @@ MappedFile::MappedFile(const std::string &path) {
   const Descriptor fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK));
   if (fd.get() < 0)
     throw system_error(errno, path, "cannot open");
+  map(fd.get(), path);
+}
+
+MappedFile::MappedFile(int fd, const std::string &shown) {
+  map(fd, shown);
+}
+
+void MappedFile::map(int fd, const std::string &shown) {
   struct stat info {};
-  if (::fstat(fd.get(), &info) != 0)
-    throw system_error(errno, path, "cannot open");
+  if (::fstat(fd, &info) != 0)
+    throw system_error(errno, shown, "cannot open");
   if (!S_ISREG(info.st_mode))
-    throw Error(ADA4571_ERROR_FORMAT, path + ": this is no regular file");
+    throw Error(ADA4571_ERROR_FORMAT, shown + ": this is no regular file");
   const auto size = static_cast<std::size_t>(info.st_size);
   if (size == 0)
     return;
-  void *start = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd.get(), 0);
+  void *start = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
   if (start == MAP_FAILED)
-    throw system_error(errno, path, "cannot map into memory");
+    throw system_error(errno, shown, "cannot map into memory");
   ::madvise(start, size, MADV_SEQUENTIAL);
   bytes_ = {static_cast<const std::byte *>(start), size};
 }

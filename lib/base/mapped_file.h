@@ -13,6 +13,8 @@ namespace ada {
 class MappedFile {
 public:
   explicit MappedFile(const std::string &path);
+  /// What an open file holds now; `shown` is for messages.
+  MappedFile(int fd, const std::string &shown);
   MappedFile(const MappedFile &) = delete;
   MappedFile &operator=(const MappedFile &) = delete;
   ~MappedFile();
@@ -20,6 +22,8 @@ public:
   std::span<const std::byte> bytes() const { return bytes_; }
 
 private:
+  void map(int fd, const std::string &shown);
+
   std::span<const std::byte> bytes_;
 };
 

@@ -11,6 +11,7 @@
 #include "capi/guard.h"
 #include "capi/handles.h"
 #include "recording/capture_file.h"
+#include "recording/growing_writer.h"
 #include "recording/metadata.h"
 
 struct ada4571_writer {
@@ -65,6 +66,10 @@ ada::CaptureMetadata from_info(const ada4571_recording_info &info) {
   meta.serial = ada::capi::text_or_empty(info.serial);
   meta.origin = ada::capi::text_or_empty(info.origin);
   return meta;
+}
+
+ada::ChannelSet channels_of(const ada4571_recording_info &info) {
+  return {info.has_vtemp != 0, info.has_vdd != 0, info.has_reference != 0};
 }
 
 ada::CaptureWriter &open_writer(ada4571_writer *writer) {
@@ -151,9 +156,18 @@ ada4571_status ada4571_writer_open(const char *path, const ada4571_recording_inf
     require(path, "path");
     require_struct(info, "info");
     require(writer, "writer");
-    const ada::ChannelSet channels{info->has_vtemp != 0, info->has_vdd != 0,
-                                   info->has_reference != 0};
-    auto impl = ada::open_capture_writer(path, from_info(*info), channels);
+    auto impl = ada::open_capture_writer(path, from_info(*info), channels_of(*info));
+    *writer = new ada4571_writer{std::move(impl)};
+  });
+}
+
+ada4571_status ada4571_writer_open_growing(const char *path, const ada4571_recording_info *info,
+                                           int resume, ada4571_writer **writer) {
+  return guard([&] {
+    require(path, "path");
+    require_struct(info, "info");
+    require(writer, "writer");
+    auto impl = ada::open_growing_writer(path, from_info(*info), channels_of(*info), resume != 0);
     *writer = new ada4571_writer{std::move(impl)};
   });
 }

@@ -235,6 +235,7 @@ ada4571_status ada4571_source_get_statistics(const ada4571_source *source,
     statistics->lost = s.lost;
     statistics->gaps = s.gaps;
     statistics->first_timestamp_ns = s.first_timestamp_ns;
+    statistics->bad_times = s.bad_times;
   });
 }
 

@@ -150,6 +150,10 @@ typedef struct ada4571_source_statistics {
   uint64_t gaps;   /* places where frames are missing */
   int64_t first_timestamp_ns; /* the device's own of the frame at time_s = 0; 0 where it has none. By
                                * timestamp_clock it tells how old a frame is */
+  /* Frames whose timestamp made no sense: it stood still for a second, went back, or ran a minute
+   * ahead of this machine's clock. Their times go on by the sample rate; where they are more than one
+   * in a hundred nothing is counted as lost. */
+  uint64_t bad_times;
 } ada4571_source_statistics;
 
 typedef enum ada4571_read_outcome {
@@ -233,6 +237,7 @@ ADA4571_API void ada4571_device_list_free(ada4571_device_list *list);
  * standard input or output, in the text form. Both forms: docs/recordings.md. */
 
 typedef struct ada4571_writer ada4571_writer;
+typedef struct ada4571_file ada4571_file;
 
 typedef struct ada4571_recording_info {
   size_t struct_size;
@@ -276,6 +281,15 @@ ADA4571_API void ada4571_recording_free(ada4571_recording *recording);
  * nanosecond, the reference 0.0001 degrees. */
 ADA4571_API ada4571_status ada4571_writer_open(const char *path, const ada4571_recording_info *info,
                                                ada4571_writer **writer);
+/* The same for a recording that must survive a crash: SigMF, both files there from the first frame on
+ * and readable while they grow, brought to the disk about once a second. What came stays without
+ * _finish, too. Where a recording of the name is there already, the new one grows as NAME.NUMBER and
+ * replaces it with _finish; with `resume` it goes on in it instead, after a gap, when supply, periods,
+ * rate and channels are the same (else ADA4571_ERROR_UNUSABLE_DATA) and no other program is at it
+ * (ADA4571_ERROR_BUSY). Frames then count from any time: they are moved behind those that are there. */
+ADA4571_API ada4571_status ada4571_writer_open_growing(const char *path,
+                                                       const ada4571_recording_info *info,
+                                                       int resume, ada4571_writer **writer);
 /* A further "# key = value" line; before the first frame. */
 ADA4571_API ada4571_status ada4571_writer_metadata(ada4571_writer *writer, const char *key,
                                                    const char *value);
@@ -285,6 +299,15 @@ ADA4571_API ada4571_status ada4571_writer_write(ada4571_writer *writer, const ad
                                                 size_t count);
 ADA4571_API ada4571_status ada4571_writer_finish(ada4571_writer *writer);
 ADA4571_API void ada4571_writer_free(ada4571_writer *writer);
+
+/* Any other file that appears whole or not at all: it takes its name, or another's place, only with
+ * _commit; _free without it leaves nothing behind. A file that is replaced hands on its permissions.
+ * "-" is standard output; that, and a path that is a pipe or a device, is written as it stands.
+ * After a failed _write the file is given up. */
+ADA4571_API ada4571_status ada4571_file_open(const char *path, ada4571_file **file);
+ADA4571_API ada4571_status ada4571_file_write(ada4571_file *file, const char *bytes, size_t count);
+ADA4571_API ada4571_status ada4571_file_commit(ada4571_file *file);
+ADA4571_API void ada4571_file_free(ada4571_file *file);
 
 /* ------------------------------------------------------------------- model */
 /* A model of one sensor: the application note's baseline and the effects beyond it. A calibration
@@ -335,7 +358,7 @@ ADA4571_API ada4571_status ada4571_model_new(const ada4571_baseline *baseline,
 /* ADA4571_ERROR_FORMAT with file, line and column for whatever is not fully understood, a wrong
  * checksum included (docs/model-file.md). */
 ADA4571_API ada4571_status ada4571_model_load(const char *path, ada4571_model **model);
-/* Whole or not at all: temporary file, fsync, rename. */
+/* Whole or not at all, as ada4571_file_commit. */
 ADA4571_API ada4571_status ada4571_model_save(const ada4571_model *model, const char *path);
 ADA4571_API ada4571_status ada4571_model_get_baseline(const ada4571_model *model,
                                                       ada4571_baseline *baseline);

@@ -20,11 +20,6 @@ bool ends_with(std::string_view text, std::string_view end) {
   return text.size() > end.size() && text.substr(text.size() - end.size()) == end;
 }
 
-/// Either file of a SigMF pair names it.
-bool is_sigmf(std::string_view path) {
-  return ends_with(path, ".sigmf-meta") || ends_with(path, ".sigmf-data");
-}
-
 } // namespace
 
 Capture read_capture(const std::string &path) {

@@ -21,7 +21,7 @@ namespace ada {
 Capture read_capture(const std::string &path);
 
 /// Writes frames as they come. The file appears under its name only with finish(); the destructor
-/// without it leaves nothing behind.
+/// without it leaves nothing behind. (A growing one is otherwise: growing_writer.h.)
 class CaptureWriter {
 public:
   virtual ~CaptureWriter() = default;

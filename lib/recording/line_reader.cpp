@@ -10,7 +10,7 @@
 
 #include <unistd.h>
 
-#include "base/atomic_file.h"
+#include "base/descriptor.h"
 
 namespace ada {
 

@@ -4,6 +4,7 @@
 #include "recording/sigmf_frame.h"
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "base/error.h"
@@ -125,6 +126,15 @@ std::size_t place_channels(std::vector<SigmfChannel> &channels) {
   for (std::size_t i = 0; i < channels.size(); ++i)
     channels[i].byte = layout.offsets[i];
   return layout.frame_bytes;
+}
+
+SigmfSegment next_segment(const SigmfSegment &before, std::size_t index, double time_s,
+                          double last_time_s, double rate_hz) {
+  const double step = (time_s - last_time_s) * rate_hz;
+  const auto missing = step > 1.5 && step < 1e15 ? std::llround(step) - 1 : 0;
+  return {index,
+          before.global_index + (index - before.sample_start) + static_cast<std::uint64_t>(missing),
+          time_s};
 }
 
 } // namespace ada

@@ -60,6 +60,11 @@ struct SigmfSegment {
   double time_s = 0.0;            ///< of its first sample
 };
 
+/// The segment that begins at sample `index` after a gap; `last_time` is that of the sample before,
+/// `rate_hz` 0 where it is unknown.
+SigmfSegment next_segment(const SigmfSegment &before, std::size_t index, double time_s,
+                          double last_time_s, double rate_hz);
+
 /// Time of sample `i` of a segment when there is no time channel.
 inline double regular_time(const SigmfSegment &segment, std::size_t i, double rate_hz) {
   return segment.time_s + static_cast<double>(i - segment.sample_start) / rate_hz;

@@ -22,6 +22,8 @@ struct SigmfMeta {
   std::size_t frame_bytes = 0;
   std::vector<SigmfSegment> segments; ///< never empty; the first begins at sample 0
   std::optional<std::uint32_t> data_crc32;
+  bool unfinished = false; ///< it grows, or its writer ended before it was complete
+  std::string datetime;    ///< of the first sample, ISO 8601; empty where unknown
   std::string dataset; ///< name of a data file elsewhere than beside the meta file; mostly empty
 
   /// The channel of this name, or null.

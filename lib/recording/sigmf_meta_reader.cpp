@@ -139,6 +139,7 @@ private:
         fail(path / "core:dataset", "core:dataset must be a file name without a folder");
       out_.dataset = *name;
     }
+    out_.unfinished = words(global, path, "ada4571:unfinished").has_value();
     if (const auto crc = words(global, path, "ada4571:data_crc32")) {
       unsigned value = 0;
       const auto result = std::from_chars(crc->data(), crc->data() + crc->size(), value, 16);
@@ -277,8 +278,9 @@ private:
         const std::string name = key.substr(kPrefix.size());
         if (is_known_metadata(name))
           assign(name, value, path / key);
-        else if (std::set<std::string>{"channels", "frame_bytes", "data_crc32", "metadata"}.count(
-                     name) == 0)
+        else if (std::set<std::string>{"channels", "frame_bytes", "data_crc32", "metadata",
+                                       "unfinished"}
+                     .count(name) == 0)
           fail(path / key, "the key " + excerpt(key) + " of the ada4571 extension is not known");
       }
     }
@@ -335,6 +337,8 @@ private:
            "core:sample_start must be 0 in the first segment and grow from each to the next");
     if (count(item, at, "core:header_bytes").value_or(0) != 0)
       fail(at / "core:header_bytes", "core:header_bytes is not supported");
+    if (out_.segments.empty())
+      out_.datetime = words(item, at, "core:datetime").value_or("");
     segment.global_index = count(item, at, "core:global_index").value_or(*start);
     if (!out_.segments.empty() && segment.global_index <= out_.segments.back().global_index)
       fail(at / "core:global_index", "core:global_index must grow from each segment to the next");

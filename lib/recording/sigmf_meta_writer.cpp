@@ -91,11 +91,17 @@ std::string sigmf_meta_to_json(const SigmfMeta &meta) {
     std::snprintf(text.data(), text.size(), "%08x", *meta.data_crc32);
     global["ada4571:data_crc32"] = text.data();
   }
+  if (meta.unfinished)
+    global["ada4571:unfinished"] = "true";
+  if (!meta.dataset.empty())
+    global["core:dataset"] = meta.dataset;
   Json captures = Json::array();
   for (const SigmfSegment &segment : meta.segments)
     captures.push_back({{"core:sample_start", segment.sample_start},
                         {"core:global_index", segment.global_index},
                         {"ada4571:time_s", segment.time_s}});
+  if (!meta.datetime.empty() && !captures.empty())
+    captures.front()["core:datetime"] = meta.datetime;
   const Json root{{"global", std::move(global)},
                   {"captures", std::move(captures)},
                   {"annotations", Json::array()}};

@@ -9,6 +9,7 @@
 
 #include <zlib.h>
 
+#include "base/descriptor.h"
 #include "base/error.h"
 #include "base/mapped_file.h"
 #include "base/text.h"
@@ -46,13 +47,17 @@ private:
   }
 
   void check_size() {
-    count_ = data_.size() / meta_.frame_bytes;
+    count_ = whole_frames(meta_, data_);
     if (count_ == 0)
       fail("there is no sample");
-    if (data_.size() % meta_.frame_bytes != 0)
+    if (!meta_.unfinished && data_.size() % meta_.frame_bytes != 0)
       fail("the file ends within a frame: " + std::to_string(data_.size()) +
            " bytes are no whole number of frames of " + std::to_string(meta_.frame_bytes) +
            " bytes");
+    if (meta_.unfinished) { // the meta file may have got further than the data
+      data_ = data_.first(count_ * meta_.frame_bytes);
+      std::erase_if(meta_.segments, [this](const auto &s) { return s.sample_start >= count_; });
+    }
     if (meta_.segments.back().sample_start >= count_)
       fail("a captures segment begins at sample " +
            std::to_string(meta_.segments.back().sample_start) + ", but there are " +
@@ -142,7 +147,7 @@ private:
     capture_.gaps = std::move(both);
   }
 
-  const SigmfMeta &meta_;
+  SigmfMeta meta_;
   std::span<const std::byte> data_;
   const std::string &shown_;
   std::size_t count_ = 0;
@@ -154,6 +159,21 @@ std::string with_end(const std::string &path, std::string_view end) {
 }
 
 } // namespace
+
+bool is_sigmf(std::string_view path) {
+  return path.ends_with(".sigmf-meta") || path.ends_with(".sigmf-data");
+}
+
+std::size_t whole_frames(const SigmfMeta &meta, std::span<const std::byte> data) {
+  std::size_t count = data.size() / meta.frame_bytes;
+  const auto is_blank = [&](std::size_t i) {
+    const auto frame = data.subspan(i * meta.frame_bytes, meta.frame_bytes);
+    return std::all_of(frame.begin(), frame.end(), [](std::byte b) { return b == std::byte{}; });
+  };
+  while (meta.unfinished && count > 0 && is_blank(count - 1))
+    --count;
+  return count;
+}
 
 std::string sigmf_meta_path(const std::string &path) {
   return with_end(path, ".sigmf-meta");
@@ -167,19 +187,58 @@ Capture decode_sigmf(const SigmfMeta &meta, std::span<const std::byte> data,
   return Decoder(meta, data, shown).run();
 }
 
-Capture read_sigmf_capture(const std::string &path) {
-  const std::string meta_path = sigmf_meta_path(path);
+SigmfMeta read_sigmf_meta(const std::string &meta_path) {
   const MappedFile json(meta_path);
   if (json.bytes().size() > kMaxSigmfMetaBytes)
     throw Error(ADA4571_ERROR_FORMAT, meta_path + ":1:1: the meta file is longer than " +
                                           std::to_string(kMaxSigmfMetaBytes) + " bytes");
-  const SigmfMeta meta = parse_sigmf_meta(
+  return parse_sigmf_meta(
       {reinterpret_cast<const char *>(json.bytes().data()), json.bytes().size()}, meta_path);
-  std::string data_path = sigmf_data_path(path);
-  if (!meta.dataset.empty())
-    data_path = data_path.substr(0, data_path.rfind('/') + 1) + meta.dataset;
-  const MappedFile data(data_path);
-  return decode_sigmf(meta, data.bytes(), data_path);
+}
+
+namespace {
+
+/// A data file that is not there under the name that the meta file states has got the usual name in
+/// the meantime; the checksum tells whether it is the one.
+std::string data_path_of(const SigmfMeta &meta, const std::string &path) {
+  const std::string usual = sigmf_data_path(path);
+  if (meta.dataset.empty())
+    return usual;
+  const std::string stated = usual.substr(0, usual.rfind('/') + 1) + meta.dataset;
+  return meta.data_crc32 && !file_id(stated) && file_id(usual) ? usual : stated;
+}
+
+/// Tells a file from the one that took its place, which may have got its inode.
+struct Version {
+  FileId id;
+  std::int64_t written_s = 0, written_ns = 0;
+  bool operator==(const Version &) const = default;
+};
+
+Version version_of(const std::string &path) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0)
+    return {};
+  return {{info.st_dev, info.st_ino}, info.st_mtim.tv_sec, info.st_mtim.tv_nsec};
+}
+
+} // namespace
+
+Capture read_sigmf_capture(const std::string &path) {
+  const std::string meta_path = sigmf_meta_path(path);
+  constexpr int kTries = 5; // another program may replace the recording between its two files
+  for (int i = 1;; ++i) {
+    const Version before = version_of(meta_path);
+    const SigmfMeta meta = read_sigmf_meta(meta_path);
+    const std::string data_path = data_path_of(meta, path);
+    try {
+      const MappedFile data(data_path);
+      return decode_sigmf(meta, data.bytes(), data_path);
+    } catch (const Error &) {
+      if (i == kTries || version_of(meta_path) == before)
+        throw;
+    }
+  }
 }
 
 } // namespace ada

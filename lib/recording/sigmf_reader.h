@@ -21,6 +21,16 @@ Capture read_sigmf_capture(const std::string &path);
 Capture decode_sigmf(const SigmfMeta &meta, std::span<const std::byte> data,
                      const std::string &shown);
 
+/// The meta file of that name.
+SigmfMeta read_sigmf_meta(const std::string &meta_path);
+
+/// Frames in a data file of this length. Of an unfinished one, what a crash of the machine can
+/// leave at its end does not count: part of a frame, and frames that were never filled.
+std::size_t whole_frames(const SigmfMeta &meta, std::span<const std::byte> data);
+
+/// Whether a path names a SigMF recording, by either of its files.
+bool is_sigmf(std::string_view path);
+
 /// The two files of a recording from the name of either.
 std::string sigmf_meta_path(const std::string &path);
 std::string sigmf_data_path(const std::string &path);

@@ -16,113 +16,22 @@
 #include "base/mapped_file.h"
 #include "recording/fixed_point.h"
 #include "recording/frame_check.h"
+#include "recording/sigmf_encoder.h"
 #include "recording/sigmf_meta.h"
+#include "recording/sigmf_pair.h"
 #include "recording/sigmf_reader.h"
 
 namespace ada {
 
 namespace {
 
-/// What the data file holds; each can only be given up, not gained, while frames come.
-struct Form {
-  bool counts = false;  ///< voltages as codes of the converter
-  bool regular = false; ///< no time channel: the sample rate and the segments say the time
-};
-
-bool is_voltage_of_sensor(const Column &column) {
-  return column.field == &Frame::vsin_v || column.field == &Frame::vcos_v ||
-         column.field == &Frame::vtemp_v;
-}
-
-/// Frames to bytes in one form. VDD and the reference are no channels of the converter and stay
-/// doubles.
-class Encoder {
-public:
-  Encoder(const CaptureMetadata &meta, const ChannelSet &present, Form form) : form_(form) {
-    const double volts = power_of_ten(volt_decimals(meta));
-    for (const Column &column : kColumns) {
-      const bool is_time = column.field == &Frame::time_s;
-      if (!present.has(column) || (is_time && form.regular))
-        continue;
-      SigmfChannel channel;
-      channel.name = column.name;
-      if (form.counts && is_voltage_of_sensor(column)) {
-        channel.type.word.bits = static_cast<unsigned>(*meta.adc_bits);
-        channel.type.word.storage = channel.type.word.bits > 16 ? 32 : 16;
-        channel.scale = *meta.adc_reference_v / std::exp2(*meta.adc_bits);
-      } else if (form.counts && is_time) {
-        channel.type.word = {.bits = 64, .storage = 64, .is_signed = true};
-      } else {
-        channel.type = parse_sample_type("le:f64");
-      }
-      channels.push_back(channel);
-      items_.push_back({&column, volts});
-    }
-    // As IIO does: the timestamp comes last.
-    if (!form.regular) {
-      std::rotate(channels.begin(), channels.begin() + 1, channels.end());
-      std::rotate(items_.begin(), items_.begin() + 1, items_.end());
-    }
-    frame_bytes = place_channels(channels);
-    buffer_.resize(frame_bytes);
-  }
-
-  /// The bytes of a frame, or nothing when a voltage is no code of the converter.
-  std::optional<std::span<const std::byte>> encode(const Frame &frame) {
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      const SigmfChannel &channel = channels[i];
-      const double value = frame.*items_[i].column->field;
-      if (channel.type.is_float) {
-        store(channel, std::bit_cast<std::uint64_t>(value));
-      } else if (channel.name == "time_s") {
-        store(channel, static_cast<std::uint64_t>(to_steps(value, power_of_ten(kTimeDecimals))));
-      } else if (const auto code = code_of(channel, value, items_[i].steps)) {
-        store(channel, *code);
-      } else {
-        return std::nullopt;
-      }
-    }
-    return buffer_;
-  }
-
-  Form form() const { return form_; }
-
-  std::vector<SigmfChannel> channels;
-  std::size_t frame_bytes = 0;
-
-private:
-  struct Item {
-    const Column *column;
-    double steps; ///< decimal steps a volt
-  };
-
-  /// The code whose voltage is `value` in the resolution of the text form.
-  static std::optional<std::uint64_t> code_of(const SigmfChannel &channel, double value,
-                                              double steps) {
-    const double code = std::nearbyint(value / channel.scale);
-    if (!(code >= 0 && code < std::exp2(channel.type.word.bits)) ||
-        to_steps(code * channel.scale, steps) != to_steps(value, steps))
-      return std::nullopt;
-    return static_cast<std::uint64_t>(code);
-  }
-
-  void store(const SigmfChannel &channel, std::uint64_t word) {
-    for (unsigned i = 0; i < channel.type.word.word_bytes(); ++i)
-      buffer_[channel.byte + i] = static_cast<std::byte>(word >> (8 * i));
-  }
-
-  Form form_;
-  std::vector<Item> items_;
-  std::vector<std::byte> buffer_;
-};
-
 class SigmfWriter final : public CaptureWriter {
 public:
   SigmfWriter(const std::string &path, const CaptureMetadata &meta, const ChannelSet &channels)
-      : check_(meta, channels), data_path_(sigmf_data_path(path)),
-        meta_file_(sigmf_meta_path(path)), data_file_(new_data_file()),
+      : check_(meta, channels), path_(path), data_file_(new_data_file()),
         encoder_(meta, channels, first_form(meta)) {
-    if (meta_file_.in_place() || data_file_->in_place())
+    // A meta file that cannot be written is better known before the work.
+    if (AtomicFile(sigmf_meta_path(path)).in_place() || data_file_->in_place())
       throw Error(ADA4571_ERROR_INVALID_ARGUMENT, path + ": SigMF needs two regular files");
   }
 
@@ -149,24 +58,21 @@ public:
     meta.frame_bytes = encoder_.frame_bytes;
     meta.segments = segments_;
     meta.data_crc32 = crc_;
-    meta_file_.write(sigmf_meta_to_json(meta));
-    // The meta file comes last: its checksum tells a data file of another recording.
-    data_file_->sync();
-    meta_file_.sync();
-    data_file_->commit();
-    meta_file_.commit();
+    const std::string data = free_sigmf_stem(path_) + ".sigmf-data";
+    data_file_->commit_as(data);
+    publish_sigmf_pair(path_, meta, data, IfRefused::remove);
   }
 
 private:
   /// Codes of more than 32 bits have no SigMF datatype.
-  static Form first_form(const CaptureMetadata &meta) {
+  static SigmfForm first_form(const CaptureMetadata &meta) {
     const double bits = meta.adc_bits.value_or(0);
     const bool counts = meta.adc_reference_v && bits >= 1 && bits <= 32 && bits == std::floor(bits);
     return {counts, meta.sample_rate_hz.has_value()};
   }
 
   std::unique_ptr<AtomicFile> new_data_file() const {
-    return std::make_unique<AtomicFile>(data_path_);
+    return std::make_unique<AtomicFile>(sigmf_data_path(path_));
   }
 
   /// Begins a segment where one is due, and gives up the regular clock where it does not hold.
@@ -190,13 +96,9 @@ private:
 
   void begin_segment(const Frame &frame, std::size_t index) {
     SigmfSegment segment{index, index, frame.time_s};
-    if (!segments_.empty()) {
-      const auto &last = segments_.back();
-      const double step = (frame.time_s - last_time_) * check_.meta().sample_rate_hz.value_or(0.0);
-      const auto missing = step > 1.5 && step < 1e15 ? std::llround(step) - 1 : 0;
-      segment.global_index =
-          last.global_index + (index - last.sample_start) + static_cast<std::uint64_t>(missing);
-    }
+    if (!segments_.empty())
+      segment = next_segment(segments_.back(), index, frame.time_s, last_time_,
+                             check_.meta().sample_rate_hz.value_or(0.0));
     // A clock with gaps everywhere is an irregular clock.
     if (encoder_.form().regular && segments_.size() > 16 && segments_.size() > index / 16)
       recode({encoder_.form().counts, false});
@@ -222,19 +124,19 @@ private:
   }
 
   /// Writes what is there anew in another form.
-  void recode(Form form) {
+  void recode(SigmfForm form) {
     const std::size_t written = check_.frames() - 1;
     SigmfMeta old;
     old.meta = check_.meta();
     old.channels = encoder_.channels;
     old.frame_bytes = encoder_.frame_bytes;
     old.segments = segments_;
-    encoder_ = Encoder(check_.meta(), check_.channels(), form);
+    encoder_ = SigmfEncoder(check_.meta(), check_.channels(), form);
     if (written == 0)
       return;
     data_file_->flush();
     const std::unique_ptr<AtomicFile> old_file = std::exchange(data_file_, new_data_file());
-    const MappedFile bytes(old_file->working_path());
+    const MappedFile bytes(old_file->fd(), path_);
     crc_ = 0;
     constexpr std::size_t kBlock = 4096;
     for (std::size_t first = 0; first < written; first += kBlock)
@@ -281,10 +183,9 @@ private:
   };
 
   FrameCheck check_;
-  std::string data_path_;
-  AtomicFile meta_file_;
+  std::string path_;
   std::unique_ptr<AtomicFile> data_file_;
-  Encoder encoder_;
+  SigmfEncoder encoder_;
   RegularTime recode_time_;
   std::vector<SigmfSegment> segments_;
   std::uint32_t crc_ = 0;

@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/atomic_file.h"
+#include "base/descriptor.h"
 #include "base/text.h"
 #include "recording/capture_file.h"
 #include "recording/columns.h"

@@ -15,7 +15,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "base/atomic_file.h"
+#include "base/descriptor.h"
 #include "base/error.h"
 
 namespace ada {

@@ -172,4 +172,61 @@ TEST(SampleClock, AnyTimestampsGiveFiniteTimesThatNeverGoBack) {
   }
 }
 
+/// This machine's clock, as frames come at the rate of 10 kHz.
+std::int64_t own_ns(int frame) {
+  return 77'000'000'000 + frame * std::int64_t{100'000};
+}
+
+TEST(SampleClock, TimestampsThatStandStillGiveTimesOfTheRate) {
+  for (const std::int64_t stamp : {std::int64_t{0}, kStart}) {
+    SampleClock clock(10000.0);
+    for (int i = 0; i < 30'000; ++i)
+      ASSERT_NEAR(clock.accept(stamp, own_ns(i)), i * 1e-4, 1e-9);
+    EXPECT_EQ(clock.statistics().lost, 0u);
+    EXPECT_NEAR(static_cast<double>(clock.statistics().bad_times), 20'000, 1); // after a second
+  }
+}
+
+TEST(SampleClock, OneStampForAWholeHardwareFifoIsSpreadOverIt) {
+  SampleClock clock(10000.0);
+  for (int i = 0; i < 1000; ++i)
+    ASSERT_NEAR(clock.accept(kStart + (i / 4) * 400'000, own_ns(i)), i * 1e-4, 1e-9);
+  EXPECT_EQ(clock.statistics().bad_times, 0u);
+}
+
+TEST(SampleClock, AClockThatIsSetToTodayCostsOneTimestamp) {
+  SampleClock clock(10000.0);
+  for (int i = 0; i < 2000; ++i) {
+    const std::int64_t set = i < 700 ? 0 : kStart; // from 1970, as on a board without a battery
+    ASSERT_NEAR(clock.accept(set + i * 100'000, own_ns(i)), i * 1e-4, 1e-6);
+  }
+  EXPECT_EQ(clock.statistics().lost, 0u);
+  EXPECT_EQ(clock.statistics().bad_times, 1u);
+}
+
+TEST(SampleClock, AGapAsLongAsThisMachineSawItIsALoss) {
+  SampleClock clock(10000.0);
+  for (int i = 0; i < 500; ++i)
+    clock.accept(kStart + i * 100'000, own_ns(i));
+  const int hour = 36'000'000; // in frames
+  for (int i = 500; i < 1000; ++i)
+    clock.accept(kStart + (i + hour) * std::int64_t{100'000}, own_ns(i + hour));
+  EXPECT_EQ(clock.statistics().lost, static_cast<std::uint64_t>(hour));
+  EXPECT_EQ(clock.statistics().bad_times, 0u);
+}
+
+TEST(SampleClock, NonsenseGivesTimesOfTheRateAndNoLosses) {
+  std::mt19937_64 random(ada::test::fresh_seed());
+  for (int trial = 0; trial < 50; ++trial) {
+    SampleClock clock(10000.0);
+    const auto shift = random() % 10; // leaps of years
+    double last = 0;
+    for (int i = 0; i < 2000; ++i)
+      last = clock.accept(static_cast<std::int64_t>(random() >> shift), own_ns(i));
+    EXPECT_NEAR(last, 0.1999, 1e-3);
+    EXPECT_EQ(clock.statistics().lost, 0u);
+    EXPECT_GT(clock.statistics().bad_times, 1900u);
+  }
+}
+
 } // namespace

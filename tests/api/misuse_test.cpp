@@ -236,6 +236,17 @@ const std::map<std::string, Case> &recording_cases() {
          info.struct_size = 0;
          REFUSED(ada4571_writer_open("x.csv", &info, &writer));
        }},
+      {"ada4571_writer_open_growing",
+       [](const Handles &) {
+         Untouched<ada4571_writer> writer;
+         auto info = initialised(ada4571_recording_info_init);
+         REFUSED(ada4571_writer_open_growing(nullptr, &info, 0, &writer));
+         REFUSED(ada4571_writer_open_growing("x.sigmf-meta", nullptr, 0, &writer));
+         REFUSED(ada4571_writer_open_growing("x.sigmf-meta", &info, 0, nullptr));
+         REFUSED(ada4571_writer_open_growing("x.csv", &info, 0, &writer));
+         info.struct_size = 0;
+         REFUSED(ada4571_writer_open_growing("x.sigmf-meta", &info, 0, &writer));
+       }},
       {"ada4571_writer_metadata",
        [](const Handles &) { REFUSED(ada4571_writer_metadata(nullptr, "key", "value")); }},
       {"ada4571_writer_write",
@@ -245,6 +256,16 @@ const std::map<std::string, Case> &recording_cases() {
        }},
       {"ada4571_writer_finish", [](const Handles &) { REFUSED(ada4571_writer_finish(nullptr)); }},
       {"ada4571_writer_free", free_takes_null(ada4571_writer_free)},
+      {"ada4571_file_open",
+       [](const Handles &) {
+         Untouched<ada4571_file> file;
+         REFUSED(ada4571_file_open(nullptr, &file));
+         REFUSED(ada4571_file_open("x.txt", nullptr));
+         EXPECT_EQ(ada4571_file_open("/nowhere/x.txt", &file), ADA4571_ERROR_NOT_FOUND);
+       }},
+      {"ada4571_file_write", [](const Handles &) { REFUSED(ada4571_file_write(nullptr, "x", 1)); }},
+      {"ada4571_file_commit", [](const Handles &) { REFUSED(ada4571_file_commit(nullptr)); }},
+      {"ada4571_file_free", free_takes_null(ada4571_file_free)},
   };
   return cases;
 }

@@ -72,6 +72,32 @@ TEST(AtomicFile, FollowsALinkToItsTarget) {
   EXPECT_EQ(read_file(folder / "target"), "new");
 }
 
+TEST(AtomicFile, HasNoNameUntilItIsComplete) {
+  const TempFolder folder;
+  write_file(folder / "a", "old");
+  AtomicFile file(folder / "a");
+  file.write("new");
+  file.sync();
+  // Where the file system has no nameless files there is a second one, of a documented name.
+  EXPECT_LE(folder.names().size(), 2u);
+  for (const std::string &name : folder.names())
+    EXPECT_TRUE(name == "a" || (name.starts_with("a.") && name.ends_with(".tmp"))) << name;
+  EXPECT_EQ(read_file(folder / "a"), "old");
+  file.commit();
+  EXPECT_EQ(folder.names().size(), 1u);
+  EXPECT_EQ(read_file(folder / "a"), "new");
+}
+
+TEST(AtomicFile, FollowsALinkToWhatIsNotThereYet) {
+  const TempFolder folder;
+  std::filesystem::create_symlink("target", folder / "link");
+  AtomicFile file(folder / "link");
+  file.write("new");
+  file.commit();
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  EXPECT_EQ(read_file(folder / "target"), "new");
+}
+
 TEST(AtomicFile, NeverReplacesADevice) {
   AtomicFile file("/dev/null");
   EXPECT_TRUE(file.in_place());

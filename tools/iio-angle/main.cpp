@@ -5,16 +5,15 @@
 #include <algorithm>
 #include <exception>
 
-#include <fmt/format.h>
-
 #include "common/handles.h"
+#include "common/print.h"
 #include "common/verb.h"
 
 namespace {
 
 constexpr void (*kVerbs[])(CLI::App &, cli::Action &) = {
-    cli::add_list,    cli::add_record,    cli::add_read,    cli::add_watch,    cli::add_calibrate,
-    cli::add_convert, cli::add_simulate,  cli::add_emulate, cli::add_diagnose, cli::add_check,
+    cli::add_list,    cli::add_record,    cli::add_read,    cli::add_watch,      cli::add_calibrate,
+    cli::add_convert, cli::add_simulate,  cli::add_emulate, cli::add_diagnose,   cli::add_check,
     cli::add_pins,    cli::add_catalogue, cli::add_figures, cli::add_definitions};
 
 void describe(CLI::App &app) {
@@ -41,29 +40,40 @@ const char *unknown_verb(const CLI::App &app, int argc, char **argv) {
   return known ? nullptr : argv[1];
 }
 
-} // namespace
-
-int main(int argc, char **argv) {
+int run(int argc, char **argv) {
+  cli::open_standard_descriptors();
   CLI::App app{"Angles from analog sine/cosine angle sensors (ADA4571 and its kind)", "iio-angle"};
   cli::Action action;
   describe(app);
   for (const auto &add : kVerbs)
     add(app, action);
-  if (const char *word = unknown_verb(app, argc, argv)) {
-    fmt::print(stderr, "iio-angle: there is no verb '{}'; `iio-angle --help` lists them\n", word);
-    return cli::kWrongUsage;
-  }
+  if (const char *word = unknown_verb(app, argc, argv))
+    throw cli::Failure(cli::kWrongUsage,
+                       fmt::format("there is no verb '{}'; `iio-angle --help` lists them", word));
+  int status = cli::kDone;
   try {
     app.parse(argc, argv);
-    return action();
+    status = action();
   } catch (const CLI::ParseError &e) {
     // CLI11 prints help and version to standard output and mistakes to standard error.
-    return app.exit(e) == 0 ? cli::kDone : cli::kWrongUsage;
+    status = app.exit(e) == 0 ? cli::kDone : cli::kWrongUsage;
+  }
+  cli::flush_output();
+  return status;
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+  try {
+    return run(argc, argv);
+  } catch (const cli::ClosedPipe &) {
+    return cli::end_by_closed_pipe();
   } catch (const cli::Failure &e) {
-    fmt::print(stderr, "iio-angle: {}\n", e.what());
+    cli::note("iio-angle: {}\n", e.what());
     return e.exit_status();
   } catch (const std::exception &e) {
-    fmt::print(stderr, "iio-angle: {}\n", e.what());
+    cli::note("iio-angle: {}\n", e.what());
     return cli::kUnusable;
   }
 }

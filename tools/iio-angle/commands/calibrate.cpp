@@ -4,9 +4,9 @@
 #include <map>
 #include <memory>
 
-#include <fmt/format.h>
-
+#include "common/file_roles.h"
 #include "common/handles.h"
+#include "common/print.h"
 #include "common/verb.h"
 
 namespace cli {
@@ -21,30 +21,30 @@ struct Options {
 void print_effect(const Model &model, std::size_t index) {
   auto effect = initialised(ada4571_effect_info_init);
   check(ada4571_model_effect(model.get(), index, &effect));
-  fmt::print("{}", effect.id);
+  print("{}", effect.id);
   for (std::size_t i = 0; i < effect.parameters; ++i) {
     auto p = initialised(ada4571_parameter_init);
     check(ada4571_model_parameter(model.get(), index, i, &p));
     if (std::isnan(p.value))
       continue;
-    fmt::print("  {} = {:.6g}", p.name, p.value);
+    print("  {} = {:.6g}", p.name, p.value);
     if (p.std_error > 0)
-      fmt::print(" +/- {:.2g}", p.std_error);
+      print(" +/- {:.2g}", p.std_error);
     if (std::string_view(p.unit) != "1")
-      fmt::print(" {}", p.unit);
+      print(" {}", p.unit);
   }
-  fmt::print("\n");
+  print("\n");
 }
 
 void finish(const Model &model, const std::string &path) {
   check(ada4571_model_save(model.get(), path.c_str()));
   auto baseline = initialised(ada4571_baseline_init);
   check(ada4571_model_get_baseline(model.get(), &baseline));
-  fmt::print("amplitude  {:.6f} V\noffset_sin {:+.6f} V\noffset_cos {:+.6f} V\n",
-             baseline.amplitude_v, baseline.offset_sin_v, baseline.offset_cos_v);
+  print("amplitude  {:.6f} V\noffset_sin {:+.6f} V\noffset_cos {:+.6f} V\n", baseline.amplitude_v,
+        baseline.offset_sin_v, baseline.offset_cos_v);
   for (std::size_t i = 0; i < ada4571_model_effect_count(model.get()); ++i)
     print_effect(model, i);
-  fmt::print(stderr, "written: {}\n", path);
+  note("written: {}\n", path);
 }
 
 /// A calibration can be exact and its capture odd all the same: a wrong supply, say.
@@ -52,10 +52,11 @@ void warn_of_faults(const Recording &capture, const std::string &path) {
   const auto health =
       make<Health>(ada4571_check, capture.get(), static_cast<const ada4571_model *>(nullptr));
   if (!ada4571_health_sound(health.get()))
-    fmt::print(stderr, "but {0} is not sound: see `iio-angle check {0}`\n", path);
+    note("but {0} is not sound: see `iio-angle check {0}`\n", path);
 }
 
 int single(const Options &options) {
+  FileRoles().reads(options.capture).writes(options.output);
   const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
   finish(make<Model>(ada4571_calibrate_single, capture.get(), options.method), options.output);
   warn_of_faults(capture, options.capture);
@@ -70,12 +71,13 @@ double mean_vtemp(const Recording &capture, ada4571_calibration_method method) {
 }
 
 int dual(const Options &options) {
+  FileRoles().reads(options.cold).reads(options.hot).writes(options.output);
   const auto cold = make<Recording>(ada4571_recording_open, options.cold.c_str());
   const auto hot = make<Recording>(ada4571_recording_open, options.hot.c_str());
   const auto model = make<Model>(ada4571_calibrate_dual, cold.get(), hot.get(), options.method);
   const double cold_v = mean_vtemp(cold, options.method), hot_v = mean_vtemp(hot, options.method);
   if (hot_v < cold_v)
-    fmt::print(stderr,
+    note(
                "{} is the cold capture (VTEMP {:.3f} V), {} the hot one ({:.3f} V): taken so\n",
                options.hot, hot_v, options.cold, cold_v);
   finish(model, options.output);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "common/handles.h"
+#include "common/print.h"
 #include "common/verb.h"
 
 namespace cli {
@@ -15,12 +16,12 @@ int run() {
   for (std::size_t i = 0; i < ada4571_catalogue_count(); ++i) {
     auto effect = initialised(ada4571_effect_info_init);
     check(ada4571_catalogue_get(i, &effect));
-    fmt::print("{}  ({})\n  {}\n", effect.id, effect.stage, effect.cause);
+    print("{}  ({})\n  {}\n", effect.id, effect.stage, effect.cause);
     for (std::size_t j = 0; j < effect.parameters; ++j) {
       auto p = initialised(ada4571_parameter_init);
       check(ada4571_catalogue_parameter(i, j, &p));
       const std::string fallback = std::isnan(p.value) ? "absent" : fmt::format("{:g}", p.value);
-      fmt::print("    {:<16} {:<8} default {}\n", p.name, p.unit, fallback);
+      print("    {:<16} {:<8} default {}\n", p.name, p.unit, fallback);
     }
   }
   return kDone;

@@ -2,9 +2,8 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <memory>
 
-#include <fmt/format.h>
-
 #include "common/handles.h"
+#include "common/print.h"
 #include "common/verb.h"
 
 namespace cli {
@@ -25,7 +24,7 @@ int run(const Options &options) {
       make<Health>(ada4571_check, capture.get(), static_cast<const ada4571_model *>(model.get()));
   const std::string_view result =
       options.json ? ada4571_health_json(health.get()) : ada4571_health_text(health.get());
-  fmt::print("{}{}", result, result.ends_with('\n') ? "" : "\n");
+  print("{}{}", result, result.ends_with('\n') ? "" : "\n");
   return ada4571_health_sound(health.get()) ? kDone : kUnusable;
 }
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "common/angle_text.h"
+#include "common/file_roles.h"
 #include "common/live.h"
-#include "common/output_file.h"
 #include "common/progress.h"
 #include "common/verb.h"
 
@@ -50,10 +50,11 @@ void for_each_block(const Recording &capture, const Model &model, bool dynamic, 
 }
 
 int run(const Options &options) {
+  FileRoles().reads(options.capture).reads(options.calibration).writes(options.output);
   const auto model = make<Model>(ada4571_model_load, options.calibration.c_str());
   const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
   mention_remainder(model);
-  OutputFile out(options.output);
+  const auto out = make<File>(ada4571_file_open, options.output.c_str());
   AngleText text(AngleFormat::csv, angle_range_deg(model));
   Progress progress;
   const double samples = static_cast<double>(sample_count(capture));
@@ -62,11 +63,11 @@ int run(const Options &options) {
   for_each_block(capture, model, options.dynamic, [&](std::span<const ada4571_angle> angles) {
     lines.clear();
     text.append(lines, angles);
-    out.write(lines);
+    check(ada4571_file_write(out.get(), lines.data(), lines.size()));
     done += static_cast<double>(angles.size());
     progress.show(done / samples, "converting");
   });
-  out.commit();
+  check(ada4571_file_commit(out.get()));
   return kDone;
 }
 

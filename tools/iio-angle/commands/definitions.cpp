@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/handles.h"
+#include "common/print.h"
 #include "common/verb.h"
 
 namespace cli {
@@ -64,7 +65,7 @@ void add_definitions(CLI::App &app, Action &action) {
   verb->group("");
   verb->callback([&app, &action] {
     action = [&app] {
-      fmt::print("{}\n", describe_verb(app).dump(1));
+      print("{}\n", describe_verb(app).dump(1));
       return kDone;
     };
   });

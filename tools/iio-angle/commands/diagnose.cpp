@@ -2,9 +2,9 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <memory>
 
-#include <fmt/format.h>
-
+#include "common/file_roles.h"
 #include "common/handles.h"
+#include "common/print.h"
 #include "common/progress.h"
 #include "common/verb.h"
 
@@ -43,6 +43,12 @@ Diagnosis diagnose(const Options &options) {
 }
 
 int run(const Options &options) {
+  FileRoles()
+      .reads(options.capture)
+      .reads(options.heldout)
+      .reads(options.model)
+      .writes(options.extend)
+      .writes(options.report);
   const Diagnosis diagnosis = diagnose(options);
   if (!options.extend.empty()) {
     const auto model = make<Model>(ada4571_diagnosis_model, diagnosis.get());
@@ -52,7 +58,7 @@ int run(const Options &options) {
     check(ada4571_diagnosis_report(diagnosis.get(), options.report.c_str()));
   const std::string_view result = options.json ? ada4571_diagnosis_json(diagnosis.get())
                                                : ada4571_diagnosis_text(diagnosis.get());
-  fmt::print("{}{}", result, result.ends_with('\n') ? "" : "\n");
+  print("{}{}", result, result.ends_with('\n') ? "" : "\n");
   return kDone;
 }
 

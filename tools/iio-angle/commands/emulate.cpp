@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
-#include <cstdio>
 #include <memory>
 
-#include <fmt/format.h>
-
+#include "common/print.h"
 #include "common/simulation_options.h"
 #include "common/stop.h"
 #include "common/verb.h"
@@ -20,15 +18,14 @@ struct Options {
 
 int run(const Options &options) {
   const Simulation simulation = make_simulation(options.simulation);
-  const auto emulator =
-      make<Emulator>(ada4571_emulator_new,
-                     static_cast<const ada4571_simulation *>(simulation.get()), options.port);
+  const auto emulator = make_as_asked<Emulator>(
+      ada4571_emulator_new, static_cast<const ada4571_simulation *>(simulation.get()),
+      options.port);
   const StopSignal stop([&emulator] { ada4571_emulator_stop(emulator.get()); });
   // The address is the result: a script reads it from the first line.
-  fmt::print("ip:127.0.0.1:{}\n", ada4571_emulator_port(emulator.get()));
-  std::fflush(stdout);
-  fmt::print(stderr, "serving; Ctrl-C ends it. Try: iio_info -u ip:127.0.0.1:{}\n",
-             ada4571_emulator_port(emulator.get()));
+  print("ip:127.0.0.1:{}\n", ada4571_emulator_port(emulator.get()));
+  note("serving; Ctrl-C ends it. Try: iio_info -u ip:127.0.0.1:{}\n",
+       ada4571_emulator_port(emulator.get()));
   check(ada4571_emulator_run(emulator.get()));
   return kDone;
 }

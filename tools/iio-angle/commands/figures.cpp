@@ -4,9 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "common/handles.h"
+#include "common/print.h"
 #include "common/verb.h"
 
 namespace cli {
@@ -28,8 +27,8 @@ std::vector<std::string> all_names() {
 
 int run(const Options &options) {
   for (const std::string &name : options.names.empty() ? all_names() : options.names) {
-    check(ada4571_figure_write(name.c_str(), options.seed, options.directory.c_str()));
-    fmt::print("{}/{}.csv\n", options.directory, name);
+    check_usage(ada4571_figure_write(name.c_str(), options.seed, options.directory.c_str()));
+    print("{}/{}.csv\n", options.directory, name);
   }
   return kDone;
 }

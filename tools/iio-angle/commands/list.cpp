@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "common/print.h"
 #include "common/source_options.h"
 #include "common/verb.h"
 
@@ -19,11 +20,10 @@ struct Options {
 /// Stores how the device that the options choose is opened.
 int save(const Options &options) {
   const Source source = open_source(options.source);
-  check(ada4571_source_save_config(source.get(), options.save.c_str(),
-                                   options.calibration.empty() ? nullptr
-                                                               : options.calibration.c_str()));
-  fmt::print(stderr, "stored: from now on `-s {}` opens {}\n", options.save,
-             source_info(source).description);
+  check_usage(ada4571_source_save_config(
+      source.get(), options.save.c_str(),
+      options.calibration.empty() ? nullptr : options.calibration.c_str()));
+  note("stored: from now on `-s {}` opens {}\n", options.save, source_info(source).description);
   return kDone;
 }
 
@@ -37,12 +37,12 @@ int run(const Options &options) {
     ada4571_device device{};
     device.struct_size = sizeof device;
     check(ada4571_device_list_get(list.get(), i, &device));
-    fmt::print("{}  {}{}{}\n  channels: {}\n", device.id, device.name,
-               *device.label ? "  label " : "", device.label, device.channels);
-    fmt::print("  {}: iio-angle read{} -d {}{}\n",
-               device.labelled ? "the labels name the pair" : "you name the pair",
-               uri != nullptr ? fmt::format(" -u {}", uri) : "", device.id,
-               device.labelled ? "" : " --sin CHANNEL --cos CHANNEL");
+    print("{}  {}{}{}\n  channels: {}\n", device.id, device.name, *device.label ? "  label " : "",
+          device.label, device.channels);
+    print("  {}: iio-angle read{} -d {}{}\n",
+          device.labelled ? "the labels name the pair" : "you name the pair",
+          uri != nullptr ? fmt::format(" -u {}", uri) : "", device.id,
+          device.labelled ? "" : " --sin CHANNEL --cos CHANNEL");
   }
   if (count == 0)
     throw Failure(kUnusable,

@@ -3,10 +3,10 @@
 #include <memory>
 #include <optional>
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include "common/handles.h"
+#include "common/print.h"
 #include "common/stop.h"
 #include "common/verb.h"
 
@@ -27,7 +27,7 @@ Pins open_pins(const Options &options, bool gc) {
     (gc ? wanted.gc_line : wanted.pd_line) = options.line.c_str();
   if (options.active_low)
     (gc ? wanted.gc_active_low : wanted.pd_active_low) = 1;
-  return make<Pins>(ada4571_pins_open, static_cast<const ada4571_pins_options *>(&wanted));
+  return make_as_asked<Pins>(ada4571_pins_open, static_cast<const ada4571_pins_options *>(&wanted));
 }
 
 int run(const Options &options) {
@@ -41,12 +41,12 @@ int run(const Options &options) {
   if (options.state.empty()) {
     int on = 0;
     check(ada4571_pins_get(pins.get(), pin, &on));
-    fmt::print("{}\n", on ? "on" : "off");
+    print("{}\n", on ? "on" : "off");
     return kDone;
   }
   check(ada4571_pins_set(pins.get(), pin, options.state == "on"));
   if (stop) {
-    fmt::print(stderr, "{} is {}; Ctrl-C releases the line\n", options.pin, options.state);
+    note("{} is {}; Ctrl-C releases the line\n", options.pin, options.state);
     while (!StopSignal::requested())
       usleep(100'000);
   }

@@ -7,7 +7,7 @@
 #include "common/angle_text.h"
 #include "common/latency.h"
 #include "common/live.h"
-#include "common/output_file.h"
+#include "common/print.h"
 #include "common/source_options.h"
 #include "common/verb.h"
 
@@ -37,7 +37,6 @@ int run(const Options &options) {
     return kDone;
   }
   AngleText text(format_of(options.format), angles.range_deg());
-  OutputFile out("-");
   std::uint64_t left = options.samples;
   std::string lines;
   read_blocks(source, [&](std::span<const ada4571_frame> frames) {
@@ -46,7 +45,7 @@ int run(const Options &options) {
     left -= frames.size();
     lines.clear();
     text.append(lines, angles.convert(frames));
-    out.write(lines);
+    put(lines);
     return options.samples == 0 || left > 0;
   });
   report_losses(source);

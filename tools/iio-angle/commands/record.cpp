@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <chrono>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "common/live.h"
+#include "common/print.h"
 #include "common/progress.h"
 #include "common/source_options.h"
+#include "common/stop.h"
 #include "common/verb.h"
 
 namespace cli {
@@ -20,10 +21,15 @@ struct Options {
   SourceOptions source;
   double duration_s = 0;
   std::uint64_t samples = 0;
+  bool resume = false;
   std::string output;
 };
 
-Writer open_writer(const Source &source, const std::string &path) {
+bool is_sigmf(const std::string &path) {
+  return path.ends_with(".sigmf-meta") || path.ends_with(".sigmf-data");
+}
+
+Writer open_writer(const Source &source, const Options &options) {
   const auto info = source_info(source);
   auto header = initialised(ada4571_recording_info_init);
   header.supply_v = info.supply_v;
@@ -36,8 +42,11 @@ Writer open_writer(const Source &source, const std::string &path) {
   header.has_reference = info.has_reference;
   header.serial = info.serial;
   header.origin = info.description;
-  return make<Writer>(ada4571_writer_open, path.c_str(),
-                      static_cast<const ada4571_recording_info *>(&header));
+  const ada4571_recording_info *wanted = &header;
+  const char *path = options.output.c_str();
+  if (is_sigmf(options.output) || options.resume)
+    return make_as_asked<Writer>(ada4571_writer_open_growing, path, wanted, int{options.resume});
+  return make_as_asked<Writer>(ada4571_writer_open, path, wanted);
 }
 
 /// Writes frames until as many, or as long, as was asked for.
@@ -45,28 +54,24 @@ class Recorder {
 public:
   Recorder(const Options &options, Writer writer) : options_(options), writer_(std::move(writer)) {}
 
-  /// False when there is enough.
+  /// False when there is enough, or when it has taken too long.
   bool take(std::span<const ada4571_frame> frames) {
     if (frames.empty())
-      return true;
-    if (count_ == 0)
+      return !late();
+    if (count_ == 0) {
       first_s_ = frames.front().time_s;
-    std::size_t n = frames.size();
-    if (options_.samples > 0)
-      n = static_cast<std::size_t>(std::min<std::uint64_t>(n, options_.samples - count_));
-    if (options_.duration_s > 0) {
-      const double end_s = first_s_ + options_.duration_s - kRounding_s;
-      n = std::min<std::size_t>(
-          n, std::find_if(frames.begin(), frames.end(), [end_s](const ada4571_frame &f) {
-               return f.time_s >= end_s;
-             }) - frames.begin());
+      began_ = Clock::now();
     }
+    const std::size_t n = wanted_of(frames);
+    writable_ = false;
     check(ada4571_writer_write(writer_.get(), frames.data(), n));
+    writable_ = true;
     count_ += n;
     if (n > 0)
       last_s_ = frames[n - 1].time_s;
     progress_.show(fraction(), fmt::format("{} samples, {:.1f} s", count_, last_s_ - first_s_));
-    return n == frames.size() && (options_.samples == 0 || count_ < options_.samples);
+    complete_ = n < frames.size() || (options_.samples > 0 && count_ == options_.samples);
+    return !complete_ && !late();
   }
 
   void finish() {
@@ -74,14 +79,53 @@ public:
     if (count_ == 0)
       throw Failure(kUnusable, "no sample came, so nothing was written");
     check(ada4571_writer_finish(writer_.get()));
-    fmt::print(stderr, "{} samples, {:.3f} s\n", count_, last_s_ - first_s_);
+    note("{} samples, {:.3f} s\n", count_, last_s_ - first_s_);
   }
 
-  bool complete() const { return fraction() >= 1; }
-  std::uint64_t count() const { return count_; }
+  /// What came before a device was lost is sound. What could not be written is no reason to say
+  /// another thing than why.
+  void keep() {
+    if (count_ > 0 && writable_)
+      finish();
+  }
+
+  /// Not as long as asked for, though the time for it is over by our own clock.
+  void require_in_time() const {
+    if (!complete_ && late())
+      throw Failure(
+          kUnusable,
+          fmt::format("ended by this machine's clock: {:.1f} s after the first sample the "
+                      "device had sent {:.3f} s of {:g} s",
+                      seconds_since_first(), last_s_ - first_s_, options_.duration_s));
+  }
 
 private:
+  using Clock = std::chrono::steady_clock;
   static constexpr double kRounding_s = 1e-9; ///< timestamps are in nanoseconds
+  /// What comes late, by buffers, slow lines and a clock that is off, is still waited for.
+  static constexpr double kLate = 1.1, kLate_s = 5;
+
+  std::size_t wanted_of(std::span<const ada4571_frame> frames) const {
+    std::size_t n = frames.size();
+    if (options_.samples > 0)
+      n = static_cast<std::size_t>(std::min<std::uint64_t>(n, options_.samples - count_));
+    if (options_.duration_s > 0) {
+      const double end_s = first_s_ + options_.duration_s - kRounding_s;
+      const auto end = std::find_if(frames.begin(), frames.end(),
+                                    [end_s](const ada4571_frame &f) { return f.time_s >= end_s; });
+      n = std::min<std::size_t>(n, static_cast<std::size_t>(end - frames.begin()));
+    }
+    return n;
+  }
+
+  double seconds_since_first() const {
+    return std::chrono::duration<double>(Clock::now() - began_).count();
+  }
+
+  bool late() const {
+    return options_.duration_s > 0 && count_ > 0 &&
+           seconds_since_first() > kLate * options_.duration_s + kLate_s;
+  }
 
   double fraction() const {
     return options_.samples > 0
@@ -93,23 +137,36 @@ private:
   Writer writer_;
   Progress progress_;
   std::uint64_t count_ = 0;
+  bool complete_ = false, writable_ = true;
   double first_s_ = 0, last_s_ = 0;
+  Clock::time_point began_;
 };
+
+/// Without a sample rate nothing can stand in for timestamps that make no sense.
+void require_times(const Source &source) {
+  auto statistics = initialised(ada4571_source_statistics_init);
+  check(ada4571_source_get_statistics(source.get(), &statistics));
+  if (source_info(source).sample_rate_hz <= 0 && statistics.bad_times * 100 > statistics.frames)
+    throw Failure(kUnusable, "the device's timestamps make no sense, and its sample rate is not "
+                             "known: the times of this recording cannot be used");
+}
 
 int run(const Options &options) {
   const Source source = open_source(options.source);
-  Recorder recorder(options, open_writer(source, options.output));
+  Recorder recorder(options, open_writer(source, options));
+  // Until the end of the verb: what was captured is kept, however often a signal comes.
+  const StopSignal stop([&source] { ada4571_source_cancel(source.get()); });
   try {
-    read_blocks(source,
-                [&](std::span<const ada4571_frame> frames) { return recorder.take(frames); });
-  } catch (const Failure &failure) {
-    // What came before a device was lost is sound: keep it, and still say that it is short.
-    if (recorder.count() > 0)
-      recorder.finish();
+    read_until_stopped(
+        source, [&](std::span<const ada4571_frame> frames) { return recorder.take(frames); });
+  } catch (const Failure &) {
+    recorder.keep();
     throw;
   }
   recorder.finish();
   report_losses(source);
+  require_times(source);
+  recorder.require_in_time();
   return kDone;
 }
 
@@ -131,10 +188,15 @@ void add_record(CLI::App &app, Action &action) {
                    "capture file: .csv, .sigmf-meta, or - for standard output")
       ->required()
       ->type_name("CAPTURE");
-  example(*verb,
-          "  iio-angle record --duration 10 -o capture.csv\n"
-          "  iio-angle record -u ip:192.168.1.20 -d ad7380 --sin voltage0 --cos voltage1 \\\n"
-          "      --samples 1000000 -o capture.sigmf-meta");
+  verb->add_flag("--continue", options->resume,
+                 "go on in the SigMF recording of that name, after a gap, if there is one");
+  example(
+      *verb,
+      "  iio-angle record --duration 10 -o capture.csv\n"
+      "  iio-angle record -u ip:192.168.1.20 -d ad7380 --sin voltage0 --cos voltage1 \\\n"
+      "      --samples 1000000 -o capture.sigmf-meta\n"
+      "A .csv appears when it is complete. A SigMF recording is on the disk from its first sample\n"
+      "on, to the last second whatever happens: take it for long ones.");
   verb->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

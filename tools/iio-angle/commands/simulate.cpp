@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <memory>
 
+#include "common/file_roles.h"
 #include "common/simulation_options.h"
 #include "common/verb.h"
 
@@ -15,9 +16,10 @@ struct Options {
 };
 
 int run(const Options &options) {
+  FileRoles().reads(options.simulation.model).writes(options.output).writes(options.save_model);
   const Simulation simulation = make_simulation(options.simulation);
-  const auto capture = make<Recording>(ada4571_simulation_run, simulation.get());
-  check(ada4571_recording_save(capture.get(), options.output.c_str()));
+  const auto capture = make_as_asked<Recording>(ada4571_simulation_run, simulation.get());
+  check_usage(ada4571_recording_save(capture.get(), options.output.c_str()));
   if (!options.save_model.empty()) {
     const auto model = make<Model>(ada4571_simulation_model, simulation.get());
     check(ada4571_model_save(model.get(), options.save_model.c_str()));

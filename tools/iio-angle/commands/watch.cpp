@@ -9,7 +9,7 @@
 
 #include "common/angle_text.h"
 #include "common/live.h"
-#include "common/output_file.h"
+#include "common/print.h"
 #include "common/source_options.h"
 #include "common/verb.h"
 #include "common/watch_picture.h"
@@ -43,13 +43,12 @@ std::uint64_t lost(const Source &source) {
 /// Redraws the picture in place, at most twenty times a second of sample time.
 void draw_live(const Source &source, LiveAngles &angles) {
   Picture picture(source_info(source).description, angles.range_deg());
-  OutputFile out("-");
   bool drawn = false;
   read_blocks(source, [&](std::span<const ada4571_frame> frames) {
     picture.add(angles.convert(frames));
     if (picture.due()) {
       picture.set_lost(lost(source));
-      out.write((drawn ? picture.back_to_top() : std::string()) + picture.draw(terminal_columns()));
+      put((drawn ? picture.back_to_top() : std::string()) + picture.draw(terminal_columns()));
       drawn = true;
     }
     return true;
@@ -59,11 +58,10 @@ void draw_live(const Source &source, LiveAngles &angles) {
 /// Not a terminal: the same as `read`, lines that a log can hold.
 void print_live(const Source &source, LiveAngles &angles) {
   AngleText text(AngleFormat::text, angles.range_deg());
-  OutputFile out("-");
   read_blocks(source, [&](std::span<const ada4571_frame> frames) {
     std::string lines;
     text.append(lines, angles.convert(frames));
-    out.write(lines);
+    put(lines);
     return true;
   });
 }

@@ -29,15 +29,20 @@ private:
   int exit_status_;
 };
 
-/// Throws the library's sentence. An argument that the library refuses is a wrong command line;
-/// everything else is the data or the device.
-inline void check(ada4571_status status) {
+/// Throws the library's sentence, of data or a device that cannot be used.
+inline void check(ada4571_status status, int exit_status = kUnusable) {
   if (status == ADA4571_OK)
     return;
   std::string message = ada4571_last_error();
   if (message.empty())
     message = ada4571_status_name(status);
-  throw Failure(status == ADA4571_ERROR_INVALID_ARGUMENT ? kWrongUsage : kUnusable, message);
+  throw Failure(exit_status, message);
+}
+
+/// The same for a call with arguments of the command line: what the library refuses of them is
+/// wrong usage.
+inline void check_usage(ada4571_status status) {
+  check(status, status == ADA4571_ERROR_INVALID_ARGUMENT ? kWrongUsage : kUnusable);
 }
 
 template <auto Free> struct Freed {
@@ -48,6 +53,7 @@ using Source = std::unique_ptr<ada4571_source, Freed<ada4571_source_free>>;
 using DeviceList = std::unique_ptr<ada4571_device_list, Freed<ada4571_device_list_free>>;
 using Recording = std::unique_ptr<ada4571_recording, Freed<ada4571_recording_free>>;
 using Writer = std::unique_ptr<ada4571_writer, Freed<ada4571_writer_free>>;
+using File = std::unique_ptr<ada4571_file, Freed<ada4571_file_free>>;
 using Model = std::unique_ptr<ada4571_model, Freed<ada4571_model_free>>;
 using Converter = std::unique_ptr<ada4571_converter, Freed<ada4571_converter_free>>;
 using Tracker = std::unique_ptr<ada4571_tracker, Freed<ada4571_tracker_free>>;
@@ -62,6 +68,14 @@ template <class Handle, class Function, class... Arguments>
 Handle make(Function function, Arguments... arguments) {
   typename Handle::pointer handle = nullptr;
   check(function(arguments..., &handle));
+  return Handle(handle);
+}
+
+/// The same where the arguments are those of the command line.
+template <class Handle, class Function, class... Arguments>
+Handle make_as_asked(Function function, Arguments... arguments) {
+  typename Handle::pointer handle = nullptr;
+  check_usage(function(arguments..., &handle));
   return Handle(handle);
 }
 

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "common/output_file.h"
+#include "common/print.h"
 #include "common/source_options.h"
 #include "common/stop.h"
 
@@ -195,9 +195,8 @@ void measure_latency(const Source &source, LiveAngles &angles, std::vector<std::
                      std::uint64_t samples, AngleFormat format) {
   if (lengths.empty())
     lengths = usual_lengths(source_info(source).buffer_frames);
-  OutputFile out("-");
   if (format == AngleFormat::csv)
-    out.write(kCsvHeader);
+    put(kCsvHeader);
   for (const std::size_t length : lengths) {
     const Measurement m = measure(source, angles, length, samples);
     if (m.latency.count() == 0) // stopped before there was anything to tell
@@ -206,7 +205,7 @@ void measure_latency(const Source &source, LiveAngles &angles, std::vector<std::
     format == AngleFormat::csv    ? append_csv(text, m)
     : format == AngleFormat::json ? append_json(text, m)
                                   : append_text(text, m);
-    out.write(text);
+    put(text);
     if (StopSignal::requested())
       break;
   }

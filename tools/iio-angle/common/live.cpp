@@ -5,8 +5,7 @@
 #include <chrono>
 #include <string>
 
-#include <fmt/format.h>
-
+#include "common/print.h"
 #include "common/source_options.h"
 #include "common/stop.h"
 
@@ -34,6 +33,11 @@ Model ideal_model(const Source &source) {
 void read_blocks(const Source &source,
                  const std::function<bool(std::span<const ada4571_frame>)> &take) {
   const StopSignal stop([&source] { ada4571_source_cancel(source.get()); });
+  read_until_stopped(source, take);
+}
+
+void read_until_stopped(const Source &source,
+                        const std::function<bool(std::span<const ada4571_frame>)> &take) {
   check(ada4571_source_start(source.get()));
   std::vector<ada4571_frame> frames(kBlockFrames);
   Clock::time_point last = Clock::now();
@@ -64,8 +68,8 @@ Model live_model(const Source &source, const std::string &path) {
     return Model(model);
   if (status != ADA4571_ERROR_NOT_FOUND && status != ADA4571_ERROR_UNSUPPORTED)
     check(status);
-  fmt::print(stderr, "no calibration: angles may be off by some degrees "
-                     "(record, calibrate, then give --calibration FILE)\n");
+  note("no calibration: angles may be off by some degrees "
+       "(record, calibrate, then give --calibration FILE)\n");
   return ideal_model(source);
 }
 
@@ -79,11 +83,10 @@ void mention_remainder(const Model &model) {
   auto remainder = initialised(ada4571_remainder_init);
   check(ada4571_model_get_remainder(model.get(), &remainder));
   if (remainder.present)
-    fmt::print(stderr,
-               "unnamed: the model also takes out what repeats with the angle and no effect "
-               "explains, {:.3g} mV rms, up to order {} of {}\n",
-               1e3 * remainder.rms_v, remainder.highest_order,
-               remainder.electrical ? "the electrical period" : "the turn");
+    note("unnamed: the model also takes out what repeats with the angle and no effect "
+         "explains, {:.3g} mV rms, up to order {} of {}\n",
+         1e3 * remainder.rms_v, remainder.highest_order,
+         remainder.electrical ? "the electrical period" : "the turn");
 }
 
 LiveAngles::LiveAngles(const Model &model, bool dynamic)

@@ -17,6 +17,10 @@ namespace cli {
 /// nothing comes. Throws when nothing comes for ten seconds.
 void read_blocks(const Source &source,
                  const std::function<bool(std::span<const ada4571_frame>)> &take);
+/// The same under a StopSignal of the caller, which cancels the source: for work that must be
+/// finished after the reading, whatever signals come.
+void read_until_stopped(const Source &source,
+                        const std::function<bool(std::span<const ada4571_frame>)> &take);
 
 /// Calibration for a live source: the file when one is named, else what the stored configuration
 /// or the driver has, else an ideal sensor, which standard error is told.

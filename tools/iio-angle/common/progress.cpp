@@ -3,10 +3,11 @@
 #include "common/progress.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include <fmt/format.h>
 #include <unistd.h>
+
+#include "common/print.h"
 
 namespace cli {
 
@@ -27,14 +28,13 @@ void Progress::show(const std::string &what) {
   if (!terminal_ || now < next_)
     return;
   next_ = now + 100ms;
-  fmt::print(stderr, "\r\033[K{}", what);
-  std::fflush(stderr);
+  note("\r\033[K{}", what);
   shown_ = true;
 }
 
 void Progress::clear() {
   if (shown_)
-    fmt::print(stderr, "\r\033[K");
+    note("\r\033[K");
   shown_ = false;
 }
 

@@ -47,7 +47,7 @@ std::string effect_text(const Model &model, std::size_t index) {
 
 /// The sensor that the seed alone gives, but for what `--effect` says otherwise.
 Model drawn_model(const SimulationOptions &options, const ada4571_simulation_options &numbers) {
-  const auto plain = make<Simulation>(
+  const auto plain = make_as_asked<Simulation>(
       ada4571_simulation_new, static_cast<const ada4571_model *>(nullptr), &numbers, options.seed);
   const auto drawn = make<Model>(ada4571_simulation_model, plain.get());
   auto baseline = initialised(ada4571_baseline_init);
@@ -115,7 +115,13 @@ Simulation make_simulation(const SimulationOptions &options) {
   else if (!options.effects.empty())
     model = drawn_model(options, numbers);
   for (const std::string &effect : options.effects)
-    check(ada4571_model_add_effect(model.get(), effect.c_str()));
+    check_usage(ada4571_model_add_effect(model.get(), effect.c_str()));
+  const auto simulate = [&](const ada4571_model *of) {
+    return make_as_asked<Simulation>(ada4571_simulation_new, of, &numbers, options.seed);
+  };
+  if (options.model.empty())
+    return simulate(model.get());
+  simulate(nullptr); // what is refused beyond this is the file's fault, not the command line's
   return make<Simulation>(ada4571_simulation_new, static_cast<const ada4571_model *>(model.get()),
                           &numbers, options.seed);
 }

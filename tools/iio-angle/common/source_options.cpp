@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include "common/source_options.h"
 
-#include <fmt/format.h>
+#include "common/print.h"
 
 namespace cli {
 
@@ -68,7 +68,7 @@ void add_source_options(CLI::App &verb, SourceOptions &options) {
 
 Source open_source(const SourceOptions &options) {
   if (!options.stored.empty())
-    return make<Source>(ada4571_open, options.stored.c_str());
+    return make_as_asked<Source>(ada4571_open, options.stored.c_str());
   auto wanted = initialised(ada4571_source_options_init);
   wanted.uri = given(options.uri);
   wanted.device = given(options.device);
@@ -81,7 +81,7 @@ Source open_source(const SourceOptions &options) {
   wanted.supply_v = options.supply_v;
   wanted.periods_per_turn = options.periods_per_turn;
   wanted.latency_s = options.latency_s;
-  return make<Source>(ada4571_source_open, &wanted);
+  return make_as_asked<Source>(ada4571_source_open, &wanted);
 }
 
 ada4571_source_info source_info(const Source &source) {
@@ -93,9 +93,13 @@ ada4571_source_info source_info(const Source &source) {
 void report_losses(const Source &source) {
   auto statistics = initialised(ada4571_source_statistics_init);
   check(ada4571_source_get_statistics(source.get(), &statistics));
+  if (statistics.bad_times > 0)
+    note("{} of {} samples came with timestamps that make no sense (standing still, going back, or "
+         "leaping ahead): their times are from the sample rate\n",
+         statistics.bad_times, statistics.frames);
   if (statistics.lost > 0)
-    fmt::print(stderr, "{} samples were lost in {} places: lower the rate, or free the machine\n",
-               statistics.lost, statistics.gaps);
+    note("{} samples were lost in {} places: lower the rate, or free the machine\n",
+         statistics.lost, statistics.gaps);
 }
 
 } // namespace cli

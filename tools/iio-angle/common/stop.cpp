@@ -28,9 +28,9 @@ void write_event(std::uint64_t value) noexcept {
   [[maybe_unused]] const auto written = write(wake_fd.load(), &value, sizeof value);
 }
 
-extern "C" void on_signal(int) {
+extern "C" void on_signal(int signal) {
   const int saved = errno;
-  if (signals.fetch_add(1) > 0)
+  if (signals.fetch_add(1) > 0 && signal == SIGINT)
     _exit(130);
   write_event(1);
   errno = saved;
@@ -43,6 +43,10 @@ void handle(void (*handler)(int)) {
   action.sa_flags = SA_RESTART;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  struct sigaction hangup = {};
+  sigaction(SIGHUP, nullptr, &hangup);
+  if (hangup.sa_handler != SIG_IGN)
+    sigaction(SIGHUP, &action, nullptr);
 }
 
 } // namespace

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// Ctrl-C and SIGTERM end live work cleanly: what was captured so far is kept.
+// Ctrl-C, SIGTERM and SIGHUP (a terminal that went away) end live work cleanly: what was captured
+// so far is kept.
 #pragma once
 
 #include <functional>
@@ -9,8 +10,9 @@
 
 namespace cli {
 
-/// While it lives, the first SIGINT or SIGTERM runs `on_stop` in a thread of its own and sets
-/// requested(); a second one ends the program at once. One at a time.
+/// While it lives, the first of these signals runs `on_stop` in a thread of its own and sets
+/// requested(); a second SIGINT ends the program at once. SIGHUP comes twice of itself, from the
+/// shell and from the terminal; under nohup it stays ignored. One at a time.
 class StopSignal {
 public:
   explicit StopSignal(std::function<void()> on_stop);

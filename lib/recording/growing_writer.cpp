@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "recording/growing_writer.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+
+#include <fcntl.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "base/descriptor.h"
+#include "base/mapped_file.h"
+#include "recording/disk_syncer.h"
+#include "recording/frame_check.h"
+#include "recording/sigmf_encoder.h"
+#include "recording/sigmf_pair.h"
+#include "recording/sigmf_reader.h"
+#include "recording/wall_clock.h"
+
+namespace ada {
+
+namespace {
+
+constexpr double kStepWithoutRate_s = 1e-3; ///< from the last frame to one that continues it
+
+std::uint32_t add_to_crc(std::uint32_t crc, std::span<const std::byte> bytes) {
+  return static_cast<std::uint32_t>(
+      crc32_z(crc, reinterpret_cast<const Bytef *>(bytes.data()), bytes.size()));
+}
+
+class GrowingWriter final : public CaptureWriter {
+public:
+  GrowingWriter(const std::string &path, const CaptureMetadata &meta, const ChannelSet &channels,
+                bool resume)
+      : path_(path), check_(meta, channels), encoder_(meta, channels, SigmfForm()) {
+    const bool there = file_id(sigmf_meta_path(path)) || file_id(sigmf_data_path(path));
+    if (there && resume)
+      open_existing();
+    else
+      stem_ = there ? free_sigmf_stem(path) : without_end(follow_links(sigmf_data_path(path)));
+  }
+
+  void metadata(std::string_view key, std::string_view value) override {
+    check_.add_metadata(key, value);
+  }
+
+  void mark_gap() override { gap_marked_ = true; }
+
+  void write(std::span<const Frame> frames) override {
+    if (frames.empty())
+      return;
+    if (!syncer_)
+      begin(frames.front());
+    syncer_->rethrow_failure();
+    bytes_.clear();
+    for (Frame frame : frames) {
+      check_.accept(frame);
+      frame.time_s += shift_s_;
+      place_in_time(frame);
+      const auto bytes = *encoder_.encode(frame);
+      bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    }
+    append();
+    if (segments_changed_)
+      syncer_->put_meta(meta(std::nullopt));
+    segments_changed_ = false;
+  }
+
+  void finish() override {
+    check_.require_frames();
+    syncer_->stop(); // what is to be on the disk is there, or this throws
+    const SigmfMeta final = meta(crc_);
+    if (in_own_place()) {
+      write_sigmf_meta(final, stem_ + ".sigmf-meta");
+      return;
+    }
+    publish_sigmf_pair(path_, final, stem_ + ".sigmf-data", IfRefused::keep);
+    ::unlink((stem_ + ".sigmf-meta").c_str());
+  }
+
+private:
+  static std::string without_end(const std::string &path) {
+    return path.substr(0, path.rfind('.'));
+  }
+
+  bool in_own_place() const { return stem_ == without_end(follow_links(sigmf_data_path(path_))); }
+
+  SigmfMeta meta(std::optional<std::uint32_t> crc) const {
+    SigmfMeta out;
+    out.meta = old_.frame_bytes > 0 ? old_.meta : check_.meta();
+    out.channels = encoder_.channels;
+    out.frame_bytes = encoder_.frame_bytes;
+    out.segments = segments_;
+    out.data_crc32 = crc;
+    out.unfinished = !crc;
+    out.datetime = datetime_;
+    return out;
+  }
+
+  [[noreturn]] void refuse(const std::string &why) const {
+    throw Error(ADA4571_ERROR_UNUSABLE_DATA, path_ + ": cannot be continued: " + why);
+  }
+
+  /// Looks at the recording that is to go on, and changes nothing yet.
+  void open_existing() {
+    stem_ = without_end(follow_links(sigmf_data_path(path_)));
+    old_ = read_sigmf_meta(sigmf_meta_path(path_));
+    const std::string data = stem_ + ".sigmf-data";
+    fd_ = Descriptor(::open(data.c_str(), O_RDWR | O_APPEND | O_CLOEXEC | O_NOCTTY));
+    if (fd_.get() < 0)
+      throw system_error(errno, data, "cannot open");
+    if (!lock_for_writing(fd_.get()))
+      throw Error(ADA4571_ERROR_BUSY, data + ": another program is recording into this file");
+    if (!same_channels() || !old_.dataset.empty())
+      refuse("it holds other channels, or in another form than `record` writes while it grows");
+    if (old_.meta.supply_v != check_.meta().supply_v ||
+        old_.meta.periods_per_turn != check_.meta().periods_per_turn ||
+        old_.meta.sample_rate_hz != check_.meta().sample_rate_hz)
+      refuse("its supply, its periods a turn or its sample rate are others");
+    read_end(data);
+  }
+
+  bool same_channels() const {
+    const auto &mine = encoder_.channels;
+    return old_.frame_bytes == encoder_.frame_bytes &&
+           std::equal(mine.begin(), mine.end(), old_.channels.begin(), old_.channels.end(),
+                      [](const SigmfChannel &a, const SigmfChannel &b) {
+                        return a.name == b.name && to_string(a.type) == to_string(b.type) &&
+                               a.byte == b.byte;
+                      });
+  }
+
+  /// How far the data goes, when it ends, and its checksum.
+  void read_end(const std::string &shown) {
+    const MappedFile mapped(fd_.get(), shown);
+    frames_ = whole_frames(old_, mapped.bytes());
+    if (frames_ == 0)
+      return;
+    const auto data = mapped.bytes().first(frames_ * old_.frame_bytes);
+    crc_ = add_to_crc(0, data);
+    if (old_.data_crc32 && *old_.data_crc32 != crc_)
+      throw Error(ADA4571_ERROR_FORMAT, shown + ": the data does not fit the checksum in the meta "
+                                                "file");
+    decode_channel(*old_.find("time_s"), data.last(old_.frame_bytes), old_.frame_bytes,
+                   &last_time_);
+    segments_ = old_.segments;
+    std::erase_if(segments_, [this](const SigmfSegment &s) { return s.sample_start >= frames_; });
+    datetime_ = old_.datetime;
+  }
+
+  /// With the first frame: the data file is there, or cut to whole frames, and the meta file says
+  /// that it grows.
+  void begin(const Frame &first) {
+    const std::string data = stem_ + ".sigmf-data";
+    if (fd_.get() < 0)
+      create(data);
+    else if (::ftruncate(fd_.get(), static_cast<off_t>(frames_ * encoder_.frame_bytes)) != 0)
+      throw system_error(errno, data, "cannot cut to whole frames");
+    if (frames_ > 0)
+      shift_s_ = time_of_continuation() - first.time_s;
+    else
+      datetime_ = utc_now();
+    gap_marked_ = true;
+    if (segments_.empty())
+      segments_.push_back({0, 0, first.time_s});
+    write_sigmf_meta(meta(std::nullopt), stem_ + ".sigmf-meta");
+    syncer_ = std::make_unique<DiskSyncer>(fd_.get(), data, stem_ + ".sigmf-meta");
+  }
+
+  void create(const std::string &data) {
+    fd_ = Descriptor(
+        ::open(data.c_str(), O_RDWR | O_APPEND | O_CREAT | O_EXCL | O_CLOEXEC | O_NOCTTY, 0666));
+    if (fd_.get() < 0)
+      throw system_error(errno, data, "cannot create");
+    lock_for_writing(fd_.get());
+    struct stat existing {};
+    if (!in_own_place() && ::stat(sigmf_data_path(path_).c_str(), &existing) == 0)
+      ::fchmod(fd_.get(), existing.st_mode & 07777);
+  }
+
+  /// By the clocks of both recordings where they make sense, else right after the last frame.
+  double time_of_continuation() const {
+    const double rate = check_.meta().sample_rate_hz.value_or(0.0);
+    const double next = last_time_ + (rate > 0 ? 1.0 / rate : kStepWithoutRate_s);
+    const double since = seconds_since(datetime_); // not a number where that is unknown
+    const double by_clock = segments_.front().time_s + since;
+    return by_clock > next && by_clock < 1e9 ? by_clock : next;
+  }
+
+  void place_in_time(const Frame &frame) {
+    const auto rate = check_.meta().sample_rate_hz;
+    const bool gap = gap_marked_ || (rate && (frame.time_s - last_time_) * *rate > 1.5);
+    if (gap && frames_ > 0 && segments_.size() < kMaxSigmfSegments) {
+      segments_.push_back(
+          next_segment(segments_.back(), frames_, frame.time_s, last_time_, rate.value_or(0.0)));
+      segments_changed_ = true;
+    }
+    gap_marked_ = false;
+    last_time_ = frame.time_s;
+    ++frames_;
+  }
+
+  /// A disk that fills up leaves whole frames.
+  void append() {
+    const off_t before = ::lseek(fd_.get(), 0, SEEK_END);
+    try {
+      write_all(fd_.get(), {reinterpret_cast<const char *>(bytes_.data()), bytes_.size()},
+                stem_ + ".sigmf-data");
+    } catch (const Error &) {
+      [[maybe_unused]] const int cut = ::ftruncate(fd_.get(), before);
+      throw;
+    }
+    crc_ = add_to_crc(crc_, bytes_);
+  }
+
+  std::string path_, stem_; ///< as asked for; where it grows, without the end
+  FrameCheck check_;
+  SigmfEncoder encoder_;
+  SigmfMeta old_; ///< of the recording that goes on; frame_bytes 0: there is none
+  Descriptor fd_;
+  std::unique_ptr<DiskSyncer> syncer_; ///< since the first frame
+  std::vector<std::byte> bytes_;
+  std::vector<SigmfSegment> segments_;
+  std::string datetime_; ///< when the first frame came
+  std::size_t frames_ = 0;
+  double shift_s_ = 0, last_time_ = 0;
+  std::uint32_t crc_ = 0;
+  bool gap_marked_ = false, segments_changed_ = false;
+};
+
+} // namespace
+
+std::unique_ptr<CaptureWriter> open_growing_writer(const std::string &path,
+                                                   const CaptureMetadata &meta,
+                                                   const ChannelSet &channels, bool resume) {
+  if (!is_sigmf(path))
+    throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
+                path + ": only a SigMF recording (.sigmf-meta) can grow and be continued");
+  return std::make_unique<GrowingWriter>(path, meta, channels, resume);
+}
+
+} // namespace ada

@@ -1,0 +1,294 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: The libada4571 authors
+#
+# safety.sh BUILD [PATTERN]: files, descriptors and signals: nothing is lost, nothing half-written,
+# and the exit status is true.
+# shellcheck disable=SC2094,SC2119
+set -u
+BUILD=$(cd "$1" && pwd)
+PATH=$BUILD/tools:$PATH
+# shellcheck source=tests/cli/words.sh
+. "$(dirname "$0")/words.sh"
+
+capture() { # capture FILE [OPTIONS]: a second of the simulated sensor
+  local file=$1
+  shift
+  status 0 iio-angle simulate --seed 4571 --duration 1 "$@" -o "$file"
+}
+
+# refused FILE COMMAND...: wrong usage, one sentence, and the file is as it was.
+refused() {
+  local file=$1 before
+  shift
+  before=$(cksum <"$file")
+  status 2 "$@"
+  same "sentences of '$*'" "$(lines err)" 1
+  same "$file after '$*'" "$(cksum <"$file")" "$before"
+}
+
+check_no_verb_writes_over_what_it_reads() {
+  capture a.csv
+  capture b.csv --temperature constant:deg_c=100
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  mkdir folder
+  ln -s ../a.csv folder/link.csv
+  ln a.csv hard.csv
+  local name
+  for name in a.csv ./a.csv folder/../a.csv "$PWD/a.csv" folder/link.csv hard.csv; do
+    refused a.csv iio-angle calibrate single a.csv -o "$name"
+    refused a.csv iio-angle convert --calibration a.toml a.csv -o "$name"
+    refused a.csv iio-angle diagnose --extend "$name" a.csv
+    refused a.csv iio-angle diagnose --report "$name" a.csv
+    refused b.csv iio-angle calibrate dual a.csv b.csv -o "$name"
+  done
+  refused b.csv iio-angle calibrate dual a.csv b.csv -o b.csv
+  refused a.toml iio-angle convert --calibration a.toml a.csv -o a.toml
+  refused a.toml iio-angle diagnose --model a.toml --extend a.toml a.csv
+  refused b.csv iio-angle diagnose --heldout b.csv --report b.csv a.csv
+  refused a.toml iio-angle simulate --model a.toml --save-model a.toml -o c.csv
+  refused a.csv iio-angle diagnose --extend x --report x a.csv
+  absent x c.csv
+  # By way of standard input, too.
+  iio-angle calibrate single - -o a.csv <a.csv 2>err >out
+  same "exit status" $? 2
+  says a.csv '^time_s'
+}
+
+check_a_sigmf_recording_is_both_of_its_files() {
+  capture a.sigmf-meta
+  local name
+  for name in a.sigmf-meta a.sigmf-data ./a.sigmf-data; do
+    refused a.sigmf-data iio-angle calibrate single a.sigmf-meta -o "$name"
+    refused a.sigmf-meta iio-angle calibrate single a.sigmf-data -o "$name"
+  done
+}
+
+check_devices_and_pipes_may_be_read_and_written() {
+  capture a.csv
+  status 0 iio-angle calibrate single a.csv -o /dev/null
+  # shellcheck disable=SC2002
+  cat a.csv | iio-angle calibrate single - -o a.toml >out 2>err || fail "a pipe: $(cat err)"
+}
+
+check_closed_descriptors_do_no_harm() {
+  capture a.csv
+  iio-angle calibrate single a.csv -o good.toml >out 2>err
+  local how
+  for how in ">&-" "2>&-" ">&- 2>&-" "<&-" "<&- >&- 2>&-" "2>/dev/full"; do
+    rm -f e.toml
+    bash -c "iio-angle calibrate single a.csv -o e.toml $how" >out 2>err
+    same "exit status with $how" $? 0
+    status 0 iio-angle convert --calibration e.toml a.csv -o angles.csv
+    same "model with $how" "$(grep -v -e '^date' -e checksum e.toml)" \
+      "$(grep -v -e '^date' -e checksum good.toml)"
+  done
+  for how in "2>&-" "2>/dev/full"; do
+    bash -c "iio-angle check nowhere.csv $how" >out 2>err
+    same "exit status of a failure with $how" $? 1
+  done
+}
+
+check_a_failed_write_to_standard_output_is_1_in_every_verb() {
+  [[ -w /dev/full ]] || return 0
+  capture a.csv
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  emulate
+  local verb
+  for verb in "--help" "--version" "record --help" "catalogue" "figures mismatch -o ." \
+    "check a.csv" "check --json a.csv" "calibrate single a.csv -o b.toml" \
+    "convert --calibration a.toml a.csv -o -" "simulate --duration 1 -o -" \
+    "diagnose --json a.csv" "list -u $URI" "read -u $URI --samples 1000 --format csv" \
+    "record -u $URI --samples 10 -o -" "watch -u $URI" "emulate"; do
+    # shellcheck disable=SC2086
+    timeout 300 iio-angle $verb >/dev/full 2>err </dev/null
+    same "exit status of '$verb'" $? 1
+    grep -v '^ERROR: ' err >ours
+    says ours 'standard output: cannot write: No space left on device'
+    same "sentences of '$verb'" "$(grep -c '^iio-angle: ' ours)" 1
+  done
+}
+
+check_permissions_are_kept_and_new_files_follow_the_umask() {
+  capture a.csv
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  umask 027
+  local file command
+  for file in angles.csv model.toml capture.csv capture.sigmf-data capture.sigmf-meta; do
+    case $file in
+      angles.csv) command="convert --calibration a.toml a.csv -o" ;;
+      model.toml) command="calibrate single a.csv -o" ;;
+      *) command="simulate --duration 1 -o" ;;
+    esac
+    # shellcheck disable=SC2086
+    status 0 iio-angle $command "$file"
+    same "mode of a new $file" "$(stat -c %a "$file")" 640
+    chmod 600 "$file"
+    # shellcheck disable=SC2086
+    status 0 iio-angle $command "$file"
+    same "mode of a replaced $file" "$(stat -c %a "$file")" 600
+  done
+}
+
+check_a_dangling_link_is_followed() {
+  capture a.csv
+  mkdir folder
+  ln -s folder/target.toml link.toml
+  status 0 iio-angle calibrate single a.csv -o link.toml
+  [[ -L link.toml ]] || fail "the link was replaced"
+  [[ -s folder/target.toml ]] || fail "the link was not followed"
+  ln -s no-folder/target.toml nowhere.toml
+  status 1 iio-angle calibrate single a.csv -o nowhere.toml
+  says err 'nowhere.toml: cannot create: No such file'
+  [[ -L nowhere.toml ]] || fail "the link was replaced"
+  ln -s loop.toml loop.toml
+  status 1 iio-angle calibrate single a.csv -o loop.toml
+  says err 'loop.toml'
+}
+
+check_data_is_1_and_usage_2() {
+  capture a.csv
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  head -14 a.csv >few.csv
+  local verb
+  for verb in "calibrate single few.csv -o x.toml" "calibrate dual few.csv few.csv -o x.toml"; do
+    # shellcheck disable=SC2086
+    status 1 iio-angle $verb
+    empty out
+    same "sentences of '$verb'" "$(lines err)" 1
+  done
+  absent x.toml
+  # A value out of its range is the file's fault, not the command line's.
+  sed -e '/checksum/d' -e 's/^amplitude_v.*/amplitude_v = -1.0/' a.toml >bad.toml
+  for verb in "convert --calibration bad.toml a.csv -o x.csv" "simulate --model bad.toml -o x.csv" \
+    "diagnose --model bad.toml a.csv" "check --calibration bad.toml a.csv"; do
+    # shellcheck disable=SC2086
+    status 1 iio-angle $verb
+    says err 'bad\.toml'
+  done
+  absent x.csv
+  for verb in "simulate -o x.txt" "simulate --effect weak-field:q=99 -o x.csv" \
+    "simulate --duration 0 -o x.csv" "record -u ip:127.0.0.1:1 --continue --samples 1"; do
+    # shellcheck disable=SC2086
+    status 2 iio-angle $verb
+  done
+}
+
+# recording FILE [OPTIONS]: starts an endless one in the background, until its file grows.
+recording() {
+  local file=$1 i
+  shift
+  iio-angle record -u "$URI" --duration 600 "$@" -o "$file" >record.out 2>record.err </dev/null &
+  RECORDER=$!
+  for ((i = 0; i < 600; i++)); do
+    [[ ! -s ${file%-meta}-data ]] || return 0
+    [[ $file == *sigmf-meta ]] || ((i < 40)) || return 0
+    sleep 0.05
+  done
+  fail "nothing is recorded: $(cat record.err)"
+}
+
+check_every_signal_that_ends_it_keeps_the_recording() {
+  emulate
+  local signal file
+  for signal in INT TERM HUP; do
+    for file in $signal.csv $signal.sigmf-meta; do
+      recording "$file"
+      kill -s $signal "$RECORDER"
+      [[ $signal == INT ]] || kill -s $signal "$RECORDER" 2>/dev/null # comes twice of itself
+      wait "$RECORDER"
+      same "exit status after $signal" $? 0
+      status 0 iio-angle check "$file"
+    done
+  done
+  trap '' HUP
+  recording nohup.csv
+  trap - HUP
+  kill -s HUP "$RECORDER"
+  sleep 0.5
+  kill -0 "$RECORDER" || fail "nohup does not hold"
+  kill -s TERM "$RECORDER"
+  wait "$RECORDER"
+  same "exit status after nohup" $? 0
+}
+
+check_a_recording_that_is_killed_is_kept_and_can_go_on() {
+  emulate
+  recording a.sigmf-meta
+  sleep 1
+  kill -9 "$RECORDER"
+  wait "$RECORDER" 2>/dev/null
+  says a.sigmf-meta unfinished
+  printf 'xyz' >>a.sigmf-data # part of a frame
+  status 0 iio-angle check --json a.sigmf-meta
+  same "files" "$(find . -name '*sigmf*' | wc -l)" 2
+  local before after
+  before=$(stat -c %s a.sigmf-data)
+  status 0 iio-angle record -u "$URI" --samples 500 --continue -o a.sigmf-meta
+  after=$(stat -c %s a.sigmf-data)
+  ((after > before)) || fail "it did not go on: $before, then $after bytes"
+  ! grep -q unfinished a.sigmf-meta || fail "it is still unfinished"
+  same segments "$(grep -c core:sample_start a.sigmf-meta)" 2
+  status 0 iio-angle calibrate single a.sigmf-meta -o a.toml
+  # And a finished one goes on, too; one that is not there begins.
+  status 0 iio-angle record -u "$URI" --samples 500 --continue -o a.sigmf-meta
+  same segments "$(grep -c core:sample_start a.sigmf-meta)" 3
+  status 0 iio-angle record -u "$URI" --samples 500 --continue -o b.sigmf-meta
+  status 0 iio-angle calibrate single b.sigmf-meta -o b.toml
+}
+
+check_what_cannot_go_on_stays_as_it_is() {
+  emulate
+  status 0 iio-angle record -u "$URI" --samples 500 -o a.sigmf-meta
+  capture b.sigmf-meta
+  refused_to_go_on() { # refused_to_go_on FILE [OPTIONS]
+    local before
+    before=$(cat "$1" "${1%-meta}-data" | cksum)
+    status 1 iio-angle record -u "$URI" --samples 5 "${@:2}" --continue -o "$1"
+    says err "$1|${1%-meta}-data"
+    same "$1" "$(cat "$1" "${1%-meta}-data" | cksum)" "$before"
+  }
+  refused_to_go_on b.sigmf-meta                 # in another form
+  refused_to_go_on a.sigmf-meta --supply 3.3
+  printf 'X' | dd of=a.sigmf-data bs=1 seek=100 conv=notrunc 2>/dev/null
+  refused_to_go_on a.sigmf-meta                 # damaged
+  status 2 iio-angle record -u "$URI" --samples 5 --continue -o c.csv
+  absent c.csv
+}
+
+check_two_recorders_do_not_share_a_file() {
+  emulate
+  recording a.sigmf-meta
+  status 1 iio-angle record -u "$URI" --samples 5 --continue -o a.sigmf-meta
+  says err 'another program is recording'
+  status 1 iio-angle simulate --duration 1 -o a.sigmf-meta
+  says err 'another program is recording'
+  kill "$RECORDER"
+  wait "$RECORDER"
+  same "exit status" $? 0
+  status 0 iio-angle check --json a.sigmf-meta
+  same "files" "$(find . -name '*sigmf*' | wc -l)" 2
+}
+
+check_a_recording_takes_the_place_of_an_old_one_only_when_it_is_complete() {
+  emulate
+  capture a.sigmf-meta
+  local before
+  before=$(cat a.sigmf-meta a.sigmf-data | cksum)
+  iio-angle record -u "$URI" --duration 600 -o a.sigmf-meta >record.out 2>record.err </dev/null &
+  RECORDER=$!
+  local i
+  for ((i = 0; i < 600; i++)); do
+    [[ $(find . -name '*sigmf*' | wc -l) -lt 4 ]] || break
+    sleep 0.05
+  done
+  same "the old one meanwhile" "$(cat a.sigmf-meta a.sigmf-data | cksum)" "$before"
+  kill "$RECORDER"
+  wait "$RECORDER"
+  same "exit status" $? 0
+  same "files" "$(find . -name '*sigmf*' | wc -l)" 2
+  status 0 iio-angle calibrate single a.sigmf-meta -o a.toml
+  [[ $(cat a.sigmf-meta a.sigmf-data | cksum) != "$before" ]] || fail "the new one is not there"
+}
+
+run_checks "${2:-}"

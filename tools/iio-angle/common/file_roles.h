@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The files that a verb reads and those that it writes: none is both, and none is written twice,
+// whatever links and names lead to it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace cli {
+
+class FileRoles {
+public:
+  /// "-" is standard input; an empty path, of an option that was not given, is nothing. A SigMF
+  /// recording is its two files. Call reads() before writes().
+  FileRoles &reads(const std::string &path);
+  /// Throws Failure(kWrongUsage) when that would write over a file that is read or written already.
+  FileRoles &writes(const std::string &path);
+
+private:
+  struct Known {
+    std::string path;
+    dev_t device;
+    ino_t inode; ///< 0 when there is no such file yet: then the path must do
+    bool written;
+  };
+  void add(const std::string &path, bool written);
+
+  std::vector<Known> known_;
+};
+
+} // namespace cli

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+#include "common/print.h"
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <iostream>
+#include <string>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "common/handles.h"
+
+namespace cli {
+
+namespace {
+
+bool pipe_was_ignored = false; ///< by whoever started the program: then it is no way to end
+
+[[noreturn]] void fail(int reason) {
+  if (reason == EPIPE && !pipe_was_ignored)
+    throw ClosedPipe();
+  throw Failure(kUnusable, std::string("standard output: cannot write: ") + std::strerror(reason));
+}
+
+/// False with errno when not all of it could be written.
+bool write_all(int fd, std::string_view text) noexcept {
+  while (!text.empty()) {
+    const ssize_t written = ::write(fd, text.data(), text.size());
+    if (written < 0 && errno == EINTR)
+      continue;
+    if (written < 0)
+      return false;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+} // namespace
+
+void open_standard_descriptors() {
+  // open() takes the lowest number that is free.
+  for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd)
+    if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", O_RDWR) != fd)
+      throw Failure(kUnusable,
+                    "cannot open /dev/null in the place of a closed standard descriptor");
+  pipe_was_ignored = std::signal(SIGPIPE, SIG_IGN) == SIG_IGN;
+}
+
+void put(std::string_view text) {
+  if (!write_all(STDOUT_FILENO, text))
+    fail(errno);
+}
+
+void flush_output() {
+  errno = 0;
+  std::cout.flush(); // CLI11's help
+  if (!std::cout || std::fflush(stdout) != 0)
+    fail(errno != 0 ? errno : EIO);
+}
+
+int end_by_closed_pipe() {
+  std::signal(SIGPIPE, SIG_DFL);
+  std::raise(SIGPIPE);
+  return kUnusable;
+}
+
+void remark(std::string_view text) noexcept {
+  [[maybe_unused]] const bool said = write_all(STDERR_FILENO, text);
+}
+
+} // namespace cli

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The one place for what the program says: results on standard output, where a failed write is a
+// failure of the program, and remarks on standard error, where it is none.
+#pragma once
+
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace cli {
+
+/// To be called first: descriptors 0, 1 and 2 are open, be it /dev/null, so that no file that is
+/// opened later takes their place and gets what is printed; a closed pipe is a failed write.
+void open_standard_descriptors();
+
+/// Thrown when the reader of standard output has gone, as `| head` does.
+struct ClosedPipe {};
+
+/// Writes to standard output at once. Throws Failure, or ClosedPipe.
+void put(std::string_view text);
+
+/// Whatever libraries left in their buffers goes out, or fails as put() does.
+void flush_output();
+
+/// Ends the program as a closed pipe ends one, by SIGPIPE; the exit status where that is ignored.
+int end_by_closed_pipe();
+
+/// Standard error; a failure is not said, for there is no place left to say it.
+void remark(std::string_view text) noexcept;
+
+template <class... Arguments>
+void print(fmt::format_string<Arguments...> format, Arguments &&...arguments) {
+  put(fmt::format(format, std::forward<Arguments>(arguments)...));
+}
+
+template <class... Arguments>
+void note(fmt::format_string<Arguments...> format, Arguments &&...arguments) {
+  remark(fmt::format(format, std::forward<Arguments>(arguments)...));
+}
+
+} // namespace cli
