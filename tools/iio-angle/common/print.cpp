@@ -56,10 +56,13 @@ void put(std::string_view text) {
 }
 
 void flush_output() {
-  errno = 0;
-  std::cout.flush(); // CLI11's help
-  if (!std::cout || std::fflush(stdout) != 0)
-    fail(errno != 0 ? errno : EIO);
+  // CLI11's help is in here. A stream that failed has forgotten why; one more write says it.
+  std::cout.flush();
+  const bool sound = std::cout.good() && std::fflush(stdout) == 0;
+  if (!sound) {
+    put("\n");
+    fail(EIO);
+  }
 }
 
 int end_by_closed_pipe() {
