@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/anonymous/discrepancy.h"
 #include "diagnosis/fit.h"
 #include "model/forward.h"
 
@@ -67,10 +68,11 @@ Variant make_variant(const Model &model, const Effect &effect, std::vector<doubl
 }
 
 std::vector<Variant> variants(const Scene &scene, const Residual &residual, const Model &model,
-                              bool rivals) {
+                              Tried tried) {
   std::vector<Variant> out;
   for (const Effect *effect : catalogue()) {
     if (effect->info().evidence != Evidence::signal ||
+        (effect->info().signature && !tried.signatures) ||
         (scene.radius_only && moves_the_angle(*effect)))
       continue;
     const auto present = std::count_if(model.effects.begin(), model.effects.end(),
@@ -78,7 +80,7 @@ std::vector<Variant> variants(const Scene &scene, const Residual &residual, cons
     if (present >= (may_repeat(*effect) ? kMostOfOne : 1))
       continue;
     const bool absent = effect->info().stage == Stage::record && !scene.has_reference;
-    if (absent || (!rivals && !effect->invisible(residual).empty()))
+    if (absent || (!tried.invisible && !effect->invisible(residual).empty()))
       continue;
     for (auto &values : effect->guesses(residual)) {
       if (std::any_of(model.effects.begin(), model.effects.end(),
@@ -111,6 +113,8 @@ Residual residual_view(const Scene &scene, const Observations &data, const Resid
   r.amplitude_v = amplitude_v;
   r.noise_v = noise_v;
   r.supply_v = scene.supply_v;
+  r.centre_sin_v = data.centre_sin_v;
+  r.centre_cos_v = data.centre_cos_v;
   r.sample_period_s = data.frame_period_s;
   r.time = data.time;
   r.omega = data.omega;
@@ -123,14 +127,14 @@ Residual residual_view(const Scene &scene, const Observations &data, const Resid
 }
 
 std::vector<Candidate> candidates(const Scene &scene, const Observations &data, const Model &model,
-                                  bool rivals) {
+                                  Tried tried) {
   const ResidualColumns columns = residual_columns(data, model);
   ResidualColumns white = columns; // what a search for lines and steps may trust
   for (std::size_t i = 0; i < data.size(); ++i)
     data.whiten(i, columns.model_sin[i], columns.model_cos[i], white.sin[i], white.cos[i]);
   const Residual residual =
       residual_view(scene, data, white, scene.white_noise_v, model.baseline.amplitude_v);
-  const std::vector<Variant> all = variants(scene, residual, model, rivals);
+  const std::vector<Variant> all = variants(scene, residual, model, tried);
 
   // Columns: the model's own coordinates, every variant's, and the residual last.
   const std::vector<double> x0 = coordinates_of(model), h0 = coordinate_steps(model);
@@ -156,6 +160,10 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
   Eigen::MatrixXd rows(total + 1, 2 * kWaveBlock);
   std::array<double, kWaveBlock> s, c;
   const Conditions conditions = data.conditions();
+  const Coloured *coloured = data.coloured.get();
+  Eigen::MatrixXd projected;
+  if (coloured)
+    projected = Eigen::MatrixXd::Zero(coloured->columns(), total + 1);
   for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
     const std::size_t n = std::min(kWaveBlock, data.size() - first);
     const Conditions at = conditions.slice(first, n);
@@ -174,7 +182,11 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
     }
     gram.selfadjointView<Eigen::Lower>().rankUpdate(
         rows.leftCols(static_cast<Eigen::Index>(2 * n)));
+    if (coloured)
+      projected += coloured->project(first, rows.leftCols(static_cast<Eigen::Index>(2 * n)));
   }
+  if (coloured)
+    gram.triangularView<Eigen::Lower>() = gram - coloured->taken(projected);
   gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
   if (data.vtemp_on_vcos_error > 0.0) {
     // What VTEMP carries over tells effects apart that the pair cannot.

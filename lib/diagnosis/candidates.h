@@ -29,9 +29,14 @@ struct ResidualColumns;
 Residual residual_view(const Scene &scene, const Observations &data, const ResidualColumns &columns,
                        double noise_v, double amplitude_v);
 
-/// Best variant of each effect, by gain, best first. `rivals`: also effects that this capture
-/// cannot show as such, but which may look like one that it does.
+/// Which effects are tried.
+struct Tried {
+  bool signatures = true; ///< shapes whose physical cause is open
+  bool invisible = false; ///< what this capture cannot show as such, but which may look like it
+};
+
+/// Best variant of each effect, by gain, best first.
 std::vector<Candidate> candidates(const Scene &scene, const Observations &data, const Model &model,
-                                  bool rivals);
+                                  Tried tried);
 
 } // namespace ada

@@ -10,16 +10,20 @@
 #include <fmt/format.h>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "base/angle.h"
+#include "diagnosis/anonymous/anonymous.h"
 #include "diagnosis/candidates.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/first_model.h"
 #include "diagnosis/ladder.h"
 #include "diagnosis/leftovers.h"
 #include "diagnosis/moments.h"
 #include "diagnosis/noise_causes.h"
 #include "diagnosis/parts.h"
+#include "diagnosis/random_causes.h"
 #include "diagnosis/search.h"
 #include "diagnosis/unseen_supply.h"
 
@@ -110,12 +114,17 @@ public:
       o->weight_along = found_.weight_along;
     }
     found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
+    name_against_anonymous();
     take(build_ladder(parts_, found_));
+    while (drop_what_harms())
+      take(build_ladder(parts_, found_));
     first_ = ladder_.first;
-    noise_causes();
+    compare_with_anonymous();
+    if (spikes())
+      compare_with_anonymous();
+    random_causes();
     angle_left_ = keep_for_last_look(scene_, out_.extended, floor());
     look_at_leftovers();
-    drop_doubtful();
     conclude();
     return out_;
   }
@@ -155,16 +164,29 @@ private:
         options_.heldout ? judge.all : scene_.all.select(thin(scene_.heldout, kFitHeldout));
     Model start = first_model(scene_, options_.baseline);
     // Without a reference the angle is the pair's own, lag and all: a common delay is free.
-    free_lag_ = !scene_.has_reference && (scene_.several_speeds || scene_.both_directions) &&
+    free_lag_ = !scene_.has_reference && !scene_.radius_only &&
+                (scene_.several_speeds || scene_.both_directions) &&
                 !has(start, "propagation-delay");
     if (free_lag_)
       start.effects.push_back({find_effect("propagation-delay"), {0.0}, {}});
-    SearchData data{&scene_, scene_.all.select(thin(scene_.train, kSearchTrain)),
-                    options_.heldout ? judge.all
-                                     : scene_.all.select(thin(scene_.heldout, kSearchHeldout)),
-                    &judge};
-    Search search(std::move(data), start, noise_, options_.progress);
-    found_ = search.run(thorough);
+    const auto search = [&] {
+      return Search({&scene_, scene_.all.select(thin(scene_.train, kSearchTrain)),
+                     options_.heldout ? judge.all
+                                      : scene_.all.select(thin(scene_.heldout, kSearchHeldout)),
+                     &judge},
+                    start, noise_, options_.progress);
+    };
+    found_ = search().run(false);
+    if (!thorough)
+      return;
+    const double unnamed_v2 = unnamed_on_angle(anonymous_of(scene_, parts_, found_.fit.model));
+    const Model physical = found_.fit.model;
+    // What is left over is looked at against what has no name: second thoughts come there.
+    found_ = search().run(false, &physical, unnamed_v2);
+    if (!anonymous_of(scene_, parts_, found_.fit.model).any()) {
+      const Model known = found_.fit.model;
+      found_ = search().run(true, &known, unnamed_v2);
+    }
   }
 
   /// Whether the second capture has other offsets than what was found accounts for. They would hide
@@ -258,7 +280,7 @@ private:
     const ResidualColumns r = residual_columns(data, found_.fit.model);
     double radial2 = 0.0, reach2 = 0.0;
     for (std::size_t i = 0; i < data.size(); ++i) {
-      const double s = r.model_sin[i] - data.mid_v, c = r.model_cos[i] - data.mid_v;
+      const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
       const double square = std::max(s * s + c * c, 1e-12);
       const double radial = r.sin[i] * s + r.cos[i] * c;
       const double reach = data.vsin[i] * s + data.vcos[i] * c;
@@ -270,21 +292,131 @@ private:
     return radial2 / n < kMore * (floor() * floor() + f * f * reach2 / n);
   }
 
-  void noise_causes() {
-    spikes();
-    excess_noise();
+  /// Causes are named against what nobody can name: its coefficients count as noise with the
+  /// variance that is left of them, which falls with every true cause and rises with every false
+  /// one that goes.
+  void name_against_anonymous() {
+    constexpr int kMostRounds = 3;
+    for (int round = 0; round < kMostRounds; ++round) {
+      const Anonymous left = anonymous_of(scene_, parts_, found_.fit.model);
+      if (!left.any())
+        break;
+      const Discrepancy discrepancy = discrepancy_of(left.basis, left.selection, left.from);
+      SearchData data{&scene_, parts_.train, parts_.heldout, options_.heldout ? &*judge_ : &scene_};
+      Search search(std::move(data), found_baseline(), noise_, options_.progress);
+      SearchResult next =
+          search.run_against(discrepancy, unnamed_on_angle(left), found_.fit.model);
+      const bool same = names_of(next) == names_of(found_);
+      found_ = std::move(next);
+      parts_.train.coloured = std::make_shared<Coloured>(discrepancy, thinned_train());
+      if (same)
+        break;
+    }
   }
 
-  void spikes() {
-    const Spikes spikes = spikes_against(scene_, out_.extended, scene_.heldout, floor());
-    if (!spikes.found)
+  /// Mean square of what repeats with the angle and has no physical name, signatures included.
+  double unnamed_on_angle(const Anonymous &left) const {
+    Model physical = found_.fit.model;
+    const auto dropped = std::erase_if(physical.effects, [](const EffectInstance &e) {
+      return e.effect->info().signature;
+    });
+    return (dropped > 0 ? anonymous_of(scene_, parts_, physical) : left)
+        .selection.share_v2[static_cast<std::size_t>(Axis::angle)];
+  }
+
+  /// Training data of a size that the coloured fits can hold.
+  Observations &thinned_train() {
+    std::vector<std::uint32_t> all(parts_.train.size());
+    std::iota(all.begin(), all.end(), 0u);
+    parts_.train.keep(thin(all, criteria::kAnonymousTrain, 100));
+    return parts_.train;
+  }
+
+  static std::vector<std::string_view> names_of(const SearchResult &found) {
+    std::vector<std::string_view> out;
+    for (std::size_t k : found.order)
+      out.push_back(found.fit.model.effects[k].effect->info().id);
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
+  /// What the search began with: the model without its findings.
+  Model found_baseline() const {
+    Model out = first_model(scene_, options_.baseline);
+    if (free_lag_)
+      out.effects.push_back({find_effect("propagation-delay"), {0.0}, {}});
+    return out;
+  }
+
+  /// No finding makes held-out data worse: where all together do, the one that harms most goes.
+  bool drop_what_harms() {
+    const Quality &first = ladder_.first.heldout, &last = ladder_.last.heldout;
+    const bool likelier = last.log_likelihood >= first.log_likelihood;
+    const bool closer = !last.angle_error_rms_deg ||
+                        *last.angle_error_rms_deg <=
+                            criteria::kNoWorse * *first.angle_error_rms_deg;
+    if (found_.order.empty() || (likelier && closer))
+      return false;
+    std::size_t worst = 0;
+    double most = -kInfinite;
+    for (std::size_t i = 0; i < ladder_.findings.size(); ++i) {
+      const Quality &before = ladder_.findings[i].before.heldout;
+      const Quality &after = ladder_.findings[i].after.heldout;
+      const double harm = likelier ? *after.angle_error_rms_deg - *before.angle_error_rms_deg
+                                   : before.log_likelihood - after.log_likelihood;
+      if (harm > most) {
+        most = harm;
+        worst = i;
+      }
+    }
+    found_.forget(worst);
+    return true;
+  }
+
+  /// The budget, the best model that names nothing, and what is carried without a name.
+  void compare_with_anonymous() {
+    Parts white = parts_;
+    white.train.coloured.reset();
+    const Anonymous whole = anonymous_of(scene_, white, ladder_.baseline);
+    unnamed_ = anonymous_of(scene_, white, out_.extended);
+    out_.budget = budget_of(whole, unnamed_);
+    out_.anonymous = quality_with(whole, white, ladder_.baseline);
+    out_.noise = noise_shape(unnamed_, white, out_.extended);
+    named_ = last_;
+    const Model judged = with_remainder(scene_, unnamed_, white.train, out_.extended);
+    if (!judged.remainder)
       return;
+    const Rung after = white.rung(judged);
+    if (after.heldout.log_likelihood <= last_.heldout.log_likelihood)
+      return;
+    out_.extended = with_remainder(scene_, unnamed_, everything(), out_.extended);
+    out_.remainder_rms_v = judged.remainder->rms() * judged.baseline.amplitude_v;
+    last_ = after;
+  }
+
+  /// All usable samples: the numbers of a remainder that held-out data have confirmed are taken from
+  /// them, too.
+  Observations everything() const {
+    if (judge_)
+      return parts_.train;
+    std::vector<std::uint32_t> all(scene_.all.size());
+    std::iota(all.begin(), all.end(), 0u);
+    Observations out = scene_.all.select(thin(all, criteria::kRemainderSamples));
+    return out;
+  }
+
+  /// Isolated spikes stand out of the noise that there is, whatever was stated. False: none.
+  bool spikes() {
+    const double noise = std::max(floor(), std::sqrt(unnamed_.selection.noise_v2));
+    const Spikes spikes = spikes_against(scene_, out_.extended, scene_.heldout, noise);
+    if (!spikes.found)
+      return false;
     // Those that no first look took out have bent the fits.
     const Rung with = ladder_.first;
     leave_out(spikes.hit);
     take(build_ladder(parts_, found_));
     if (given(find_effect("impulse-noise")))
-      return;
+      return true;
     Finding finding{find_effect("impulse-noise"),
                     {spikes.rate, spikes.amplitude_v},
                     {spikes.rate_error, spikes.amplitude_error_v},
@@ -297,6 +429,7 @@ private:
     finding.before.heldout.log_likelihood = spikes.before;
     finding.after.heldout.log_likelihood = spikes.after;
     spikes_ = recorded(std::move(finding));
+    return true;
   }
 
   void take(Ladder ladder) {
@@ -330,45 +463,152 @@ private:
                        [&](const EffectInstance &e) { return e.effect->info().id == id; });
   }
 
-  /// Only white noise on both channels alike is called so.
-  void excess_noise() {
-    sigma_ = rms_in_any_direction(parts_.train, out_.extended, scene_.has_reference);
-    if (!noise_stated_ || supply_is_inferred())
+  /// Slow processes and the shape of the noise, read off what everything else leaves over.
+  void random_causes() {
+    Parts white = parts_;
+    white.train.coloured.reset();
+    // What is carried without a name is a part of what the anonymous model holds.
+    Model named = out_.extended;
+    named.remainder.reset();
+    // A slow process goes along with speed and temperature by chance. It is named where it alone
+    // explains most of what changes with any of them.
+    Anonymous slow = anonymous_of(scene_, white, named, false);
+    const double whole = slow.from.heldout(slow.from.heldout.rows() - 1, slow.from.heldout.rows() - 1) /
+                         slow.from.n_heldout;
+    if (slow.selection.noise_v2 - unnamed_.selection.noise_v2 <
+        criteria::kLittle * (whole - unnamed_.selection.noise_v2)) {
+      for (RandomCause &c : slow_causes(slow, white, named))
+        if (!given(c.effect))
+          name_process(c);
+      if (!random_.empty()) {
+        unnamed_ = std::move(slow);
+        take_out_courses();
+        white.train = parts_.train;
+        white.heldout = parts_.heldout;
+        white.train.coloured.reset();
+      }
+    }
+    if (supply_is_inferred())
       return;
-    const double white = scene_.white_noise_v;
-    const double excess2 = sigma_ * sigma_ - noise_ * noise_;
-    const double known =
-        options_.baseline && options_.baseline->noise_rms_v ? *options_.baseline->noise_rms_v : 0.0;
-    if (sigma_ < 1.06 * std::max(noise_, known) || white * white < noise_ * noise_ + 0.5 * excess2)
-      return;
-    const double excess = std::sqrt(excess2);
-    if (excess < second_order_floor(out_.extended, found_))
-      return;
+    const double stated = !noise_stated_ ? 0.0
+                          : options_.baseline && options_.baseline->noise_rms_v
+                              ? std::max(noise_, *options_.baseline->noise_rms_v)
+                              : noise_;
+    for (RandomCause &c : noise_causes(unnamed_, white, named, stated, even_clock()))
+      if (!given(c.effect))
+        name_process(c);
+    const double left = std::sqrt(unnamed_.selection.noise_v2);
+    if (!random_.empty())
+      explained_noise_ = std::max(noise_, left);
+  }
+
+  /// Whether a spectrum over time means anything: an even clock, and a motion that is known.
+  bool even_clock() const {
+    const std::vector<double> &t = scene_.all.time;
+    const double mean = (t.back() - t.front()) / static_cast<double>(t.size());
+    return t.size() >= criteria::kFewestForLines && !scene_.radius_only && !scene_.stops &&
+           mean < criteria::kUneven * scene_.all.frame_period_s;
+  }
+
+  void name_process(const RandomCause &c) {
     Rung before = last_;
-    // Under the noise that was stated, against the noise that is there.
-    const auto under = [&](const Observations &data) {
-      const double n = static_cast<double>(data.size());
-      return -std::log(kTwoPi * noise_ * noise_) -
-             0.5 * sum_of_squares(data, out_.extended) / (n * noise_ * noise_);
-    };
-    before.in_sample.log_likelihood = under(parts_.train);
-    before.heldout.log_likelihood = under(parts_.heldout);
-    const double error =
-        sigma_ * sigma_ / excess / std::sqrt(4.0 * static_cast<double>(parts_.train.size()));
-    Finding finding{
-        find_effect("excess-noise"), {excess}, {error}, {}, {}, {}, before, last_, false};
-    excess_ = recorded(std::move(finding));
-    explained_noise_ = sigma_;
+    const double samples = static_cast<double>(std::max<std::size_t>(1, parts_.heldout.size()));
+    before.heldout.log_likelihood = last_.heldout.log_likelihood - c.nats / samples;
+    random_.push_back(
+        recorded({c.effect, c.values, c.std_errors, c.alternatives, {}, {}, before, last_, false}));
+  }
+
+  /// A slow process that has a name is taken out of what is looked at last: its course is known.
+  void take_out_courses() {
+    Selection slow;
+    std::vector<double> values;
+    for (std::size_t k = 0; k < unnamed_.selection.columns.size(); ++k) {
+      const auto group = static_cast<std::size_t>(unnamed_.selection.columns[k] / 2);
+      const int m = unnamed_.basis.terms()[group].exponent;
+      if (unnamed_.basis.groups()[group].axis != Axis::time || m < 0)
+        continue;
+      slow.columns.push_back(unnamed_.selection.columns[k]);
+      values.push_back(unnamed_.selection.values[static_cast<Eigen::Index>(k)]);
+    }
+    slow.values = Eigen::Map<const Eigen::VectorXd>(values.data(),
+                                                    static_cast<Eigen::Index>(values.size()));
+    for (Observations *data : {&scene_.all, &parts_.train, &parts_.heldout}) {
+      if (judge_ && data == &parts_.heldout)
+        continue;
+      ResidualColumns moved;
+      moved.sin = data->vsin;
+      moved.cos = data->vcos;
+      subtract(unnamed_.basis, slow, *data, moved);
+      data->vsin = std::move(moved.sin);
+      data->vcos = std::move(moved.cos);
+    }
+    Parts white = parts_;
+    white.train.coloured.reset();
+    Model named = out_.extended;
+    named.remainder.reset();
+    const Anonymous whole = std::exchange(unnamed_, anonymous_of(scene_, white, named));
+    for (BudgetLine &line : out_.budget) {
+      if (line.axis == Axis::noise) {
+        line.rms_v = line.unnamed_rms_v = std::sqrt(unnamed_.selection.noise_v2);
+        continue;
+      }
+      const double left =
+          std::max(0.0, unnamed_.selection.share_v2[static_cast<std::size_t>(line.axis)]);
+      line.unnamed_rms_v = std::min(line.rms_v, std::sqrt(left));
+      line.named_rms_v = std::sqrt(
+          std::max(0.0, line.rms_v * line.rms_v - line.unnamed_rms_v * line.unnamed_rms_v));
+    }
+    out_.noise = noise_shape(unnamed_, white, named);
+    last_ = white.rung(out_.extended);
   }
 
   void look_at_leftovers() {
     const Explained explained{explained_noise_ > 0.0 ? explained_noise_ : noise_,
                               second_order_floor(out_.extended, found_), noise_stated_,
                               supply_is_inferred()};
+    note_unnamed();
     LeftOver left = left_over(scene_, parts_, out_.extended, explained, last_, angle_left_);
-    out_.structure = std::move(left.structure);
-    out_.unexplained_rms_v = left.unexplained_rms_v;
+    std::move(left.structure.begin(), left.structure.end(), std::back_inserter(out_.structure));
+    std::stable_sort(out_.structure.begin(), out_.structure.end(),
+                     [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
+    double unnamed2 = left.unexplained_rms_v * left.unexplained_rms_v;
+    for (const BudgetLine &line : out_.budget)
+      if (line.axis != Axis::noise)
+        unnamed2 += line.unnamed_rms_v * line.unnamed_rms_v;
+    out_.unexplained_rms_v = std::sqrt(unnamed2);
     in_bursts_ = left.bursts;
+  }
+
+  /// What the named model leaves of the axes, where held-out data confirm it and it is worth a word.
+  void note_unnamed() {
+    const double noise = std::sqrt(unnamed_.selection.noise_v2);
+    for (const BudgetLine &line : out_.budget)
+      if (line.axis != Axis::noise && line.unnamed_rms_v > criteria::kWorthAWord * noise)
+        out_.structure.push_back({std::string(axis_name(line.axis)), unnamed_sentence(line),
+                                  line.unnamed_rms_v});
+  }
+
+  std::string unnamed_sentence(const BudgetLine &line) const {
+    const int order = unnamed_.selection.orders[static_cast<std::size_t>(line.axis)];
+    const double mv = 1e3 * line.unnamed_rms_v;
+    switch (line.axis) {
+    case Axis::angle:
+      return fmt::format("{:.3g} mV rms repeat with the angle, up to order {} of the {}, and no named "
+                         "cause explains them", mv, order,
+                         scene_.has_reference ? "turn" : "electrical period");
+    case Axis::speed:
+      return fmt::format("{:.3g} mV rms change with speed or direction, and no named cause explains "
+                         "them", mv);
+    case Axis::time:
+      return fmt::format("{:.3g} mV rms change slowly over the record, and no named cause explains "
+                         "them", mv);
+    case Axis::frequency:
+      return fmt::format("{:.3g} mV rms lie in lines of the spectrum, and no named cause explains "
+                         "them", mv);
+    default:
+      return fmt::format("{:.3g} mV rms change with {}, and no named cause explains them", mv,
+                         line.axis == Axis::supply ? "the supply" : "temperature");
+    }
   }
 
   /// Residual rms of a channel as it is, without what a supply that is not recorded does.
@@ -396,55 +636,6 @@ private:
       out_.invisible.push_back({std::string(effect.info().id), why});
   }
 
-  void withdraw(std::optional<Finding> &finding) {
-    if (!finding)
-      return;
-    std::erase_if(recorded_, [&](const EffectInstance &e) { return e.effect == finding->effect; });
-    finding.reset();
-  }
-
-  /// Noise is not judged beside what nothing explains, nor spikes that hardly stand out of it, nor
-  /// a cause that explains little beside it: what remains is fitted without them.
-  void drop_doubtful() {
-    if (!out_.structure.empty() || supply_is_inferred()) {
-      withdraw(excess_);
-      if (spikes_ && spikes_->values[1] < 15.0 * rms_of_all())
-        withdraw(spikes_);
-    }
-    double left = supply_is_inferred() ? 2.0 * out_.unexplained_rms_v : 0.0;
-    for (const Structure &s : out_.structure)
-      left = std::max(left, s.rms_v);
-    // What follows a supply is judged again with others gone. What is left over grows with each
-    // that goes, and is no reason to give up the next.
-    constexpr int kMost = 3;
-    for (int pass = 0; pass < kMost && drop_little(pass == 0 ? left : 0.0); ++pass)
-      ;
-  }
-
-  /// Drops what explains little beside what is `left`, or beside a supply; false when nothing does.
-  bool drop_little(double left) {
-    constexpr double kLeastOfNoise = 0.06;
-    // What follows a supply a little way gains where it was looked for, and nowhere else.
-    const double least = ladder_.supply ? kLeastOfNoise * floor() : 0.0;
-    std::vector<std::size_t> small;
-    for (std::size_t i = 0; i < ladder_.findings.size(); ++i) {
-      const double before = ladder_.findings[i].before.heldout.residual_rms_v;
-      const double after = ladder_.findings[i].after.heldout.residual_rms_v;
-      const double gain = before * before - after * after;
-      if ((ladder_.supply && gain < least * least) ||
-          (left > 0.0 && before != after && gain < 4.0 * left * left))
-        small.push_back(i);
-    }
-    if (small.empty())
-      return false;
-    for (std::size_t i : std::vector(small.rbegin(), small.rend()))
-      found_.forget(i);
-    take(build_ladder(parts_, found_));
-    out_.structure.clear();
-    look_at_leftovers();
-    return true;
-  }
-
   /// Puts the parts together.
   void conclude() {
     report_moved_offsets();
@@ -457,8 +648,7 @@ private:
       if (*finding)
         out_.findings.push_back(std::move(**finding));
     std::move(ladder_.findings.begin(), ladder_.findings.end(), std::back_inserter(out_.findings));
-    if (excess_)
-      out_.findings.push_back(std::move(*excess_));
+    std::move(random_.begin(), random_.end(), std::back_inserter(out_.findings));
     if (free_lag_)
       for (Model *m : {&out_.baseline, &out_.extended})
         std::erase_if(m->effects, [](const EffectInstance &e) {
@@ -470,9 +660,16 @@ private:
     add_provenance();
     for (const Effect *effect : catalogue())
       note_invisible(*effect);
-    const bool unexplained = !out_.structure.empty(), found = !out_.findings.empty();
-    out_.verdict = found ? (unexplained ? Verdict::partly_explained : Verdict::explained)
-                         : (unexplained ? Verdict::unexplained : Verdict::no_discrepancy);
+    out_.verdict = verdict();
+  }
+
+  /// The model of all that has a name against the best that names nothing. Structure is what of that
+  /// the named model leaves over, and what a last look still sees.
+  Verdict verdict() const {
+    const bool found = !out_.findings.empty();
+    if (out_.structure.empty())
+      return found ? Verdict::explained : Verdict::no_discrepancy;
+    return found ? Verdict::partly_explained : Verdict::unexplained;
   }
 
   void add_provenance() {
@@ -501,13 +698,16 @@ private:
   Parts parts_;
   SearchResult found_;
   Ladder ladder_;
-  std::optional<Finding> spikes_, excess_;
+  Anonymous unnamed_; ///< what the named model leaves over
+  Rung named_;        ///< of the model of all that has a name
+  std::optional<Finding> spikes_;
+  std::vector<Finding> random_;
   Rung first_; ///< of the baseline, spikes and all
   Rung last_;  ///< of the extended model, with what noise causes take out
   std::vector<EffectInstance>
       recorded_;                      ///< causes that the extended model names but never corrects
   std::vector<Structure> angle_left_; ///< what the last look kept of the angle
-  double noise_ = 0.0, sigma_ = 0.0, explained_noise_ = 0.0;
+  double noise_ = 0.0, explained_noise_ = 0.0;
   bool noise_stated_ = false, free_lag_ = false;
   bool in_bursts_ = false; ///< samples in a row are left over
 };

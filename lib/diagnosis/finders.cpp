@@ -8,6 +8,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/spectrum.h"
 #include "model/residual.h"
 
@@ -17,8 +18,9 @@ namespace {
 
 constexpr double kAbsentLevel = std::numeric_limits<double>::quiet_NaN();
 
-/// Below this what comes with time cannot be told from what comes with the angle.
-constexpr double kFewestTurns = 3.0;
+/// Below this what comes with time cannot be told from what comes with the angle: no whole turns
+/// can be held out.
+constexpr double kFewestTurns = criteria::kFewestUnits;
 
 /// Turns that the shaft makes, whatever their sense.
 double turns_of(const Residual &r) {
@@ -30,7 +32,7 @@ double turns_of(const Residual &r) {
 
 /// Tangential part of the residual as a mechanical angle, rad.
 double angle_residual(const Residual &r, std::size_t i) {
-  const double c = r.model_cos_v[i] - 0.5 * r.supply_v, s = r.model_sin_v[i] - 0.5 * r.supply_v;
+  const double c = r.model_cos_v[i] - r.centre_cos_v, s = r.model_sin_v[i] - r.centre_sin_v;
   const double radius2 = std::max(c * c + s * s, 1e-12);
   return (r.sin_v[i] * c - r.cos_v[i] * s) / (radius2 * r.periods);
 }
@@ -131,8 +133,8 @@ bool one_sided(const Residual &r, const MostlyAt &at, double frequency) {
   for (double f : {std::abs(frequency - at.turning), frequency + at.turning}) {
     std::complex<double> radial, tangential;
     for (std::size_t i : at.samples) {
-      const double c = r.model_cos_v[i] - 0.5 * r.supply_v;
-      const double s = r.model_sin_v[i] - 0.5 * r.supply_v;
+      const double c = r.model_cos_v[i] - r.centre_cos_v;
+      const double s = r.model_sin_v[i] - r.centre_sin_v;
       const double inverse = 1.0 / std::max(std::hypot(c, s), 1e-9);
       const std::complex<double> wave = std::polar(inverse, kTwoPi * f * r.time[i]);
       radial += wave * (r.cos_v[i] * c + r.sin_v[i] * s);

@@ -3,9 +3,12 @@
 
 #include "diagnosis/fit.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/angle.h"
+#include "diagnosis/anonymous/discrepancy.h"
+#include "diagnosis/criteria.h"
 #include "model/forward.h"
 
 namespace ada {
@@ -37,6 +40,10 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
   Eigen::MatrixXd rows(parameters, 2 * kWaveBlock);
   Eigen::VectorXd residual(2 * kWaveBlock);
   std::array<double, kWaveBlock> s0, c0, s1, c1;
+  const Coloured *coloured = data.coloured.get();
+  Eigen::MatrixXd projected;
+  if (coloured)
+    projected = Eigen::MatrixXd::Zero(coloured->columns(), parameters + 1);
   for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
     const std::size_t n = std::min(kWaveBlock, data.size() - first);
     const Conditions at = all.slice(first, n);
@@ -61,6 +68,16 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
     out.matrix.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(columns));
     out.right.noalias() += rows.leftCols(columns) * residual.head(columns);
     out.rss += residual.head(columns).squaredNorm();
+    if (coloured) {
+      projected.leftCols(parameters) += coloured->project(first, rows.leftCols(columns));
+      projected.rightCols(1) += coloured->project(first, residual.head(columns).transpose());
+    }
+  }
+  if (coloured) {
+    const Eigen::MatrixXd taken = coloured->taken(projected);
+    out.matrix -= taken.topLeftCorner(parameters, parameters);
+    out.right -= taken.topRightCorner(parameters, 1);
+    out.rss -= taken(parameters, parameters);
   }
   out.matrix.triangularView<Eigen::StrictlyUpper>() = out.matrix.transpose();
   if (data.vtemp_on_vcos_error > 0.0) {
@@ -139,10 +156,15 @@ std::vector<double> coordinate_steps(const Model &model) {
   return h;
 }
 
-double sum_of_squares(const Observations &data, const Model &model) {
+namespace {
+
+double sum_of_squares(const Observations &data, const Model &model, const Coloured *coloured) {
   const ForwardModel forward(model, AlphaIs::reference);
   const Conditions all = data.conditions();
   std::array<double, kWaveBlock> s, c;
+  Eigen::VectorXd residual(2 * kWaveBlock), projected;
+  if (coloured)
+    projected = Eigen::VectorXd::Zero(coloured->columns());
   double sum = 0.0;
   for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
     const std::size_t n = std::min(kWaveBlock, data.size() - first);
@@ -151,9 +173,24 @@ double sum_of_squares(const Observations &data, const Model &model) {
       double rs = data.vsin[first + i] - s[i], rc = data.vcos[first + i] - c[i];
       data.whiten(first + i, s[i], c[i], rs, rc);
       sum += rs * rs + rc * rc;
+      residual[static_cast<Eigen::Index>(2 * i)] = rs;
+      residual[static_cast<Eigen::Index>(2 * i + 1)] = rc;
     }
+    if (coloured)
+      projected +=
+          coloured->project(first, residual.head(static_cast<Eigen::Index>(2 * n)).transpose());
   }
-  return sum;
+  return coloured ? std::max(0.0, sum - coloured->taken(projected)(0, 0)) : sum;
+}
+
+} // namespace
+
+double sum_of_squares(const Observations &data, const Model &model) {
+  return sum_of_squares(data, model, data.coloured.get());
+}
+
+double white_sum_of_squares(const Observations &data, const Model &model) {
+  return sum_of_squares(data, model, nullptr);
 }
 
 FitResult fit(const Observations &data, const Model &start, int max_iterations) {
@@ -197,6 +234,60 @@ FitResult fit(const Observations &data, const Model &start, int max_iterations) 
       std::max(1.0, 2.0 * static_cast<double>(data.size()) - static_cast<double>(x.size()));
   out.covariance = scaled.inverse() * (out.rss / freedom);
   return out;
+}
+
+void widen_by_scatter(const Observations &data, FitResult &result) {
+  const std::size_t stretches =
+      std::min<std::size_t>(criteria::kStretches, data.size() / criteria::kFewestOfStretch);
+  if (stretches < criteria::kFewestStretches || !result.determined)
+    return;
+  const std::vector<double> x = coordinates_of(result.model), step = coordinate_steps(result.model);
+  const auto parameters = static_cast<Eigen::Index>(x.size());
+  const ResidualColumns here = residual_columns(data, result.model);
+  const auto n = static_cast<Eigen::Index>(data.size());
+  Eigen::VectorXd left(2 * n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    double s = here.sin[k], c = here.cos[k];
+    data.whiten(k, here.model_sin[k], here.model_cos[k], s, c);
+    left[2 * i] = s;
+    left[2 * i + 1] = c;
+  }
+  if (data.coloured)
+    left -= data.coloured->explained(data.coloured->project(0, left.transpose()));
+  Eigen::MatrixXd score = Eigen::MatrixXd::Zero(parameters, static_cast<Eigen::Index>(stretches));
+  std::vector<double> moved = x;
+  for (Eigen::Index k = 0; k < parameters; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    moved[at] = x[at] + step[at];
+    const ResidualColumns there = residual_columns(data, with_coordinates(result.model, moved));
+    moved[at] = x[at];
+    Eigen::VectorXd column(2 * n);
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      double s = (there.model_sin[i] - here.model_sin[i]) / step[at];
+      double c = (there.model_cos[i] - here.model_cos[i]) / step[at];
+      data.whiten(i, here.model_sin[i], here.model_cos[i], s, c);
+      column[static_cast<Eigen::Index>(2 * i)] = s;
+      column[static_cast<Eigen::Index>(2 * i + 1)] = c;
+    }
+    // What each sample moves the estimate by: generalized least squares weighs it against the
+    // discrepancy.
+    if (data.coloured)
+      column -= data.coloured->explained(data.coloured->project(0, column.transpose()));
+    for (Eigen::Index i = 0; i < n; ++i)
+      score(k, static_cast<Eigen::Index>(static_cast<std::size_t>(i) * stretches / data.size())) +=
+          column[2 * i] * left[2 * i] + column[2 * i + 1] * left[2 * i + 1];
+  }
+  score.colwise() -= score.rowwise().mean();
+  const double variance = result.rss / (2.0 * static_cast<double>(data.size()));
+  const Eigen::MatrixXd inverse = result.covariance / std::max(variance, 1e-300);
+  const double freedom = static_cast<double>(stretches) / (static_cast<double>(stretches) - 1.0);
+  const Eigen::MatrixXd sandwich = freedom * inverse * score * score.transpose() * inverse;
+  Eigen::VectorXd wider(parameters);
+  for (Eigen::Index k = 0; k < parameters; ++k)
+    wider[k] = std::sqrt(std::max(1.0, sandwich(k, k) / std::max(result.covariance(k, k), 1e-300)));
+  if (wider.allFinite())
+    result.covariance = wider.asDiagonal() * result.covariance * wider.asDiagonal();
 }
 
 Model as_seen_by(const Observations &data, Model model) {
@@ -308,7 +399,7 @@ Observations at_own_angle(Observations data, const Model &model) {
   for (int pass = 0; pass < 2; ++pass) {
     const ResidualColumns r = residual_columns(data, model);
     for (std::size_t i = 0; i < data.size(); ++i) {
-      const double s = r.model_sin[i] - data.mid_v, c = r.model_cos[i] - data.mid_v;
+      const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
       const double tangential = (r.sin[i] * c - r.cos[i] * s) / std::max(s * s + c * c, 1e-12);
       data.alpha[i] += tangential / model.periods_per_turn;
     }
@@ -316,18 +407,19 @@ Observations at_own_angle(Observations data, const Model &model) {
   return data;
 }
 
-bool in_range(const Model &model, bool mirrored) {
-  if (!(model.baseline.amplitude_v > 0.0))
-    return false;
-  for (const EffectInstance &e : model.effects) {
-    const auto parameters = e.effect->info().parameters;
-    for (std::size_t k = 0; k < parameters.size(); ++k)
-      if (std::isfinite(e.values[k]) && ((mirrored ? -e.values[k] > parameters[k].maximum
-                                                   : e.values[k] < parameters[k].minimum) ||
-                                         e.values[k] > parameters[k].maximum))
-        return false;
-  }
+bool in_range(const EffectInstance &e) {
+  const auto parameters = e.effect->info().parameters;
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    if (std::isfinite(e.values[k]) &&
+        (e.values[k] < parameters[k].minimum || e.values[k] > parameters[k].maximum))
+      return false;
   return true;
+}
+
+bool in_range(const Model &model) {
+  return model.baseline.amplitude_v > 0.0 &&
+         std::all_of(model.effects.begin(), model.effects.end(),
+                     [](const EffectInstance &e) { return in_range(e); });
 }
 
 } // namespace ada

@@ -34,11 +34,18 @@ struct FitResult {
 /// which the fit itself estimates; that is what makes the covariance right.
 FitResult fit(const Observations &data, const Model &start, int max_iterations = 8);
 
+/// Where neighbouring samples err alike, fits are less certain than white noise would have it: the
+/// errors are widened to what the score scatters by between stretches of the record (the sandwich of
+/// White, Econometrica 48, 1980, with stretches as clusters: Liang and Zeger, Biometrika 73, 1986).
+void widen_by_scatter(const Observations &data, FitResult &result);
+
 /// Writes the standard errors of a fit into its model.
 void attach_errors(FitResult &result);
 
 /// Whitened sum of squares of data minus model.
 double sum_of_squares(const Observations &data, const Model &model);
+/// The same without what nobody can name as a part of the noise.
+double white_sum_of_squares(const Observations &data, const Model &model);
 
 /// The model as these data see it, when they come from a second capture: the zero angle is their
 /// own and no matter of the sensor; so are the offsets where `own_offsets` says that they moved.
@@ -57,8 +64,8 @@ ResidualColumns residuals_alone(const Observations &data, const Model &model);
 /// motion.
 Observations at_own_angle(Observations data, const Model &model);
 
-/// Whether every parameter lies in its range; `mirrored` takes the range of either sign, for a
-/// rival that has the same shape in the data though its physics has one sign only.
-bool in_range(const Model &model, bool mirrored = false);
+/// Whether every parameter lies in its range: a value that physics forbids rules its cause out.
+bool in_range(const Model &model);
+bool in_range(const EffectInstance &instance);
 
 } // namespace ada

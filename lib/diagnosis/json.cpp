@@ -72,6 +72,38 @@ ordered_json gain(const Finding &f) {
   return out;
 }
 
+ordered_json budget(const std::vector<BudgetLine> &lines) {
+  ordered_json out = ordered_json::array();
+  for (const BudgetLine &line : lines)
+    out.push_back({{"axis", axis_name(line.axis)},
+                   {"rms_v", number(line.rms_v)},
+                   {"named_rms_v", number(line.named_rms_v)},
+                   {"unnamed_rms_v", number(line.unnamed_rms_v)}});
+  return out;
+}
+
+/// Orders that hold a hundredth of the remainder's power or more.
+ordered_json remainder(const Diagnosis &d) {
+  ordered_json out;
+  const auto &r = d.extended.remainder;
+  out["present"] = r.has_value();
+  out["rms_v"] = number(d.remainder_rms_v);
+  if (d.has_reference)
+    out["angle_rms_deg"] = number(d.remainder_angle_rms_deg);
+  ordered_json orders = ordered_json::array();
+  std::size_t highest = 0;
+  for (std::size_t n = 0; r && n < r->orders(); ++n) {
+    const double power = r->sin_cos[n] * r->sin_cos[n] + r->sin_sin[n] * r->sin_sin[n] +
+                         r->cos_cos[n] * r->cos_cos[n] + r->cos_sin[n] * r->cos_sin[n];
+    highest = power > 0.0 ? n + 1 : highest;
+    if (0.25 * power > 0.01 * r->rms() * r->rms())
+      orders.push_back(n + 1);
+  }
+  out["highest_order"] = highest;
+  out["orders"] = orders;
+  return out;
+}
+
 } // namespace
 
 std::string to_json(const Diagnosis &d) {
@@ -100,6 +132,15 @@ std::string to_json(const Diagnosis &d) {
   if (judged)
     out["extended"] = {{"heldout", quality(d.extended_quality.heldout)},
                        {"in_sample", quality(d.extended_quality.in_sample)}};
+  if (judged) {
+    out["anonymous"] = {{"heldout", quality(d.anonymous)}};
+    out["budget"] = budget(d.budget);
+    out["remainder"] = remainder(d);
+    out["noise"] = {{"sin_rms_v", number(d.noise.sin_v)},
+                    {"cos_rms_v", number(d.noise.cos_v)},
+                    {"along_rms_v", number(d.noise.along_v)},
+                    {"across_rms_v", number(d.noise.across_v)}};
+  }
   ordered_json structure = ordered_json::array();
   for (const Structure &s : d.structure)
     structure.push_back(

@@ -64,6 +64,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     out.last = after;
   }
   FitResult whole = fit(parts.train, found.fit.model, 5);
+  widen_by_scatter(parts.train, whole);
   attach_errors(whole);
   out.extended = std::move(whole.model);
   const Model &model = out.extended;

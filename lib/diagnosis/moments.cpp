@@ -105,12 +105,12 @@ private:
 
 /// A residual along the circle: what the motion can take up.
 double along_circle(const Observations &data, std::size_t i, double sin, double cos) {
-  const double us = data.vcos[i] - data.mid_v, uc = data.mid_v - data.vsin[i];
+  const double us = data.vcos[i] - data.centre_cos_v, uc = data.centre_sin_v - data.vsin[i];
   return (sin * us + cos * uc) / std::max(std::hypot(us, uc), 1e-12);
 }
 
 double radial(const Observations &data, const ResidualColumns &r, std::size_t i) {
-  const double s = data.vsin[i] - data.mid_v, c = data.vcos[i] - data.mid_v;
+  const double s = data.vsin[i] - data.centre_sin_v, c = data.vcos[i] - data.centre_cos_v;
   return (r.sin[i] * s + r.cos[i] * c) / std::max(std::hypot(s, c), 1e-12);
 }
 

@@ -4,6 +4,7 @@
 #include "diagnosis/observations.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <numeric>
@@ -11,6 +12,8 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/conditions/holdout.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/looks.h"
 #include "diagnosis/screening.h"
@@ -21,14 +24,11 @@ namespace ada {
 
 namespace {
 
-constexpr std::size_t kFewestSamples = 400;
 /// A shaft that departs this far from a smooth motion is no reference, rad rms mechanical.
 constexpr double kRoughMotion = 1.0 * kRadPerDeg;
 /// The angle that a pair gives itself says nothing about the pair; not 0, so that the zero angle
 /// stays determined.
 constexpr double kWeightOfOwnAngle = 0.02;
-constexpr double kFewestTurns = 6.0;        ///< so that both parts hold whole turns
-constexpr double kFewestTurnsLeft = 3.0;    ///< before a channel died: nothing better will come
 constexpr double kLeastTemperatureV = 0.03; ///< about 2 degrees Celsius at 5 V
 constexpr int kRippleOrders = 20;           ///< clipping alone shows up to order 16
 
@@ -95,19 +95,6 @@ void prepare_reference_ripple(const Capture &capture, const std::vector<double> 
       std::max(1.5 * median(off) / std::sqrt(static_cast<double>(c.size())), 5e-5);
 }
 
-/// Every third whole turn judges; the others train. Turns are counted by travel, so that every
-/// speed, direction and temperature lends its share to both.
-void split_by_turns(Scene &scene) {
-  const Observations &all = scene.all;
-  double travel = 0.0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (i > 0)
-      travel += std::abs(all.alpha[i] - all.alpha[i - 1]);
-    const auto turn = static_cast<long>(travel / kTwoPi);
-    (turn % 3 == 1 ? scene.heldout : scene.train).push_back(static_cast<std::uint32_t>(i));
-  }
-}
-
 /// Where the speed changes within a few samples, speed and sense of each sample are not known.
 void leave_out_kinks(const std::vector<double> &omega, std::vector<char> &usable) {
   constexpr std::size_t kReach = 6;
@@ -146,6 +133,15 @@ void leave_out_reversals(const Kinematics &motion, std::vector<char> &usable) {
   for (std::size_t i = 0; i < n; ++i)
     if (out[i])
       usable[i] = 0;
+}
+
+/// Share of the electrical circle that holds samples.
+double coverage(const Observations &all, int periods) {
+  constexpr std::size_t kSectors = 36;
+  std::array<bool, kSectors> seen{};
+  for (double a : all.alpha)
+    seen[std::min(kSectors - 1, static_cast<std::size_t>(wrap(periods * a, kTwoPi) / kTwoPi * kSectors))] = true;
+  return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / kSectors;
 }
 
 void describe_motion(Scene &scene) {
@@ -219,11 +215,35 @@ bool stands_still(const Capture &capture, double noise_v) {
   return true;
 }
 
-/// Whether a channel died: what was before is judged as far as it goes.
-bool is_dead(const Screened &look) {
-  return std::any_of(look.findings.begin(), look.findings.end(), [](const ScreenFinding &f) {
-    return f.effect == find_effect("stuck-channel");
-  });
+/// Speed and sense of each sample say nothing where they change: those are left out, unless that is
+/// most of the record.
+void leave_out_changes(const Kinematics &motion, std::vector<char> &usable) {
+  std::vector<char> less = usable;
+  leave_out_kinks(motion.omega, less);
+  leave_out_reversals(motion, less);
+  const auto count = [](const std::vector<char> &v) {
+    return static_cast<double>(std::count(v.begin(), v.end(), char{1}));
+  };
+  if (count(less) > criteria::kMostLeftOut * count(usable))
+    usable = std::move(less);
+}
+
+/// A shaft that stands while it is read does not turn in any sample; the sense is that of the way
+/// there.
+Kinematics at_rest(std::vector<double> alpha, const Stops &stops) {
+  Kinematics out;
+  const std::size_t n = alpha.size();
+  out.omega.assign(n, 0.0);
+  out.accel.assign(n, 0.0f);
+  out.direction.assign(n, 1);
+  signed char sense = 1;
+  for (std::size_t i = 1; i < n; ++i) {
+    if (stops.of[i] != stops.of[i - 1])
+      sense = alpha[i] < alpha[i - 1] ? -1 : 1;
+    out.direction[i] = sense;
+  }
+  out.alpha = std::move(alpha);
+  return out;
 }
 
 Kinematics motion_by_reference(Screened &look, Scene &scene) {
@@ -232,16 +252,52 @@ Kinematics motion_by_reference(Screened &look, Scene &scene) {
   for (std::size_t i = 0; i < alpha.size(); ++i)
     alpha[i] = capture.reference_deg[i] * kRadPerDeg;
   unwrap(alpha, kTwoPi);
+  scene.stops = find_stops(alpha, noise_between(alpha));
+  if (scene.stops)
+    return at_rest(std::move(alpha), scene.stops);
   prepare_reference_ripple(capture, alpha, look.usable, scene);
   Kinematics motion = differentiate(capture.time_s, std::move(alpha), 4);
-  leave_out_kinks(motion.omega, look.usable);
-  leave_out_reversals(motion, look.usable);
+  leave_out_changes(motion, look.usable);
   return motion;
+}
+
+/// The pair as its own reference: only the radius can be judged then.
+Kinematics motion_of_the_pair_itself(const Screened &look, Scene &scene) {
+  constexpr std::size_t kHalfWindow = 3;
+  scene.radius_only = true;
+  return differentiate(look.capture.time_s, look.angle, kHalfWindow);
+}
+
+/// A motion whose ripple is looked for at orders of the electrical period: of a ring of many poles
+/// that makes a few turns.
+Kinematics motion_by_poles(Screened &look, Scene &scene) {
+  constexpr int kOrders = 8; // of the electrical angle
+  std::vector<double> psi = look.angle;
+  for (double &x : psi)
+    x *= scene.periods;
+  std::vector<char> usable = look.usable;
+  SmoothMotion smooth = smooth_motion(look.capture.time_s, psi, usable, kOrders);
+  if (smooth.residual_rms_rad > kRoughMotion * scene.periods)
+    return motion_of_the_pair_itself(look, scene);
+  look.usable = std::move(usable);
+  std::vector<double> alpha = std::move(smooth.motion.alpha);
+  for (double &a : alpha)
+    a /= scene.periods;
+  // Whether a ripple between two poles is the shaft's or the ring's is not known: the speed is that
+  // of a quarter of a turn about each sample.
+  const double samples_a_turn = static_cast<double>(alpha.size()) / std::max(look.turns(), 1e-6);
+  const auto eighth = static_cast<std::size_t>(std::max(8.0, samples_a_turn / 8.0));
+  return differentiate(look.capture.time_s, std::move(alpha),
+                       std::min(eighth, look.angle.size() / 4));
 }
 
 /// `rough`: what is left out of the smooth motion, at the pair's own angle.
 Kinematics motion_by_pair(Screened &look, Scene &scene, std::vector<std::uint32_t> &rough) {
   constexpr std::size_t kHalfWindow = 8;
+  if (!look.smooth)
+    return scene.periods * look.turns() >= 2.0 * criteria::kFewestUnits && scene.periods > 2
+               ? motion_by_poles(look, scene)
+               : motion_of_the_pair_itself(look, scene);
   const std::vector<char> before = look.usable;
   SmoothMotion smooth = smooth_motion_with_losses(look, kRippleOrders);
   scene.radius_only = smooth.residual_rms_rad > kRoughMotion;
@@ -284,8 +340,8 @@ std::array<double, 2> Observations::direction_at(std::size_t i, double model_sin
                                                  double model_cos) const {
   double us = model_sin, uc = model_cos;
   if (disturbed == Direction::motion) {
-    us = vcos[i] - mid_v;
-    uc = mid_v - vsin[i];
+    us = vcos[i] - centre_cos_v;
+    uc = centre_sin_v - vsin[i];
   }
   const double inverse = 1.0 / std::max(std::hypot(us, uc), 1e-12);
   return {us * inverse, uc * inverse};
@@ -331,7 +387,8 @@ Observations Observations::select(const std::vector<std::uint32_t> &indices) con
   out.weight_along = weight_along;
   out.own_offsets = own_offsets;
   out.mid_shift_v = mid_shift_v;
-  out.mid_v = mid_v;
+  out.centre_sin_v = centre_sin_v;
+  out.centre_cos_v = centre_cos_v;
   for_each_column(out, [&](auto &column, auto which) { column = pick(this->*which, indices); });
   return out;
 }
@@ -354,9 +411,9 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   scene.periods = capture.meta.periods_per_turn;
   scene.supply_v = capture.meta.supply_v;
   scene.has_reference = capture.has_reference();
-  if (capture.size() < kFewestSamples) {
+  if (capture.size() < criteria::kFewestSamples) {
     scene.insufficient = "only " + std::to_string(capture.size()) + " samples; at least " +
-                         std::to_string(kFewestSamples) + " are needed";
+                         std::to_string(criteria::kFewestSamples) + " are needed";
     return scene;
   }
   Observations &all = scene.all;
@@ -398,7 +455,8 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
     if (stands_alone(look.usable, i))
       scene.spiked_index.push_back(i);
   all.frame_period_s = median_step(capture.time_s);
-  all.mid_v = 0.5 * scene.supply_v;
+  all.centre_sin_v = look.centre_sin_v;
+  all.centre_cos_v = look.centre_cos_v;
   all.time = time_with_losses(look, all.frame_period_s);
   all.vsin = capture.vsin_v;
   all.vcos = capture.vcos_v;
@@ -412,7 +470,7 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   scene.rough = all.select(rough);
   scene.bursts = all.select(bursts);
   all.keep(scene.index);
-  if (all.size() < kFewestSamples) {
+  if (all.size() < criteria::kFewestSamples) {
     scene.insufficient = "only " + std::to_string(all.size()) + " usable samples";
     return scene;
   }
@@ -420,20 +478,21 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
     judge_radius_only(scene);
   describe_motion(scene);
   if (needs_split) {
-    split_by_turns(scene);
+    Stops stops = scene.stops;
+    if (stops)
+      stops.of = pick(stops.of, scene.index);
+    Holdout parts = split(all.alpha, scene.periods, stops);
+    scene.unit = parts.unit;
+    scene.train = std::move(parts.train);
+    scene.heldout = std::move(parts.heldout);
   } else {
     scene.train.resize(all.size());
     std::iota(scene.train.begin(), scene.train.end(), 0u);
   }
-  const double needed = !needs_split ? 1.0 : is_dead(look) ? kFewestTurnsLeft : kFewestTurns;
-  if (scene.turns < needed * 0.98)
-    scene.insufficient =
-        "the shaft makes " + std::to_string(scene.turns).substr(0, 4) + " turns; " +
-        (needs_split
-             ? fmt::format("at least {:g} are needed to hold whole revolutions back, or a second "
-                           "capture",
-                           needed)
-             : std::string("at least one is needed"));
+  if (const double seen = coverage(all, scene.periods); seen < criteria::kLeastCoverage)
+    scene.insufficient = fmt::format("the record shows {:.0f} of 360 electrical degrees; at least "
+                                     "{:.0f} are needed to tell centre and axes apart",
+                                     360.0 * seen, 360.0 * criteria::kLeastCoverage);
   return scene;
 }
 

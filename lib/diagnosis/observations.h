@@ -7,14 +7,18 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "diagnosis/conditions/holdout.h"
 #include "model/residual.h"
 #include "model/wave.h"
 #include "recording/capture.h"
 
 namespace ada {
+
+class Coloured; // anonymous/discrepancy.h
 
 enum class Direction { none, supply, motion };
 
@@ -39,7 +43,11 @@ struct Observations {
   /// Whether a second capture is judged with offsets of its own.
   bool own_offsets = false;
   double mid_shift_v = 0.0; ///< of mid-supply by the recorded VDD, as in Conditions
-  double mid_v = 2.5;       ///< supply/2: the middle of the circle, near enough for a direction
+  /// Middle of the circle, near enough for a direction, V.
+  double centre_sin_v = 2.5, centre_cos_v = 2.5;
+
+  /// What nobody can name, as a part of the noise of these samples; nullptr: white noise only.
+  std::shared_ptr<const Coloured> coloured;
 
   std::size_t size() const { return time.size(); }
   /// Unit vector (VSIN, VCOS) of the disturbance at sample i. A supply moves what the model gives
@@ -82,6 +90,8 @@ struct Scene {
   Observations rough;
   Observations bursts; ///< samples that passed for spikes, yet several in a row
   std::vector<std::uint32_t> train, heldout; ///< places in `all`
+  HoldoutUnit unit = HoldoutUnit::turns;     ///< what was held out
+  Stops stops;                               ///< of the capture's samples
   std::vector<ScreenFinding> screened;
   std::string insufficient; ///< why nothing can be said; empty when something can
 };

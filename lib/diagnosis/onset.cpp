@@ -106,7 +106,7 @@ bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) 
               {without.sin[k], without.cos[k]},
               near.omega[k]};
     if (!scene.has_reference) { // only the radius tells
-      const double s = near.vsin[k] - near.mid_v, c = near.vcos[k] - near.mid_v;
+      const double s = near.vsin[k] - near.centre_sin_v, c = near.vcos[k] - near.centre_cos_v;
       const double inverse = 1.0 / std::max(std::hypot(s, c), 1e-12);
       for (double *v : {out.effect, out.seen}) {
         v[0] = (v[0] * s + v[1] * c) * inverse;

@@ -40,7 +40,7 @@ Quality quality(const Observations &data, const Model &model, double sigma, bool
   const double n = static_cast<double>(data.size());
   if (n == 0.0)
     return q;
-  const double rss = sum_of_squares(data, model);
+  const double rss = white_sum_of_squares(data, model);
   q.residual_rms_v = std::sqrt(rss / (2.0 * n));
   if (sigma <= 0.0)
     sigma = q.residual_rms_v;

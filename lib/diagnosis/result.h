@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/axis.h"
 #include "model/effect.h"
 #include "model/model.h"
 
@@ -45,6 +46,18 @@ struct Invisible {
   std::string cause, reason;
 };
 
+/// A line of the budget: what lies on an axis and on none before it, V rms of one channel, on
+/// held-out data.
+struct BudgetLine {
+  Axis axis;
+  double rms_v = 0.0, named_rms_v = 0.0, unnamed_rms_v = 0.0;
+};
+
+/// Noise of the pair, V rms.
+struct NoiseShape {
+  double sin_v = 0.0, cos_v = 0.0, along_v = 0.0, across_v = 0.0;
+};
+
 enum class Verdict { no_discrepancy, explained, partly_explained, unexplained, insufficient_data };
 
 std::string_view verdict_name(Verdict verdict);
@@ -63,6 +76,10 @@ struct Diagnosis {
   // what was found
   std::vector<Finding> findings;
   std::vector<Model> ladder; ///< baseline first, then the model after each finding
+  std::vector<BudgetLine> budget; ///< largest first
+  Quality anonymous;              ///< of the best model that names nothing
+  NoiseShape noise;
+  double remainder_rms_v = 0.0, remainder_angle_rms_deg = 0.0; ///< of extended.remainder
   std::vector<Structure> structure;
   std::vector<Invisible> invisible;
   double unexplained_rms_v = 0.0, noise_rms_v = 0.0;

@@ -10,7 +10,10 @@
 #include <limits>
 
 #include "base/angle.h"
+#include "base/error.h"
 #include "base/robust.h"
+#include "calibration/ellipse_fit.h"
+#include "diagnosis/criteria.h"
 
 namespace ada {
 
@@ -74,7 +77,35 @@ void rough_angle(Screened &look) {
     if (ratiometric.radius_spread < 0.9 * best.radius_spread)
       best = std::move(ratiometric);
   }
+  look.centre_sin_v = range_of(c.vsin_v, look.usable).middle;
+  look.centre_cos_v = range_of(c.vcos_v, look.usable).middle;
   look.angle = std::move(best.angle);
+  unwrap(look.angle, kTwoPi);
+  for (double &a : look.angle)
+    a /= c.meta.periods_per_turn;
+}
+
+/// The same by the ellipse that the pair draws: in a part of a turn the middle of a range is no
+/// centre. Left as it is where no ellipse is seen.
+void angle_of_ellipse(Screened &look) {
+  const Capture &c = look.capture;
+  EllipseFit fit;
+  try {
+    fit = fit_ellipse(c.vsin_v, c.vcos_v);
+  } catch (const Error &) {
+    return;
+  }
+  const EllipseParameters &e = fit.value;
+  if (!(e.amplitude_v > 0.0) || std::abs(e.k) > 1.5)
+    return;
+  look.centre_sin_v = e.centre_sin_v;
+  look.centre_cos_v = e.centre_cos_v;
+  if (c.has_reference())
+    return;
+  const EllipseInverse inverse = invert(e);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    look.angle[i] = std::atan2(inverse.sine(c.vsin_v[i], c.vcos_v[i]),
+                               inverse.cosine(c.vsin_v[i], c.vcos_v[i]));
   unwrap(look.angle, kTwoPi);
   for (double &a : look.angle)
     a /= c.meta.periods_per_turn;
@@ -164,10 +195,19 @@ std::vector<double> reference_angle(const Capture &c) {
   return a;
 }
 
+double Screened::turns() const {
+  double travel = 0.0;
+  for (std::size_t i = 1; i < angle.size(); ++i)
+    travel += std::abs(angle[i] - angle[i - 1]);
+  return travel / kTwoPi;
+}
+
 bool screen_stuck(Screened &look, const Effect &effect) {
   const Capture &c = look.capture;
   const std::size_t n = c.size();
   const std::size_t tail = std::max<std::size_t>(50, n / 50);
+  if (n < 4 * tail)
+    return false;
   const std::vector<double> *channels[2] = {&c.vsin_v, &c.vcos_v};
   double spread[2];
   for (int k = 0; k < 2; ++k)
@@ -273,19 +313,23 @@ bool screen_spikes(Screened &look, const Effect &effect) {
 }
 
 Screened first_look(const Capture &capture) {
-  Screened look{capture, std::vector<char>(capture.size(), 1), {}, {}, {}, {}, {}, {}, {}, 0.0};
+  Screened look{.capture = capture, .usable = std::vector<char>(capture.size(), 1)};
   for (std::size_t i = 0; i < capture.size(); ++i)
     look.usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
   // A dead channel would spoil every other look, spikes those for jumps: they go first.
   find_effect("stuck-channel")->screen(look);
   rough_angle(look);
   look.white_noise_v = white_noise(look);
+  const bool few = look.turns() < criteria::kFewestUnits;
+  look.smooth = capture.has_reference() || !few;
+  if (few)
+    angle_of_ellipse(look);
   find_effect("impulse-noise")->screen(look);
   return look;
 }
 
 void look_at_record(Screened &look) {
-  for (const Effect *effect : catalogue())
+  for (const Effect *effect : look.smooth ? catalogue() : std::span<const Effect *const>())
     if (effect->info().id != "stuck-channel" && effect->info().id != "impulse-noise")
       effect->screen(look);
   look.white_noise_v = white_noise(look);

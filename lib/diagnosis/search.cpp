@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "base/angle.h"
@@ -24,6 +25,8 @@ constexpr std::size_t kShortlist = 5; ///< candidates that get a joint fit
 constexpr int kMostEffects = 10;
 /// A cause must be worth this many nats on held-out data, and more for each coordinate.
 constexpr double kLeastNats = 12.0, kNatsPerCoordinate = 3.0;
+/// What every pair has need only be likelier than not by this, beside what has no name.
+constexpr double kExpectedNats = 0.0;
 /// A moment that was looked for among all samples costs about the logarithm of their number.
 constexpr double kNatsPerMoment = 11.0;
 /// ... and explain at least this part of the noise: below it nobody would care.
@@ -186,6 +189,8 @@ double Search::reach(const Model &model, std::size_t effect) const {
 /// pair all of that.
 double Search::size_of(const State &with, const State &less, std::size_t effect) const {
   const double moved = reach(with.fit.model, effect);
+  if (data_.train.coloured) // what it gains counts against what has no name, and not against noise
+    return moved;
   const EffectInstance &e = with.fit.model.effects[effect];
   if (leak_unexplained(data_, less.fit.model) &&
       (leaks(e) || !leak_unexplained(data_, with.fit.model)))
@@ -206,9 +211,50 @@ double Search::doubt_v(const Model &model) const {
   return std::max(second_order(*data_.scene, quick_, model), kOfStep * data_.scene->coarse_step_v);
 }
 
+/// The model with what every pair has, absent as yet: it is fitted from the start, and goes when
+/// nothing speaks for it.
+Model Search::with_expected(Model model) const {
+  for (const Effect *effect : catalogue())
+    if (effect->info().prior_rank == 0 &&
+        std::none_of(model.effects.begin(), model.effects.end(),
+                     [&](const EffectInstance &e) { return e.effect == effect; }))
+      model.effects.push_back(
+          {effect, std::vector<double>(effect->info().parameters.size(), 0.0), {}});
+  return model;
+}
+
+/// What every pair has is expected: it need only stand out of what has no name. Anything else is
+/// looked for among many.
+bool Search::worth_keeping(double worth, const Effect &effect) const {
+  const bool expected = data_.train.coloured && effect.info().prior_rank == 0;
+  return worth > (expected ? kExpectedNats : kLeastNats);
+}
+
+/// Whether what was measured rules an effect out as it was fitted.
+bool Search::refuted(const State &state, std::size_t effect) const {
+  const Model &model = state.fit.model;
+  const ResidualColumns columns = residual_columns(quick_, model);
+  const Residual view = residual_view(*data_.scene, quick_, columns, data_.scene->white_noise_v,
+                                      model.baseline.amplitude_v);
+  return model.effects[effect].effect->refuted(model.effects[effect].values, view);
+}
+
+/// A signature describes one term of what repeats with the angle. It is worth a name of its own while
+/// it holds more than all the terms smaller than it together.
+bool Search::dominates(double size_v, std::size_t effect, const Model &model) const {
+  if (unnamed_v2_ <= 0.0)
+    return true;
+  double rest = unnamed_v2_ - size_v * size_v;
+  for (std::size_t k = 0; k < model.effects.size(); ++k)
+    if (k != effect && model.effects[k].effect->info().signature)
+      if (const double other = reach(model, k); other > size_v)
+        rest -= other * other;
+  return size_v * size_v > rest;
+}
+
 bool Search::forward(State &now) {
   const double allowance = doubt_v(now.fit.model);
-  const std::vector<Candidate> list = candidates(*data_.scene, quick_, now.fit.model, false);
+  const std::vector<Candidate> list = candidates(*data_.scene, quick_, now.fit.model, {.signatures = signatures_});
   const double scale = static_cast<double>(data_.train.size()) / static_cast<double>(quick_.size());
   const double variance = now.fit.rss / (2.0 * static_cast<double>(data_.train.size()));
   struct Option {
@@ -222,7 +268,7 @@ bool Search::forward(State &now) {
   for (const Candidate &c : list) {
     // What stands beside the pair may ask for a cause that the pair alone hardly shows.
     const bool asked_for = unexplained && leaks(c.start.effects.back());
-    if (scale * c.gain / (2.0 * variance) < kLeastNats && !asked_for)
+    if (!worth_keeping(scale * c.gain / (2.0 * variance), *c.effect) && !asked_for)
       continue;
     std::size_t &count = c.effect->info().signature ? signatures : physical;
     if (count >= (c.effect->info().signature ? 2 : kShortlist) && !asked_for)
@@ -232,14 +278,18 @@ bool Search::forward(State &now) {
     if (!state.fit.determined || !in_range(state.fit.model))
       continue;
     const std::size_t last = state.fit.model.effects.size() - 1;
+    if (refuted(state, last))
+      continue;
     if (has_moment(*c.effect) && !begins_at_once(*data_.scene, state.fit.model, last))
       continue;
     const double worth = state.score - now.score - price(c.start.effects.back());
     const bool clear = worth > kFarMoreNats && !c.effect->info().signature;
-    if (worth < kLeastNats ||
+    if (!worth_keeping(worth, *c.effect) ||
         entanglement(state.fit, last, given_) > (clear ? kNearlyOne : kEntangled))
       continue;
     const double size = size_of(state, now, last);
+    if (c.effect->info().signature && !dominates(size, last, state.fit.model))
+      continue;
     if (size < least_of_noise(*c.effect) * noise_v_ || size < allowance)
       continue;
     options.push_back({std::move(state), c.effect, worth});
@@ -279,7 +329,9 @@ bool Search::backward(State &now) {
     const double worth = now.score - less.score - price(now.fit.model.effects[k]);
     const Effect &effect = *now.fit.model.effects[k].effect;
     const double size = size_of(now, less, k);
-    const bool worth_it = worth > kLeastNats && size > least_of_noise(effect) * noise_v_ &&
+    const bool possible = in_range(now.fit.model.effects[k]) && !refuted(now, k);
+    const bool worth_it = possible && worth_keeping(worth, effect) &&
+                          (!effect.info().signature || dominates(size, k, now.fit.model)) && size > least_of_noise(effect) * noise_v_ &&
                           size > doubt_v(less.fit.model);
     if (worth_it)
       continue;
@@ -300,7 +352,8 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
   const Baseline &base = now.fit.model.baseline;
   const double offset = std::hypot(base.offset_sin_v, base.offset_cos_v);
   const std::vector<Candidate> list =
-      candidates(*data_.scene, quick_, less.fit.model, !data_.scene->has_reference);
+      candidates(*data_.scene, quick_, less.fit.model,
+                 {.signatures = signatures_, .invisible = !data_.scene->has_reference});
   const double my_side = side_evidence(data_, now.fit.model);
   const double in_transfer = offsets_in_transfer(quick_, now.fit.model);
   // Which of two stages acts first is not known to second order.
@@ -321,13 +374,14 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
     State rival = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
     choose(rival, rival.fit.model.effects.size() - 1);
     const bool at_rest = is_static(*self) && is_static(*c.effect);
-    if (!rival.fit.determined || !in_range(rival.fit.model, at_rest))
+    if (!rival.fit.determined || !in_range(rival.fit.model) ||
+        refuted(rival, rival.fit.model.effects.size() - 1))
       continue;
     const double side = side_evidence(data_, rival.fit.model) - my_side;
     const double blurred =
-        std::max({std::min(4.0 * part * (part + (at_rest ? offset : 0.0)) / base.amplitude_v,
-                           (at_rest ? 0.3 : 0.1) * part),
-                  in_transfer, 4.0 * part * others / base.amplitude_v});
+        at_rest ? std::max({std::min(4.0 * part * (part + offset) / base.amplitude_v, 0.3 * part),
+                            in_transfer, 4.0 * part * others / base.amplitude_v})
+                : 0.0;
     const double left = std::sqrt(std::max(0.0, rival.heldout - now.heldout) / (2.0 * n));
     if (side < -kRivalNats || (rival.score - side < now.score - kRivalNats && left > blurred))
       continue;
@@ -338,6 +392,7 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
     const double needed = yields ? -kRivalNats : kRivalNats;
     if (better && c.visible && in_range(rival.fit.model) && saved >= 0.0 &&
         (rival.score + saved > now.score + needed ||
+         c.effect->info().prior_rank < self->info().prior_rank ||
          (yields && left <= std::min({blurred, kSlight * part, kHidden * noise}))) &&
         (!c.effect->info().signature || self->info().signature) &&
         (better->score == 0.0 || rival.score > better->score))
@@ -378,7 +433,8 @@ std::vector<std::size_t> Search::suspects(const State &now) const {
   constexpr std::size_t kFirst = 2, kMost = 3;
   std::vector<std::size_t> out;
   for (std::size_t k = given_; k < now.fit.model.effects.size() && out.size() < kMost; ++k)
-    if (k < given_ + kFirst || has_moment(*now.fit.model.effects[k].effect))
+    if (now.fit.model.effects[k].effect->info().prior_rank > 0 &&
+        (out.size() < kFirst || has_moment(*now.fit.model.effects[k].effect)))
       out.push_back(k);
   return out;
 }
@@ -422,9 +478,12 @@ void Search::progress(const char *what) {
     report_(1.0 - 1.0 / (1.0 + 0.25 * steps_), what);
 }
 
-SearchResult Search::run(bool thorough) {
+SearchResult Search::run(bool thorough, const Model *found, double unnamed_v2) {
   progress("fitting the baseline");
-  State now = evaluate(baseline_, 12);
+  unnamed_v2_ = unnamed_v2;
+  // A signature is named only where no physical cause explains as much: those come first.
+  signatures_ = found != nullptr;
+  State now = evaluate(found ? *found : baseline_, 12);
   weigh_motion(now);
   bool swapped = false;
   for (int round = 0; round < 4; ++round) {
@@ -442,6 +501,46 @@ SearchResult Search::run(bool thorough) {
   // What followed a supply, or what a last step sideways left behind, loses its ground.
   if (swapped || data_.train.disturbed == Direction::supply)
     backward(now);
+  return result(now, thorough);
+}
+
+void Search::colour(const Discrepancy &discrepancy) {
+  // Beside a discrepancy the number of samples is not what limits the errors.
+  constexpr std::size_t kEnough = 8000;
+  for (Observations *o : {&data_.train, &data_.heldout}) {
+    std::vector<std::uint32_t> indices(o->size());
+    std::iota(indices.begin(), indices.end(), 0u);
+    o->keep(thin(indices, kEnough, 100));
+  }
+  std::vector<std::uint32_t> indices(data_.train.size());
+  std::iota(indices.begin(), indices.end(), 0u);
+  quick_ = data_.train;
+  coarse_ = data_.train.select(thin(indices, kEnough / 2, 100));
+  for (Observations *o : {&data_.train, &data_.heldout, &quick_, &coarse_})
+    o->coloured = std::make_shared<Coloured>(discrepancy, *o);
+}
+
+SearchResult Search::run_against(const Discrepancy &discrepancy, double unnamed_v2,
+                                 const Model &found) {
+  colour(discrepancy);
+  supply_rejected_ = shaken_ = true;
+  signatures_ = true;
+  unnamed_v2_ = unnamed_v2;
+  State now = evaluate(with_expected(found), 12);
+  for (int round = 0; round < 3; ++round) {
+    progress("comparing with what has no name");
+    const bool dropped = backward(now);
+    const std::size_t before = now.fit.model.effects.size();
+    climb(now);
+    const bool swapped = sideways(now);
+    if (!dropped && !swapped && now.fit.model.effects.size() == before)
+      break;
+  }
+  backward(now);
+  return result(now, true);
+}
+
+SearchResult Search::result(State &now, bool thorough) {
   SearchResult out;
   const std::size_t n = now.fit.model.effects.size();
   std::vector<std::pair<double, std::size_t>> size;

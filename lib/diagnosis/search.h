@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/anonymous/discrepancy.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/observations.h"
 
@@ -42,8 +43,14 @@ public:
   Search(SearchData data, Model baseline, double noise_v, Report report);
 
   /// Not `thorough`: only what is found on the way up, without rivals and second thoughts; that
-  /// tells what bends the motion, in a part of the time.
-  SearchResult run(bool thorough);
+  /// tells what bends the motion, in a part of the time. `found`: physical causes known already, to
+  /// which signatures may come; without it only physical causes are looked for. `unnamed_v2`: mean
+  /// square of what repeats with the angle and has no physical name, V^2.
+  SearchResult run(bool thorough, const Model *found = nullptr, double unnamed_v2 = 0.0);
+
+  /// Once more from what was found, with what nobody can name as a part of the noise.
+  /// `unnamed_v2`: mean square of all that repeats with the angle and has no physical name, V^2.
+  SearchResult run_against(const Discrepancy &discrepancy, double unnamed_v2, const Model &found);
 
 private:
   struct State {
@@ -53,6 +60,12 @@ private:
     double heldout; ///< whitened sum of squares of the held-out data
   };
 
+  SearchResult result(State &now, bool thorough);
+  void colour(const Discrepancy &discrepancy);
+  bool refuted(const State &state, std::size_t effect) const;
+  Model with_expected(Model model) const;
+  bool dominates(double size_v, std::size_t effect, const Model &model) const;
+  bool worth_keeping(double worth, const Effect &effect) const;
   State evaluate(const Model &start, int iterations = 6) const;
   double log_likelihood(const FitResult &fit, double heldout) const;
   void progress(const char *what);
@@ -93,6 +106,8 @@ private:
   double noise_v_;
   Report report_;
   double supply_rms_fraction_ = 0.0;
+  double unnamed_v2_ = 0.0; ///< mean square of what repeats with the angle without a name
+  bool signatures_ = true; ///< whether shapes without a physical cause are tried
   bool supply_rejected_ = false, shaken_ = false;
   /// Effects of the model in which no supply was seen last; one more may bring it out.
   std::size_t looked_at_with_ = static_cast<std::size_t>(-1);

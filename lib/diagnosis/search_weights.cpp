@@ -141,7 +141,8 @@ bool Search::notice_supply_in_radius(State &now) {
   const ResidualColumns r = residual_columns(data_.train, now.fit.model);
   double n = 0.0, g1 = 0.0, g2 = 0.0, v1 = 0.0, gv = 0.0, v2 = 0.0;
   for (std::size_t i = 0; i < r.sin.size(); ++i) {
-    const double s = r.model_sin[i] - data_.train.mid_v, c = r.model_cos[i] - data_.train.mid_v;
+    const double s = r.model_sin[i] - data_.train.centre_sin_v,
+                 c = r.model_cos[i] - data_.train.centre_cos_v;
     const double inverse = 1.0 / std::hypot(s, c);
     const double radial = (r.sin[i] * s + r.cos[i] * c) * inverse;
     const double reach = (data_.train.vsin[i] * s + data_.train.vcos[i] * c) * inverse;

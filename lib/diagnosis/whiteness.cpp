@@ -30,8 +30,8 @@ Components components(const Scene &scene, const ResidualColumns &r) {
   for (auto &v : out.of)
     v.resize(r.sin.size());
   for (std::size_t i = 0; i < r.sin.size(); ++i) {
-    const double c = r.model_cos[i] - 0.5 * scene.supply_v,
-                 s = r.model_sin[i] - 0.5 * scene.supply_v;
+    const double c = r.model_cos[i] - scene.all.centre_cos_v,
+                 s = r.model_sin[i] - scene.all.centre_sin_v;
     const double inverse = 1.0 / std::max(std::hypot(c, s), 1e-9);
     out.of[0][i] = r.sin[i];
     out.of[1][i] = r.cos[i];
@@ -237,10 +237,10 @@ void report_spectrum(const Observations &data, const Components &parts, double s
 }
 
 /// Radial or tangential part of a residual, V.
-std::vector<double> part_of(const ResidualColumns &r, double mid_v, bool radial) {
+std::vector<double> part_of(const ResidualColumns &r, const Observations &data, bool radial) {
   std::vector<double> out(r.sin.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const double s = r.model_sin[i] - mid_v, c = r.model_cos[i] - mid_v;
+    const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
     const double inverse = 1.0 / std::max(std::hypot(s, c), 1e-9);
     out[i] = (radial ? r.sin[i] * s + r.cos[i] * c : r.sin[i] * c - r.cos[i] * s) * inverse;
   }
@@ -256,7 +256,7 @@ std::vector<Structure> find_structure_in_rough(const Scene &scene, const Model &
   if (scene.rough.size() < kFewest)
     return {};
   const Observations data = at_own_angle(scene.rough, model);
-  std::vector<double> radial = part_of(residual_columns(data, model), data.mid_v, true);
+  std::vector<double> radial = part_of(residual_columns(data, model), data, true);
   for (double &x : radial)
     x = std::abs(x);
   const double most = quantile(radial, kSpikes);
@@ -312,8 +312,8 @@ std::vector<Structure> find_jitter(const Observations &data, const ResidualColum
   for (std::size_t i = 1; i < data.size(); ++i)
     if (data.time[i] - data.time[i - 1] > 1.5 * data.frame_period_s)
       beside[i] = 0;
-  const double radius = noise_between(part_of(residual, data.mid_v, true), beside);
-  const double angle = noise_between(part_of(residual, data.mid_v, false), beside);
+  const double radius = noise_between(part_of(residual, data, true), beside);
+  const double angle = noise_between(part_of(residual, data, false), beside);
   if (angle < kMore * radius || !(radius > 0.0))
     return {};
   const double rms = std::sqrt(angle * angle - radius * radius);

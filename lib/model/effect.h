@@ -146,6 +146,8 @@ public:
 
   /// Why this capture cannot show the effect at all; empty when it can.
   virtual std::string invisible(const Residual &) const { return {}; }
+  /// Whether what was measured rules these values out, whatever the fit gains by them.
+  virtual bool refuted(Values, const Residual &) const { return false; }
   /// Starting points, best first. Coordinates near zero mean: let the linear fit decide.
   virtual std::vector<std::vector<double>> guesses(const Residual &) const;
   /// Values with another choice of what no search for a place decides; the best is kept.

@@ -27,6 +27,7 @@ public:
   double fastest_omega = 0.0;     ///< rad/s, mechanical
   int periods = 2;
   double amplitude_v = 1.0, noise_v = 0.0, supply_v = 5.0;
+  double centre_sin_v = 2.5, centre_cos_v = 2.5; ///< middle of the circle
   double sample_period_s = 0.0;
   std::span<const double> time, omega;
   std::span<const double> sin_v, cos_v;             ///< residual
@@ -64,15 +65,21 @@ struct ScreenFinding {
 /// A capture on its first look, and what came of it.
 struct Screened {
   const Capture &capture;
-  std::vector<char> usable;             ///< 0: a fit must not use this sample
-  std::vector<double> angle;            ///< unwrapped mechanical angle from the pair itself, rad
-  std::vector<std::size_t> jumps;       ///< first sample after each jump of the angle over time
-  std::vector<double> jump_rad;         ///< mechanical, beyond what the speed explains
-  std::vector<std::size_t> jump_lost;   ///< samples lost there; 0 at a slip
-  std::vector<std::size_t> lost_before; ///< jumps in which an earlier look saw samples lost
-  std::vector<std::uint32_t> spikes;    ///< samples with an isolated spike, ascending
-  std::vector<ScreenFinding> findings;
+  std::vector<char> usable = {};             ///< 0: a fit must not use this sample
+  std::vector<double> angle = {};            ///< unwrapped mechanical angle from the pair itself, rad
+  double centre_sin_v = 2.5, centre_cos_v = 2.5; ///< middle of the circle
+  std::vector<std::size_t> jumps = {};       ///< first sample after each jump of the angle over time
+  std::vector<double> jump_rad = {};         ///< mechanical, beyond what the speed explains
+  std::vector<std::size_t> jump_lost = {};   ///< samples lost there; 0 at a slip
+  std::vector<std::size_t> lost_before = {}; ///< jumps in which an earlier look saw samples lost
+  std::vector<std::uint32_t> spikes = {};    ///< samples with an isolated spike, ascending
+  std::vector<ScreenFinding> findings = {};
   double white_noise_v = 0.0; ///< sample-to-sample noise of one channel
+  /// Whether the pair turns often enough that its own smooth motion shows jumps and losses.
+  bool smooth = true;
+
+  /// Mechanical turns that the pair makes, whatever their sense.
+  double turns() const;
 };
 
 bool screen_spikes(Screened &look, const Effect &effect);

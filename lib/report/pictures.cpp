@@ -78,7 +78,7 @@ double excess(const std::vector<Bin> &bins) {
   return bins.empty() ? 0.0 : chi2 / static_cast<double>(bins.size());
 }
 
-std::string x_range(const Axis &axis) {
+std::string x_range(const PlotAxis &axis) {
   if (axis.name == "angle")
     return "set xrange [0:360]\nset xtics 90\n";
   const double room = axis.continuous ? 0.0 : 0.06 * (axis.to - axis.from);
@@ -101,7 +101,7 @@ double residual_limit(const View &, const ResidualBins &before, const ResidualBi
 
 Picture residual_picture(const View &view, std::size_t axis, const ResidualBins &before,
                          const ResidualBins &after, double limit) {
-  const Axis &a = view.axes[axis];
+  const PlotAxis &a = view.axes[axis];
   const int part = most_changed(before, after, axis);
   const auto k = static_cast<std::size_t>(part);
   std::string s = panel(kPanelWidth, kPanelHeight, a.label,
@@ -118,7 +118,7 @@ Picture residual_picture(const View &view, std::size_t axis, const ResidualBins 
 }
 
 Picture leftover_picture(const View &view, std::size_t axis) {
-  const Axis &a = view.axes[axis];
+  const PlotAxis &a = view.axes[axis];
   std::size_t part = 0;
   for (std::size_t k = 1; k < kComponents; ++k)
     if (excess(view.final.axis[axis][k]) > excess(view.final.axis[axis][part]))

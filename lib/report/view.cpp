@@ -19,9 +19,9 @@ namespace {
 constexpr std::size_t kMostSamples = 60000, kMostSolved = 20000;
 constexpr double kRpmPerRad = 60.0 / kTwoPi;
 
-Axis axis_of(const char *name, const char *label, std::vector<double> key, std::size_t bins,
+PlotAxis axis_of(const char *name, const char *label, std::vector<double> key, std::size_t bins,
              bool continuous) {
-  Axis a{name, label, 0.0, 0.0, bins, continuous, std::move(key)};
+  PlotAxis a{name, label, 0.0, 0.0, bins, continuous, std::move(key)};
   if (!a.key.empty()) {
     const auto [low, high] = std::minmax_element(a.key.begin(), a.key.end());
     a.from = *low;
@@ -69,7 +69,7 @@ std::array<std::vector<double>, kComponents> components(const ResidualColumns &r
 ResidualBins residual_bins(const Observations &data, const Model &model, const View &view) {
   const auto parts = components(residual_columns(data, model), 0.5 * view.scene.supply_v);
   ResidualBins out;
-  for (const Axis &axis : view.axes) {
+  for (const PlotAxis &axis : view.axes) {
     auto &bins = out.axis.emplace_back();
     for (std::size_t k = 0; k < kComponents; ++k)
       bins[k] = bin_means(axis.key, parts[k], axis.from, axis.to, axis.bins, 12);
@@ -145,14 +145,14 @@ Stretch stretch_of(const Observations &all, const Diagnosis &d) {
 }
 
 /// Mean of a column in each of 180 parts of the turn; NaN where there is nothing.
-std::vector<double> over_turn(const Axis &angle, const std::vector<double> &column) {
+std::vector<double> over_turn(const PlotAxis &angle, const std::vector<double> &column) {
   std::vector<double> out(180, kAbsent);
   for (const Bin &b : bin_means(angle.key, column, 0.0, 360.0, out.size(), 1))
     out[std::min<std::size_t>(179, static_cast<std::size_t>(b.x / 2.0))] = b.mean;
   return out;
 }
 
-Locus locus_of(const Observations &data, const Diagnosis &d, const Axis &angle) {
+Locus locus_of(const Observations &data, const Diagnosis &d, const PlotAxis &angle) {
   const ResidualColumns b = residual_columns(data, d.baseline);
   const ResidualColumns e = residual_columns(data, d.extended);
   return {over_turn(angle, b.model_sin), over_turn(angle, b.model_cos),

@@ -20,7 +20,7 @@ enum Component { kVsin, kVcos, kRadial, kTangential, kComponents };
 const char *component_name(int component);
 
 /// Something that a residual may depend on.
-struct Axis {
+struct PlotAxis {
   std::string name;  ///< "angle"
   std::string label; ///< "shaft angle, deg"
   double from = 0.0, to = 0.0;
@@ -54,7 +54,7 @@ struct Spectrum {
 
 struct View {
   Scene scene;
-  std::vector<Axis> axes;
+  std::vector<PlotAxis> axes;
   std::vector<std::string> missing; ///< axes that the capture does not have, with the reason
   std::vector<ResidualBins> rungs;  ///< one a model of the ladder
   std::vector<int> rung_of_finding; ///< the model that has it first; -1: none, seen otherwise

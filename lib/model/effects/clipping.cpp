@@ -59,6 +59,24 @@ public:
   std::vector<double> steps(Values v) const override {
     return std::vector<double>(to_coordinates(v).size(), 1e-3);
   }
+  /// A channel that stops at a level never passes it by more than noise. Isolated spikes may.
+  bool refuted(Values v, const Residual &r) const override {
+    constexpr double kNoise = 4.5;    // standard deviations: by chance 3 in a million samples
+    constexpr double kSpikes = 0.002; // share of the samples, as much as impulse noise has
+    const double reach = kNoise * r.noise_v;
+    std::size_t beyond = 0;
+    for (double channel : {0.0, 1.0}) {
+      if (!std::isnan(v[2]) && v[2] != channel)
+        continue;
+      const auto &model = channel < 0.5 ? r.model_sin_v : r.model_cos_v;
+      const auto &left = channel < 0.5 ? r.sin_v : r.cos_v;
+      for (std::size_t i = 0; i < model.size(); ++i) {
+        const double measured = model[i] + left[i];
+        beyond += measured < v[0] - reach || measured > v[1] + reach; // never true of NaN
+      }
+    }
+    return static_cast<double>(beyond) > 2.0 + kSpikes * static_cast<double>(r.time.size());
+  }
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     return find_clipping(r);
   }

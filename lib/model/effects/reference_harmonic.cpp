@@ -34,6 +34,9 @@ constexpr EffectInfo kInfo{.id = "reference-harmonic",
                            .prior_rank = 3,
                            .repeats = true};
 
+/// What changes within the record widens a line of order 1: near it nothing is of another order.
+constexpr double kOfEccentricity = 0.25;
+
 class ReferenceHarmonic final : public ReferenceError {
 public:
   const EffectInfo &info() const override { return kInfo; }
@@ -42,7 +45,7 @@ public:
     for (const double order : {16.0, 32.0, 64.0})
       out.push_back({order, 0.0, 0.0});
     for (const double order : find_orders(r))
-      if (std::abs(order - 1.0) > 1e-9 &&
+      if (std::abs(order - 1.0) > kOfEccentricity &&
           std::none_of(out.begin(), out.end(), [&](const auto &v) { return v[0] == order; }))
         out.push_back({order, 0.0, 0.0});
     return out;

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/anonymous/anonymous.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numeric>
+
+#include "base/angle.h"
+#include "diagnosis/candidates.h"
+#include "diagnosis/criteria.h"
+
+namespace ada {
+
+namespace {
+
+double zero_of(const Model &model) {
+  return model.baseline.angle_zero_deg * kRadPerDeg;
+}
+
+/// Held-out data of a second capture with the angle moved to the zero of the first.
+Observations at_zero_of(const Model &model, Observations data) {
+  const double move = zero_of(as_seen_by(data, model)) - zero_of(model);
+  for (double &a : data.alpha)
+    a += move;
+  return data;
+}
+
+Observations some_of(const Observations &data, std::size_t most) {
+  std::vector<std::uint32_t> all(data.size());
+  std::iota(all.begin(), all.end(), 0u);
+  Observations out = data.select(thin(all, most, 100));
+  out.coloured.reset();
+  return out;
+}
+
+struct Halves {
+  Observations train, heldout;
+  ResidualColumns train_left, heldout_left;
+};
+
+Halves halves_of(const Parts &parts, const Model &model) {
+  Halves out{some_of(parts.train, criteria::kAnonymousTrain),
+             some_of(parts.heldout, criteria::kAnonymousHeldout), {}, {}};
+  if (parts.second_capture)
+    out.heldout = at_zero_of(model, std::move(out.heldout));
+  out.train_left = residual_columns(out.train, model);
+  out.heldout_left = residual_columns(out.heldout, model);
+  return out;
+}
+
+int most_orders(const Scene &scene, std::size_t samples, int wanted) {
+  const int by_samples = static_cast<int>(static_cast<double>(samples) / criteria::kSamplesPerOrder);
+  return std::clamp(by_samples / (scene.stops ? 10 : 1), 1, wanted);
+}
+
+Anonymous fitted(const Scene &scene, const Halves &halves, double zero_rad, int orders,
+                 const std::vector<double> &lines_hz, Asked asked) {
+  Anonymous out;
+  out.basis = generic_basis(scene, halves.train, zero_rad,
+                            most_orders(scene, halves.train.size(), orders), lines_hz, asked);
+  out.from = products(out.basis, halves.train, halves.train_left, halves.heldout, halves.heldout_left);
+  out.selection = select(out.basis, out.from);
+  return out;
+}
+
+/// Frequencies of the strongest lines of what the selection leaves, Hz.
+std::vector<double> lines_of(const Scene &scene, const Halves &halves, const Anonymous &left,
+                             const Model &model) {
+  if (halves.train.size() < criteria::kFewestForLines)
+    return {};
+  ResidualColumns rest = halves.train_left;
+  subtract(left.basis, left.selection, halves.train, rest);
+  const Residual view = residual_view(scene, halves.train, rest, std::sqrt(left.selection.train_v2),
+                                      model.baseline.amplitude_v);
+  std::vector<double> out;
+  for (const auto &values : find_tones(view))
+    out.push_back(values[0]);
+  if (out.size() > criteria::kMostLines)
+    out.resize(criteria::kMostLines);
+  return out;
+}
+
+} // namespace
+
+Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model,
+                       bool conditions) {
+  const Halves halves = halves_of(parts, model);
+  const bool over_time = !parts.second_capture;
+  const auto with = [&](int orders, const std::vector<double> &lines) {
+    return fitted(scene, halves, zero_of(model), orders, lines, {over_time, conditions});
+  };
+  const bool few = halves.train.size() <= criteria::kFew;
+  Anonymous out = with(few ? criteria::kMostOrders : criteria::kFirstOrders, {});
+  if (!few && out.selection.orders[0] > criteria::kFirstOrders / 2)
+    out = with(criteria::kMostOrders, {});
+  if (!over_time || !conditions)
+    return out;
+  const std::vector<double> lines = lines_of(scene, halves, out, model);
+  return lines.empty() ? out : with(std::max(2, out.selection.orders[0]), lines);
+}
+
+Quality quality_with(const Anonymous &left, const Parts &parts, const Model &model) {
+  Quality out;
+  out.residual_rms_v = std::sqrt(left.selection.noise_v2);
+  const double variance = std::max(left.selection.train_v2, criteria::kLeastMeanSquare);
+  out.log_likelihood = std::log(parts.heldout.weight_along) - std::log(kTwoPi * variance) -
+                       left.selection.noise_v2 / variance;
+  if (!parts.has_reference)
+    return out;
+  Halves halves = halves_of(parts, model);
+  ResidualColumns &r = halves.heldout_left;
+  subtract(left.basis, left.selection, halves.heldout, r);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < r.sin.size(); ++i) {
+    const double s = r.model_sin[i] - halves.heldout.centre_sin_v;
+    const double c = r.model_cos[i] - halves.heldout.centre_cos_v;
+    const double turn = (r.sin[i] * c - r.cos[i] * s) / std::max(s * s + c * c, 1e-12);
+    sum += turn * turn;
+  }
+  out.angle_error_rms_deg = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, r.sin.size()))) *
+                            kDegPerRad / model.periods_per_turn;
+  return out;
+}
+
+std::vector<BudgetLine> budget_of(const Anonymous &whole, const Anonymous &unnamed) {
+  std::vector<BudgetLine> out;
+  for (std::size_t k = 0; k + 1 < kAxes; ++k) {
+    const double all = std::max(0.0, whole.selection.share_v2[k]);
+    const double left = std::max(0.0, unnamed.selection.share_v2[k]);
+    if (all <= 0.0 && left <= 0.0)
+      continue;
+    // What a name takes from one axis it may give to another: a line of the budget never has more
+    // without a name than in all.
+    const double rms2 = std::max(all, left);
+    out.push_back({static_cast<Axis>(k), std::sqrt(rms2), std::sqrt(rms2 - left), std::sqrt(left)});
+  }
+  const double noise = std::sqrt(unnamed.selection.noise_v2);
+  out.push_back({Axis::noise, noise, 0.0, noise});
+  std::stable_sort(out.begin(), out.end(),
+                   [](const BudgetLine &a, const BudgetLine &b) { return a.rms_v > b.rms_v; });
+  return out;
+}
+
+NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &model) {
+  Halves halves = halves_of(parts, model);
+  ResidualColumns &r = halves.heldout_left;
+  subtract(left.basis, left.selection, halves.heldout, r);
+  NoiseShape out;
+  for (std::size_t i = 0; i < r.sin.size(); ++i) {
+    const double s = r.model_sin[i] - halves.heldout.centre_sin_v;
+    const double c = r.model_cos[i] - halves.heldout.centre_cos_v;
+    const double length = std::max(std::hypot(s, c), 1e-12);
+    const double along = (r.sin[i] * s + r.cos[i] * c) / length;
+    const double across = (r.sin[i] * c - r.cos[i] * s) / length;
+    out.sin_v += r.sin[i] * r.sin[i];
+    out.cos_v += r.cos[i] * r.cos[i];
+    out.along_v += along * along;
+    out.across_v += across * across;
+  }
+  const double n = static_cast<double>(std::max<std::size_t>(1, r.sin.size()));
+  for (double *v : {&out.sin_v, &out.cos_v, &out.along_v, &out.across_v})
+    *v = std::sqrt(*v / n);
+  return out;
+}
+
+Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data,
+                     Model model) {
+  const int orders = left.selection.orders[static_cast<std::size_t>(Axis::angle)];
+  if (orders == 0)
+    return model;
+  const Observations some = some_of(data, criteria::kRemainderSamples);
+  // What the other axes hold is fitted beside it, and so cannot leak into it; the baseline moves
+  // along.
+  const int p = scene.periods;
+  Basis basis(p, zero_of(model));
+  basis.scale_to(some);
+  basis.add(Axis::angle, 0, 0);
+  basis.add(Axis::angle, 0, p);
+  const auto &groups = left.basis.groups();
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    const bool in = std::find(left.selection.columns.begin(), left.selection.columns.end(),
+                              static_cast<Eigen::Index>(groups[k].first)) !=
+                    left.selection.columns.end();
+    if (in)
+      basis.add(groups[k].axis, groups[k].order, left.basis.terms()[k].exponent,
+                left.basis.terms()[k].modulation);
+  }
+  const ResidualColumns r = residual_columns(some, model);
+  const Eigen::MatrixXd gram = gram_of(basis, some, r);
+  const Eigen::Index m = gram.rows() - 1;
+  Eigen::MatrixXd a = gram.topLeftCorner(m, m);
+  a.diagonal().array() += criteria::kRidge * 2.0 * static_cast<double>(some.size());
+  const Eigen::VectorXd values = a.ldlt().solve(gram.topRightCorner(m, 1));
+  if (!values.allFinite())
+    return model;
+
+  const double amplitude = model.baseline.amplitude_v;
+  PeriodicRemainder remainder;
+  remainder.electrical = !scene.has_reference;
+  int highest = 0;
+  const int unit = remainder.electrical ? p : 1;
+  for (std::size_t k = 2; k < basis.terms().size(); ++k)
+    if (basis.groups()[k].axis == Axis::angle)
+      highest = std::max(highest, std::abs(basis.terms()[k].exponent) / unit);
+  highest = std::min<int>(highest, PeriodicRemainder::kHighestOrder);
+  for (auto *v : {&remainder.sin_cos, &remainder.sin_sin, &remainder.cos_cos, &remainder.cos_sin})
+    v->assign(static_cast<std::size_t>(highest), 0.0);
+  for (std::size_t k = 2; k < basis.terms().size(); ++k) {
+    const int exponent = basis.terms()[k].exponent;
+    const std::size_t n = static_cast<std::size_t>(std::abs(exponent) / unit);
+    if (basis.groups()[k].axis != Axis::angle || n == 0 || n > remainder.orders())
+      continue;
+    const double re = values[static_cast<Eigen::Index>(2 * k)] / amplitude;
+    const double im = values[static_cast<Eigen::Index>(2 * k + 1)] / amplitude;
+    const double sign = exponent > 0 ? 1.0 : -1.0;
+    remainder.cos_cos[n - 1] += re; // re cos(m x) - im sin(m x)
+    remainder.cos_sin[n - 1] -= sign * im;
+    remainder.sin_sin[n - 1] += sign * re; // re sin(m x) + im cos(m x)
+    remainder.sin_cos[n - 1] += im;
+  }
+  model.baseline.offset_cos_v += values[0];
+  model.baseline.offset_sin_v += values[1];
+  model.baseline.amplitude_v += values[2];
+  model.baseline.angle_zero_deg += values[3] / (amplitude * p) * kDegPerRad;
+  model.remainder = std::move(remainder);
+  return model;
+}
+
+} // namespace ada

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// A model beside the best one that names nothing: where the simulation is wrong, how much of that has
+// a name, and what is carried without one.
+#pragma once
+
+#include "diagnosis/anonymous/discrepancy.h"
+#include "diagnosis/parts.h"
+#include "diagnosis/result.h"
+
+namespace ada {
+
+/// What a model leaves over, by axis.
+struct Anonymous {
+  Basis basis;
+  Products from;
+  Selection selection;
+  bool any() const { return !selection.columns.empty(); }
+};
+
+/// The anonymous model of what `model` leaves over. Lines of the spectrum are looked for in what the
+/// other axes leave.
+/// Not `conditions`: without speed, temperature and supply, as a process that follows none of them
+/// would have it.
+Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model,
+                       bool conditions = true);
+
+/// How well a model does together with its anonymous part.
+Quality quality_with(const Anonymous &left, const Parts &parts, const Model &model);
+
+/// The budget: `whole` is of the baseline, `unnamed` of the model with all that has a name.
+std::vector<BudgetLine> budget_of(const Anonymous &whole, const Anonymous &unnamed);
+
+/// Noise that the anonymous model leaves, by channel and along and across the vector, V rms.
+NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &model);
+
+/// The model with what repeats with the angle and has no name, fitted to `data` together with the
+/// baseline; without one where held-out data did not confirm any.
+Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data, Model model);
+
+} // namespace ada

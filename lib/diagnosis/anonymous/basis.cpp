@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/anonymous/basis.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+
+#include "base/angle.h"
+#include "base/robust.h"
+#include "diagnosis/criteria.h"
+
+namespace ada {
+
+std::string_view axis_name(Axis axis) {
+  constexpr std::array<std::string_view, kAxes> kNames{"angle", "speed",     "temperature", "supply",
+                                                       "time",  "frequency", "noise"};
+  return kNames[static_cast<std::size_t>(axis)];
+}
+
+void Basis::add(Axis axis, int order, int exponent, Modulation modulation) {
+  groups_.push_back({axis, order, columns()});
+  terms_.push_back({exponent, modulation});
+}
+
+void Basis::scale_to(const Observations &data) {
+  std::vector<double> speed;
+  for (double w : data.omega)
+    speed.push_back(std::abs(w));
+  top_speed_ = std::max(quantile(std::move(speed), 0.98), 1e-12);
+  time_from_ = data.time.front();
+  time_span_ = std::max(data.time.back() - data.time.front(), 1e-12);
+  if (!data.temp.empty()) {
+    const double low = quantile(data.temp, 0.0), high = quantile(data.temp, 1.0);
+    temp_middle_ = 0.5 * (low + high);
+    temp_half_ = std::max(0.5 * (high - low), 1e-12);
+  }
+}
+
+void Basis::evaluate(const Observations &data, std::size_t first, std::size_t n,
+                     Eigen::Ref<Eigen::MatrixXd> out) const {
+  int top = 0;
+  for (const Term &t : terms_)
+    top = std::max(top, std::abs(t.exponent));
+  std::vector<std::complex<double>> power(static_cast<std::size_t>(top) + 1);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t i = first + k;
+    const double x = data.alpha[i] + zero_rad_;
+    power[0] = 1.0;
+    const std::complex<double> unit = std::polar(1.0, x);
+    for (std::size_t m = 1; m < power.size(); ++m)
+      power[m] = power[m - 1] * unit;
+    const double w = std::clamp(data.omega[i] / top_speed_, -1.5, 1.5);
+    const double u =
+        data.temp.empty() ? 0.0 : std::clamp((data.temp[i] - temp_middle_) / temp_half_, -1.0, 1.0);
+    const double t = (data.time[i] - time_from_) / time_span_;
+    const auto modulated = [&](const Modulation &g) {
+      switch (g.kind) {
+      case Modulation::none:
+        return 1.0;
+      case Modulation::sense:
+        return static_cast<double>(data.direction[i]);
+      case Modulation::velocity:
+        return w;
+      case Modulation::speed:
+        return std::abs(w);
+      case Modulation::square:
+        return w * w;
+      case Modulation::temperature:
+        return g.order == 1 ? u : g.order == 2 ? 1.5 * u * u - 0.5 : 2.5 * u * u * u - 1.5 * u;
+      case Modulation::supply:
+        return data.supply.empty() ? 0.0 : static_cast<double>(data.supply[i]);
+      case Modulation::trend:
+        return std::cos(0.5 * kTwoPi * g.order * t);
+      case Modulation::line_cos:
+        return std::cos(kTwoPi * g.frequency_hz * data.time[i]);
+      case Modulation::line_sin:
+        return std::sin(kTwoPi * g.frequency_hz * data.time[i]);
+      }
+      return 0.0;
+    };
+    const auto s = static_cast<Eigen::Index>(2 * k), c = s + 1;
+    for (std::size_t q = 0; q < terms_.size(); ++q) {
+      const Term &term = terms_[q];
+      const std::complex<double> p = power[static_cast<std::size_t>(std::abs(term.exponent))];
+      const double g = modulated(term.modulation);
+      const double re = g * p.real(), im = g * (term.exponent < 0 ? -p.imag() : p.imag());
+      const auto row = static_cast<Eigen::Index>(2 * q);
+      out(row, s) = im; // c e^(jmx), c real: r_sin is the imaginary part
+      out(row, c) = re;
+      out(row + 1, s) = re; // c imaginary
+      out(row + 1, c) = -im;
+    }
+  }
+}
+
+Basis generic_basis(const Scene &scene, const Observations &data, double zero_rad, int orders,
+                    const std::vector<double> &lines_hz, Asked asked) {
+  const int p = scene.periods;
+  Basis out(p, zero_rad);
+  out.scale_to(data);
+  // What turns with the angle: orders of the turn against a reference, of the electrical period
+  // without. The terms of m = 0 and m = p are the baseline's own offsets, amplitude and zero.
+  const int step = scene.has_reference ? 1 : p;
+  for (int n = step; n <= orders * step; n += step)
+    for (int m : {p - n, p + n})
+      if (m != 0)
+        out.add(Axis::angle, n / step, m);
+  const std::array<int, 3> pair{0, p, -p}; // offsets; gain and angle; mismatch and quadrature
+  if (asked.conditions && scene.both_directions)
+    for (int m : pair)
+      out.add(Axis::speed, 1, m, {Modulation::sense});
+  if (asked.conditions && scene.several_speeds) {
+    for (int m : pair)
+      out.add(Axis::speed, 2, m, {Modulation::speed});
+    for (int m : pair)
+      out.add(Axis::speed, 3, m, {Modulation::square});
+  }
+  if (asked.conditions && scene.several_speeds && scene.both_directions)
+    for (int m : pair)
+      out.add(Axis::speed, 4, m, {Modulation::velocity});
+  if (asked.conditions && scene.why_no_temperature.empty())
+    for (int order : {1, 2, 3})
+      for (int m : pair)
+        out.add(Axis::temperature, order, m, {Modulation::temperature, order});
+  if (asked.conditions && !data.supply.empty())
+    for (int m : pair)
+      out.add(Axis::supply, 1, m, {Modulation::supply});
+  // Slow in time: half waves that each last two electrical periods or more, so that none of them
+  // follows the shaft.
+  const int waves =
+      !asked.over_time ? 0
+                 : static_cast<int>(std::min(
+                       criteria::kMostTrends, std::floor(scene.turns * p / criteria::kPeriodsPerTrend)));
+  for (int order = 1; order <= waves; ++order)
+    for (int m : pair)
+      if (asked.conditions || m != -p) // a process moves offsets and gain
+        out.add(Axis::time, order, m, {Modulation::trend, order});
+  for (std::size_t k = 0; k < lines_hz.size(); ++k)
+    for (auto kind : {Modulation::line_cos, Modulation::line_sin})
+      out.add(Axis::frequency, static_cast<int>(k) + 1, 0, {kind, 0, lines_hz[k]});
+  return out;
+}
+
+} // namespace ada

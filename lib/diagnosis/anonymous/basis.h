@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Generic shapes of what a simulation gets wrong, without any cause: the residual as one complex
+// signal e = r_cos + j r_sin is a sum of terms  c g e^(j m x), with g a function of time,
+// temperature, supply or speed, and x the angle of the magnet. Fourier's theorem makes the set
+// complete in the angle; an effect of the catalogue is a pattern in these coefficients.
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "diagnosis/axis.h"
+#include "diagnosis/observations.h"
+
+namespace ada {
+
+/// A function of the conditions that a term is multiplied by.
+struct Modulation {
+  enum Kind {
+    none,
+    sense,       ///< sense of rotation, -1 or +1
+    velocity,    ///< signed speed over the fastest
+    speed,       ///< its absolute value
+    square,      ///< its square
+    temperature, ///< Legendre polynomial `order` of VTEMP over its range
+    supply,      ///< VDD as a wave of rms 1
+    trend,       ///< cosine of `order` half waves over the record
+    line_cos,    ///< of `frequency_hz`
+    line_sin,
+  } kind = none;
+  int order = 0;
+  double frequency_hz = 0.0;
+};
+
+/// Coefficients that stand or fall together: real and imaginary part of one complex coefficient, or
+/// of those of one function family.
+struct Group {
+  Axis axis;
+  int order;         ///< of the angle error that it makes, |m - p|; of the function otherwise
+  std::size_t first; ///< column
+  std::size_t count = 2;
+};
+
+class Basis {
+public:
+  Basis() = default;
+  /// `zero_rad`: from the angle of the observations to the magnet's.
+  Basis(int periods, double zero_rad) : periods_(periods), zero_rad_(zero_rad) {}
+
+  /// Adds the two columns of one complex coefficient.
+  void add(Axis axis, int order, int exponent, Modulation modulation = {});
+
+  std::size_t columns() const { return 2 * terms_.size(); }
+  const std::vector<Group> &groups() const { return groups_; }
+  int periods() const { return periods_; }
+
+  /// Ranges that the functions are scaled to; the same for training and held-out data.
+  void scale_to(const Observations &data);
+
+  /// Values of all columns for samples [first, first + n): rows are columns of the basis, column 2i
+  /// is VSIN and 2i + 1 VCOS of sample i.
+  void evaluate(const Observations &data, std::size_t first, std::size_t n,
+                Eigen::Ref<Eigen::MatrixXd> out) const;
+
+  /// Complex coefficient of e^(j m x) without modulation among `values`, by m; for a remainder.
+  struct Term {
+    int exponent;
+    Modulation modulation;
+  };
+  const std::vector<Term> &terms() const { return terms_; }
+
+private:
+  int periods_ = 2;
+  double zero_rad_ = 0.0;
+  double top_speed_ = 1.0, temp_middle_ = 0.0, temp_half_ = 1.0, time_from_ = 0.0, time_span_ = 1.0;
+  std::vector<Term> terms_;
+  std::vector<Group> groups_;
+};
+
+/// Which axes are asked.
+struct Asked {
+  bool over_time = true;  ///< false: another capture judges, which knows nothing of this one's time
+  bool conditions = true; ///< speed, temperature and supply
+};
+
+/// What the capture lets each axis show. `orders`: highest order of the turn on the angle axis;
+/// `lines_hz`: frequencies of lines of the spectrum.
+Basis generic_basis(const Scene &scene, const Observations &data, double zero_rad, int orders,
+                    const std::vector<double> &lines_hz, Asked asked);
+
+} // namespace ada

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/anonymous/discrepancy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "diagnosis/criteria.h"
+
+namespace ada {
+
+namespace {
+
+struct Power {
+  double sum = 0.0, weight = 0.0;
+  void add(double power, double w) {
+    sum += w * power;
+    weight += w;
+  }
+  double mean() const { return weight > 0.0 ? std::max(0.0, sum / weight) : 0.0; }
+};
+
+} // namespace
+
+Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const Products &from) {
+  Discrepancy out;
+  if (selection.columns.empty())
+    return out;
+  out.basis = basis;
+  // Causes live at low orders; what lies above counts as noise.
+  double above = 0.0;
+  std::vector<Eigen::Index> place;
+  for (std::size_t k = 0; k < selection.columns.size(); ++k) {
+    const Group &g = basis.groups()[static_cast<std::size_t>(selection.columns[k] / 2)];
+    const double value = selection.values[static_cast<Eigen::Index>(k)];
+    if (g.axis == Axis::angle && g.order > criteria::kNamedOrders)
+      above += 0.5 * value * value;
+    else
+      place.push_back(static_cast<Eigen::Index>(k));
+  }
+  for (Eigen::Index k : place)
+    out.columns.push_back(selection.columns[static_cast<std::size_t>(k)]);
+  out.noise_v2 = std::max(selection.train_v2 + above, criteria::kLeastMeanSquare);
+  const auto n = static_cast<Eigen::Index>(out.columns.size());
+  Eigen::MatrixXd a = from.train(out.columns, out.columns);
+  a.diagonal().array() += criteria::kRidge * from.n_train;
+  const Eigen::VectorXd variance =
+      a.ldlt().solve(Eigen::MatrixXd::Identity(n, n)).diagonal() * out.noise_v2;
+  const Eigen::VectorXd values = selection.values(place);
+  // Power of each coefficient without what noise alone gives.
+  const auto power = [&](Eigen::Index k) {
+    return values[k] * values[k] - variance[k];
+  };
+  std::map<int, Power> of_order;                     // angle, by order
+  std::map<std::pair<Axis, int>, Power> of_function; // others, by axis and exponent
+  const auto term_of = [&](Eigen::Index k) -> const Basis::Term & {
+    return basis.terms()[static_cast<std::size_t>(out.columns[static_cast<std::size_t>(k)] / 2)];
+  };
+  const auto group_of = [&](Eigen::Index k) -> const Group & {
+    return basis.groups()[static_cast<std::size_t>(out.columns[static_cast<std::size_t>(k)] / 2)];
+  };
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Group &g = group_of(k);
+    if (g.axis == Axis::angle)
+      for (int d = -2; d <= 2; ++d)
+        of_order[g.order + d].add(power(k), criteria::kNeighbourWeight[static_cast<std::size_t>(std::abs(d))]);
+    else
+      of_function[{g.axis, term_of(k).exponent}].add(power(k), 1.0);
+  }
+  out.variance_v2.resize(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Group &g = group_of(k);
+    const double local = g.axis == Axis::angle ? of_order[g.order].mean()
+                                               : of_function[{g.axis, term_of(k).exponent}].mean();
+    out.variance_v2[k] = std::max(local, criteria::kLeastOfResolution * variance[k]);
+  }
+  return out;
+}
+
+Coloured::Coloured(const Discrepancy &discrepancy, const Observations &data) {
+  const auto m = static_cast<Eigen::Index>(discrepancy.columns.size());
+  rows_.resize(m, static_cast<Eigen::Index>(2 * data.size()));
+  Eigen::MatrixXd inner = Eigen::MatrixXd::Zero(m, m);
+  Eigen::MatrixXd all(static_cast<Eigen::Index>(discrepancy.basis.columns()), 2 * kWaveBlock);
+  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
+    const std::size_t n = std::min(kWaveBlock, data.size() - first);
+    const auto values = static_cast<Eigen::Index>(2 * n);
+    discrepancy.basis.evaluate(data, first, n, all);
+    Eigen::MatrixXd block = all(discrepancy.columns, Eigen::seqN(0, values));
+    if (data.weight_along != 1.0)
+      for (std::size_t i = 0; i < n; ++i)
+        for (Eigen::Index k = 0; k < m; ++k)
+          data.whiten(first + i, data.vsin[first + i], data.vcos[first + i],
+                      block(k, static_cast<Eigen::Index>(2 * i)),
+                      block(k, static_cast<Eigen::Index>(2 * i + 1)));
+    inner.selfadjointView<Eigen::Lower>().rankUpdate(block);
+    rows_.middleCols(static_cast<Eigen::Index>(2 * first), values) = block;
+  }
+  inner.triangularView<Eigen::StrictlyUpper>() = inner.transpose();
+  inner.diagonal() += (discrepancy.noise_v2 / discrepancy.variance_v2.array()).matrix();
+  inner_.compute(inner);
+}
+
+Eigen::MatrixXd Coloured::project(std::size_t first,
+                                  const Eigen::Ref<const Eigen::MatrixXd> &values) const {
+  return rows_.middleCols(static_cast<Eigen::Index>(2 * first), values.cols()) *
+         values.transpose();
+}
+
+Eigen::MatrixXd Coloured::taken(const Eigen::Ref<const Eigen::MatrixXd> &p) const {
+  return p.transpose() * inner_.solve(p);
+}
+
+} // namespace ada

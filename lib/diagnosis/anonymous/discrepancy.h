@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What nobody can name, as a part of the noise: the coefficients of the anonymous model are taken as
+// normally distributed with the variance that their neighbours show, so that a named cause is judged
+// by how far it stands out of what has no name, and its error says so (Kennedy and O'Hagan, Bayesian
+// calibration of computer models, J. R. Stat. Soc. B 63, 2001; Brynjarsdottir and O'Hagan, Inverse
+// Problems 30, 2014: without such a term parameters come out biased and overconfident).
+#pragma once
+
+#include <memory>
+
+#include "diagnosis/anonymous/regression.h"
+
+namespace ada {
+
+/// Generic columns with the prior variance of their coefficients.
+struct Discrepancy {
+  Basis basis;
+  std::vector<Eigen::Index> columns;
+  Eigen::VectorXd variance_v2; ///< of the coefficient of each
+  double noise_v2 = 0.0;       ///< of what is left, white
+
+  explicit operator bool() const { return !columns.empty(); }
+};
+
+/// From the coefficients that a named model leaves over. On the angle axis the variance of an order
+/// is the mean power of its coefficients and those of its neighbours: a harmonic that stands alone
+/// stands out, one among others of its size does not. On the other axes it is the mean over all
+/// functions of the axis that act on the pair in the same way.
+Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const Products &from);
+
+/// The covariance sigma^2 + B T B' of one set of observations, by Woodbury's identity.
+class Coloured {
+public:
+  Coloured(const Discrepancy &discrepancy, const Observations &data);
+
+  Eigen::Index columns() const { return rows_.rows(); }
+  /// Products of the columns with values of samples [first, first + n): `values` has 2n columns.
+  Eigen::MatrixXd project(std::size_t first, const Eigen::Ref<const Eigen::MatrixXd> &values) const;
+  /// What the discrepancy takes out of a product matrix X X' whose rows project to `p`:
+  /// p' S p with S the posterior covariance of the coefficients over sigma^2.
+  Eigen::MatrixXd taken(const Eigen::Ref<const Eigen::MatrixXd> &p) const;
+
+  /// What the discrepancy makes of residuals that project to `p`: its value in each sample, two a
+  /// sample.
+  Eigen::VectorXd explained(const Eigen::Ref<const Eigen::VectorXd> &p) const {
+    return rows_.transpose() * inner_.solve(p);
+  }
+
+private:
+  Eigen::MatrixXd rows_; ///< columns of the basis x values of the samples
+  Eigen::LDLT<Eigen::MatrixXd> inner_;
+};
+
+} // namespace ada

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The best model that names nothing: linear regression of a residual on the generic basis, in which
+// a block of columns takes part only when held-out data gain by it.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "diagnosis/anonymous/basis.h"
+#include "diagnosis/fit.h"
+
+namespace ada {
+
+/// Products of all columns with each other and with the residual (the last row), of both parts.
+struct Products {
+  Eigen::MatrixXd train, heldout;
+  double n_train = 0.0, n_heldout = 0.0; ///< values: two a sample
+};
+
+/// Products of the columns with each other and, in the last row and column, with a residual.
+Eigen::MatrixXd gram_of(const Basis &basis, const Observations &data, const ResidualColumns &left);
+
+Products products(const Basis &basis, const Observations &train, const ResidualColumns &train_left,
+                  const Observations &heldout, const ResidualColumns &heldout_left);
+
+/// Which columns take part.
+struct Selection {
+  std::vector<Eigen::Index> columns;
+  Eigen::VectorXd values;                  ///< of each, V
+  std::array<int, kAxes> orders{};         ///< highest order that is in, by axis; 0: none
+  std::array<double, kAxes> share_v2{};    ///< fall of the held-out mean square by axis, V^2
+  std::array<double, kAxes> gain_nats{};   ///< of the held-out likelihood by axis
+  double noise_v2 = 0.0;                   ///< held-out mean square that is left
+  double train_v2 = 0.0;                   ///< and of the training part
+};
+
+/// Axes in their order, on each the highest order that held-out data confirm most.
+Selection select(const Basis &basis, const Products &from);
+
+/// Takes the selection out of a residual.
+void subtract(const Basis &basis, const Selection &selection, const Observations &data,
+              ResidualColumns &residual);
+
+} // namespace ada

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/conditions/holdout.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/angle.h"
+#include "diagnosis/criteria.h"
+
+namespace ada {
+
+namespace {
+
+double travel_of(std::span<const double> alpha) {
+  double travel = 0.0;
+  for (std::size_t i = 1; i < alpha.size(); ++i)
+    travel += std::abs(alpha[i] - alpha[i - 1]);
+  return travel;
+}
+
+} // namespace
+
+Stops find_stops(std::span<const double> alpha, double noise_rad) {
+  Stops out;
+  if (alpha.size() < 8)
+    return out;
+  // At rest neighbours differ by their noise; between stops by far more.
+  const double moved = std::max(criteria::kStopMovesNoise * noise_rad, criteria::kStopMovesRad);
+  std::vector<std::uint32_t> of(alpha.size(), 0);
+  std::uint32_t stop = 0;
+  for (std::size_t i = 1; i < alpha.size(); ++i) {
+    if (std::abs(alpha[i] - alpha[i - 1]) > moved)
+      ++stop;
+    of[i] = stop;
+  }
+  const double length = static_cast<double>(alpha.size()) / (stop + 1.0);
+  if (stop + 1 < criteria::kFewestStops || length < criteria::kFewestReadings)
+    return out;
+  out.of = std::move(of);
+  out.count = stop + 1;
+  return out;
+}
+
+Holdout split(std::span<const double> alpha, int periods, const Stops &stops) {
+  Holdout out;
+  const double turns = travel_of(alpha) / kTwoPi;
+  out.unit = stops                                              ? HoldoutUnit::stops
+             : turns >= criteria::kFewestUnits                  ? HoldoutUnit::turns
+             : turns * periods >= 2.0 * criteria::kFewestUnits ? HoldoutUnit::periods
+                                                                : HoldoutUnit::arcs;
+  const double unit_rad = out.unit == HoldoutUnit::turns ? kTwoPi : kTwoPi / periods;
+  const std::size_t run = std::max<std::size_t>(1, alpha.size() / criteria::kArcs);
+  double travel = 0.0;
+  for (std::size_t i = 0; i < alpha.size(); ++i) {
+    if (i > 0)
+      travel += std::abs(alpha[i] - alpha[i - 1]);
+    const std::size_t number = out.unit == HoldoutUnit::stops  ? stops.of[i]
+                               : out.unit == HoldoutUnit::arcs ? i / run
+                                                               : static_cast<std::size_t>(travel / unit_rad);
+    (number % 3 == 1 ? out.heldout : out.train).push_back(static_cast<std::uint32_t>(i));
+  }
+  return out;
+}
+
+} // namespace ada

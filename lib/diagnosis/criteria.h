@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Every threshold of the diagnosis that decides, with its unit and where it comes from.
+#pragma once
+
+#include <cstddef>
+
+#include "base/angle.h"
+
+namespace ada::criteria {
+
+// --- what can be judged at all
+
+/// Samples, of both channels: four numbers of the baseline, two of the ellipse and as much again to
+/// judge them by.
+inline constexpr std::size_t kFewestSamples = 12;
+/// Share of the electrical circle that must be seen: below a third an ellipse's centre and its axes
+/// are one in the data (Kanatani, Statistical Optimization, 1996, on short arcs).
+inline constexpr double kLeastCoverage = 0.33;
+
+/// Samples about reversals and changes of speed are left out only while at least this part stays.
+inline constexpr double kMostLeftOut = 0.8;
+
+// --- the hold-out
+
+/// Turns from which on whole turns are held out: two of six judge, and each of them sees all angles.
+inline constexpr double kFewestUnits = 6.0;
+/// Runs of samples where parts of a turn are held out: an order up to a sixth of it still has
+/// training samples on both sides within half its period.
+inline constexpr std::size_t kArcs = 240;
+/// A stop: neighbours further apart than this many times the noise at rest, and than this, rad, have
+/// moved. Eight standard deviations come by chance once in 1e15.
+inline constexpr double kStopMovesNoise = 8.0, kStopMovesRad = 0.1 * kRadPerDeg;
+/// Stops from which on every third one judges, and readings a stop.
+inline constexpr std::size_t kFewestStops = 6;
+inline constexpr double kFewestReadings = 3.0;
+
+// --- the anonymous model
+
+/// Samples that it is fitted to and judged on: enough for 0.5 % of the noise in each of 100 columns.
+inline constexpr std::size_t kAnonymousTrain = 8000, kAnonymousHeldout = 4000;
+inline constexpr std::size_t kRemainderSamples = 30000;
+/// Orders of the turn that are looked at first, and where half of them are not enough; each takes
+/// this many samples, four numbers from two values each.
+inline constexpr int kFirstOrders = 32, kMostOrders = 96;
+/// Training samples up to which the highest orders cost nothing and are tried at once.
+inline constexpr std::size_t kFew = 3000;
+inline constexpr double kSamplesPerOrder = 6.0;
+/// Lines of the spectrum at most, and samples from which on they are looked for.
+inline constexpr std::size_t kMostLines = 3, kFewestForLines = 1000;
+
+/// Functions slow in time: at most so many half waves over the record, each of which lasts this many
+/// electrical periods, so that none follows the shaft.
+inline constexpr double kMostTrends = 32.0, kPeriodsPerTrend = 1.5;
+/// Held-out nats by which an axis must gain to be admitted: by chance once in e^6 = 400 axes. Each
+/// further step in its order must gain this many.
+inline constexpr double kAdmittedNats = 6.0, kNatsPerOrder = 1.0;
+/// Columns at most, as a part of the training values.
+inline constexpr double kMostColumns = 0.4;
+/// Orders among which causes are named: the highest of the catalogue is a clipping's, two of them.
+inline constexpr int kNamedOrders = 16;
+/// Structure is worth a word from this part of the noise on: it then adds 0.7 % to the whole.
+inline constexpr double kWorthAWord = 0.12;
+/// Relative ridge of the normal equations: of double precision's 1e-16 after squaring.
+inline constexpr double kRidge = 1e-9;
+/// Mean square below which nothing is resolved, V^2: a nanovolt.
+inline constexpr double kLeastMeanSquare = 1e-18;
+/// Share of an order's own power, of its neighbours' and of theirs in the variance of an order.
+inline constexpr double kNeighbourWeight[3] = {1.0, 0.5, 0.25};
+/// The variance of a coefficient that nothing is seen of, as a part of what the data resolve.
+inline constexpr double kLeastOfResolution = 0.01;
+
+/// Angle error of a model with more in it over that with less: a held-out part of a thousand samples
+/// tells it to 2 %.
+inline constexpr double kNoWorse = 1.02;
+
+// --- random causes
+
+/// What one cause may leave over of what several explain, as a part of the mean square.
+inline constexpr double kLittle = 0.1;
+/// Nats by which a cause of the noise must raise the likelihood: one in e^12 by chance.
+inline constexpr double kNatsOfNoise = 12.0;
+/// Ratio of two variances from which on they are told apart by more than a detail: 5 % of the rms.
+inline constexpr double kMoreVariance = 1.1;
+/// Mean step of an even clock over its median one, with a third of the turns held out.
+inline constexpr double kUneven = 1.2;
+/// Highest corner of flicker noise, as a part of half the sample rate: above it no white noise is
+/// seen that it could meet.
+inline constexpr double kHighestCorner = 0.25;
+/// Samples that tell the shape of the noise: a variance to 14 %.
+inline constexpr double kFewestForNoise = 100.0;
+/// Correlation of two courses that may be one and the same wave.
+inline constexpr double kSameWave = 0.9;
+
+// --- standard errors
+
+/// Stretches of the record between which the score is compared: with forty its variance is known to
+/// a quarter. Fewer than eight say nothing; each holds this many samples.
+inline constexpr std::size_t kStretches = 40, kFewestStretches = 8, kFewestOfStretch = 10;
+
+} // namespace ada::criteria

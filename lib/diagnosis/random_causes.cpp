@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/random_causes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numeric>
+
+#include "base/angle.h"
+#include "diagnosis/criteria.h"
+#include "diagnosis/spectrum.h"
+
+namespace ada {
+
+namespace {
+
+const Effect *effect_of(Evidence evidence, std::string_view axis, Pattern pattern,
+                        Character character) {
+  for (const Effect *effect : catalogue()) {
+    const EffectInfo &info = effect->info();
+    if (info.evidence == evidence && info.axis == axis && info.pattern == pattern &&
+        info.character == character)
+      return effect;
+  }
+  return nullptr;
+}
+
+/// Held-out mean square that a set of columns takes, and the nats that it is worth.
+struct Worth {
+  double share_v2 = 0.0, nats = 0.0;
+};
+
+Worth worth_of(const Anonymous &left, bool (*wanted)(int exponent, int periods)) {
+  const Selection &all = left.selection;
+  const Eigen::Index last = left.from.heldout.rows() - 1;
+  // Without the columns in question, the others as they are.
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(last), less = values;
+  for (std::size_t k = 0; k < all.columns.size(); ++k) {
+    const auto group = static_cast<std::size_t>(all.columns[k] / 2);
+    const double value = all.values[static_cast<Eigen::Index>(k)];
+    values[all.columns[k]] = value;
+    const bool out = left.basis.groups()[group].axis == Axis::time &&
+                     wanted(left.basis.terms()[group].exponent, left.basis.periods());
+    less[all.columns[k]] = out ? 0.0 : value;
+  }
+  const auto square = [&](const Eigen::VectorXd &v) {
+    const auto &g = left.from.heldout;
+    return (g(last, last) - 2.0 * v.dot(g.col(last).head(last)) +
+            v.dot(g.topLeftCorner(last, last) * v)) /
+           left.from.n_heldout;
+  };
+  const double with = std::max(square(values), criteria::kLeastMeanSquare), without = square(less);
+  return {without - with, 0.5 * left.from.n_heldout * std::log(without / with)};
+}
+
+/// Course of one complex coefficient over the record, at `steps` even times.
+std::vector<std::complex<double>> course_of(const Anonymous &left, int exponent) {
+  constexpr int kSteps = 200;
+  std::vector<std::complex<double>> out(kSteps);
+  const Selection &all = left.selection;
+  for (std::size_t k = 0; k + 1 < all.columns.size(); k += 2) {
+    const auto group = static_cast<std::size_t>(all.columns[k] / 2);
+    const Basis::Term &term = left.basis.terms()[group];
+    if (left.basis.groups()[group].axis != Axis::time || term.exponent != exponent)
+      continue;
+    const std::complex<double> c(all.values[static_cast<Eigen::Index>(k)],
+                                 all.values[static_cast<Eigen::Index>(k + 1)]);
+    for (int i = 0; i < kSteps; ++i)
+      out[static_cast<std::size_t>(i)] +=
+          c * std::cos(0.5 * kTwoPi * term.modulation.order * (i + 0.5) / kSteps);
+  }
+  return out;
+}
+
+double rms(const std::vector<std::complex<double>> &course, bool imaginary) {
+  double sum = 0.0;
+  for (const auto &c : course)
+    sum += imaginary ? c.imag() * c.imag() : c.real() * c.real();
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, course.size())));
+}
+
+/// Components of the residual of every sample along and across the vector, with what has no name
+/// taken out.
+struct Shape {
+  std::vector<double> along, across, omega, radius;
+  ResidualColumns rest;
+  Observations data;
+};
+
+Shape shape_of(const Anonymous &left, const Parts &parts, const Model &model) {
+  Shape out;
+  std::vector<std::uint32_t> all(parts.train.size());
+  std::iota(all.begin(), all.end(), 0u);
+  out.data = parts.train.select(thin(all, criteria::kAnonymousTrain, 400));
+  out.data.coloured.reset();
+  out.rest = residual_columns(out.data, model);
+  subtract(left.basis, left.selection, out.data, out.rest);
+  for (std::size_t i = 0; i < out.data.size(); ++i) {
+    const double s = out.rest.model_sin[i] - out.data.centre_sin_v;
+    const double c = out.rest.model_cos[i] - out.data.centre_cos_v;
+    const double length = std::max(std::hypot(s, c), 1e-12);
+    out.along.push_back((out.rest.sin[i] * s + out.rest.cos[i] * c) / length);
+    out.across.push_back((out.rest.sin[i] * c - out.rest.cos[i] * s) / length);
+    out.omega.push_back(out.data.omega[i]);
+    out.radius.push_back(length);
+  }
+  return out;
+}
+
+/// White part of a column: half the mean square of first differences, which slow structure does not
+/// enter, trimmed of the few largest, which may be spikes.
+double white_variance(const std::vector<double> &x) {
+  constexpr double kKept = 0.98, kLost = 0.9024; // variance of a normal cut there, of the whole
+  std::vector<double> d;
+  for (std::size_t i = 1; i < x.size(); ++i)
+    d.push_back((x[i] - x[i - 1]) * (x[i] - x[i - 1]));
+  if (d.empty())
+    return 0.0;
+  const auto keep = static_cast<std::size_t>(kKept * static_cast<double>(d.size()));
+  std::nth_element(d.begin(), d.begin() + static_cast<std::ptrdiff_t>(keep), d.end());
+  const double sum = std::accumulate(d.begin(), d.begin() + static_cast<std::ptrdiff_t>(keep), 0.0);
+  return 0.5 * sum / static_cast<double>(keep) / kLost;
+}
+
+double mean_square(const std::vector<double> &x) {
+  double sum = 0.0;
+  for (double v : x)
+    sum += v * v;
+  return sum / static_cast<double>(std::max<std::size_t>(1, x.size()));
+}
+
+/// Nats by which two variances are better than one, of n values each.
+double nats_of_two(double a, double b, double n) {
+  const double both = 0.5 * (a + b);
+  return 0.5 * n * (2.0 * std::log(both) - std::log(a) - std::log(b));
+}
+
+/// Across noise that grows with the speed against one that does not: sum of squares explained.
+struct Growth {
+  double fixed, per_speed2; ///< variance = fixed + per_speed2 (omega radius)^2
+  double nats;              ///< of the growing over the fixed one
+};
+
+Growth growth_of(const Shape &shape, double along, int periods) {
+  // One line through many squares: weighted by nothing, which is enough to tell the two apart.
+  double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+  for (std::size_t i = 0; i < shape.across.size(); ++i) {
+    const double x = std::pow(shape.omega[i] * periods * shape.radius[i], 2);
+    const double y = shape.across[i] * shape.across[i];
+    n += 1.0;
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    sxy += x * y;
+  }
+  const double d = n * sxx - sx * sx;
+  Growth out{sy / n, 0.0, 0.0};
+  if (d <= 0.0 || sxx <= 0.0)
+    return out;
+  // Beside the noise that the vector has along it, too, either all of the rest grows or none.
+  const double slope = std::max(0.0, (sxy - along * sx) / sxx);
+  double grows = 0.0, fixed = 0.0;
+  const double constant = std::max(sy / n, 1e-300);
+  for (std::size_t i = 0; i < shape.across.size(); ++i) {
+    const double x = std::pow(shape.omega[i] * periods * shape.radius[i], 2);
+    const double y = shape.across[i] * shape.across[i];
+    const double variance = std::max(along + slope * x, 1e-300);
+    grows -= 0.5 * (std::log(variance) + y / variance);
+    fixed -= 0.5 * (std::log(constant) + y / constant);
+  }
+  return {constant, slope, grows - fixed};
+}
+
+/// Whittle's likelihood of a spectrum w (1 + corner/f) against a white one, by octaves.
+struct Flicker {
+  double corner_hz = 0.0, rms_v = 0.0, nats = 0.0;
+};
+
+Flicker flicker_of(const Parts &parts, const Model &model, const Anonymous &left) {
+  // What is smooth in time is taken out: flicker noise goes on above it, a wander does not.
+  Flicker out;
+  Observations data = parts.train;
+  data.coloured.reset();
+  ResidualColumns rest = residual_columns(data, model);
+  subtract(left.basis, left.selection, data, rest);
+  const double span = data.time.back() - data.time.front();
+  if (!(data.frame_period_s > 0.0) || span <= 0.0)
+    return out;
+  std::array<std::vector<double>, 2> power;
+  double bin = 0.0;
+  for (int channel = 0; channel < 2; ++channel) {
+    const auto &v = channel == 0 ? rest.sin : rest.cos;
+    const Spectrum s = spectrum_over_time(data.time, data.frame_period_s,
+                                          [&](std::size_t i) { return std::complex(v[i], 0.0); });
+    bin = s.bin_hz;
+    for (std::size_t k = 0; k < s.line.size() / 2; ++k)
+      power[static_cast<std::size_t>(channel)].push_back(std::norm(std::complex<double>(s.line[k])));
+  }
+  const std::size_t lines = power[0].size();
+  if (lines < 64)
+    return out;
+  // Lines of the grid closer than the record resolves are no news: every so many.
+  const auto stride = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (span * bin))));
+  const auto likelihood = [&](int channel, double corner, double &white) {
+    const auto &p = power[static_cast<std::size_t>(channel)];
+    double sum = 0.0, n = 0.0;
+    for (std::size_t k = stride; k < lines; k += stride, n += 1.0)
+      sum += p[k] / (1.0 + corner / (static_cast<double>(k) * bin));
+    white = sum / n;
+    double log_likelihood = -n * std::log(white) - n;
+    for (std::size_t k = stride; k < lines; k += stride)
+      log_likelihood -= std::log(1.0 + corner / (static_cast<double>(k) * bin));
+    return log_likelihood;
+  };
+  double white[2], still[2];
+  for (int c = 0; c < 2; ++c)
+    still[c] = likelihood(c, 0.0, white[c]);
+  const double top = static_cast<double>(lines) * bin;
+  double least = 0.0;
+  for (double corner = 2.0 / span; corner < criteria::kHighestCorner * top; corner *= 1.08) {
+    double w[2];
+    const double a = likelihood(0, corner, w[0]) - still[0], b = likelihood(1, corner, w[1]) - still[1];
+    if (a + b > out.nats) {
+      out.nats = a + b;
+      out.corner_hz = corner;
+      least = std::min(a, b);
+      white[0] = w[0];
+      white[1] = w[1];
+    }
+  }
+  // A corner at the end of the search is none that was seen.
+  if (least < criteria::kNatsOfNoise || out.corner_hz == 0.0 ||
+      out.corner_hz * 1.09 > criteria::kHighestCorner * top)
+    return {};
+  // Density of the white part from its share of the whole mean square.
+  double sum = 0.0;
+  for (int c = 0; c < 2; ++c) {
+    double all = 0.0, count = 0.0;
+    for (std::size_t k = stride; k < lines; k += stride, count += 1.0)
+      all += power[static_cast<std::size_t>(c)][k];
+    const double variance = mean_square(c == 0 ? rest.sin : rest.cos);
+    const double density = variance * white[c] / (all / count) / top;
+    sum += 0.5 * density * out.corner_hz * std::log(std::max(out.corner_hz * span, std::exp(1.0)));
+  }
+  out.rms_v = std::sqrt(sum);
+  return out;
+}
+
+std::string id_of(const Effect *effect) {
+  return effect ? std::string(effect->info().id) : std::string();
+}
+
+} // namespace
+
+std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model) {
+  std::vector<RandomCause> out;
+  const double noise2 = left.selection.noise_v2;
+  if (left.selection.orders[static_cast<std::size_t>(Axis::time)] == 0)
+    return out;
+  const double waves = left.selection.orders[static_cast<std::size_t>(Axis::time)];
+  const double relative = 1.0 / std::sqrt(2.0 * std::max(1.0, waves)); // of an rms of so many terms
+  const auto clear = [&](const Worth &w) {
+    return w.nats > criteria::kNatsOfNoise &&
+           w.share_v2 > criteria::kWorthAWord * criteria::kWorthAWord * noise2;
+  };
+  const Worth offset = worth_of(left, [](int m, int) { return m == 0; });
+  const Effect *offset_effect =
+      effect_of(Evidence::process, "time", Pattern::offset, Character::process);
+  if (offset_effect && clear(offset)) {
+    const auto course = course_of(left, 0);
+    const double sin = rms(course, true), cos = rms(course, false);
+    out.push_back({offset_effect, {sin, cos}, {relative * sin, relative * cos}, {}, offset.nats});
+  }
+  const Worth gain = worth_of(left, [](int m, int p) { return m == p; });
+  const Effect *gain_effect = effect_of(Evidence::process, "time", Pattern::gain, Character::process);
+  if (gain_effect && clear(gain)) {
+    const double fraction = rms(course_of(left, parts.has_reference ? model.periods_per_turn
+                                                                    : model.periods_per_turn),
+                                false) /
+                            model.baseline.amplitude_v;
+    out.push_back({gain_effect, {fraction}, {relative * fraction}, {}, gain.nats});
+  }
+  // A supply that nobody recorded moves the offsets and the gain by one and the same wave.
+  if (out.size() == 2 && parts.train.supply.empty()) {
+    const auto o = course_of(left, 0), g = course_of(left, model.periods_per_turn);
+    double og = 0.0, oo = 0.0, gg = 0.0;
+    for (std::size_t i = 0; i < o.size(); ++i) {
+      const double common = (o[i].real() + o[i].imag()) / std::sqrt(2.0);
+      og += common * g[i].real();
+      oo += common * common;
+      gg += g[i].real() * g[i].real();
+    }
+    if (og > criteria::kSameWave * std::sqrt(oo * gg))
+      for (RandomCause &c : out)
+        c.alternatives.push_back("supply-variation");
+  }
+  return out;
+}
+
+std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts, const Model &model,
+                                      double stated_v, bool even_clock) {
+  std::vector<RandomCause> out;
+  const Shape shape = shape_of(left, parts, model);
+  const double n = static_cast<double>(shape.along.size());
+  if (n < criteria::kFewestForNoise)
+    return out;
+  const double along = std::max(white_variance(shape.along), criteria::kLeastMeanSquare);
+  const double across = std::max(white_variance(shape.across), criteria::kLeastMeanSquare);
+  const double amplitude = model.baseline.amplitude_v;
+  const bool differ = nats_of_two(along, across, n / 2.0) > criteria::kNatsOfNoise &&
+                      std::max(along, across) > criteria::kMoreVariance * std::min(along, across);
+  // Without a reference what lies across the vector may be the motion's.
+  if (differ && along > across && parts.has_reference) {
+    const double f = std::sqrt(along - across) / amplitude;
+    const double error = along * std::sqrt(2.0 / n) / (2.0 * f * amplitude * amplitude);
+    std::vector<std::string> others;
+    if (parts.train.supply.empty())
+      others.push_back("supply-variation");
+    if (const Effect *e = effect_of(Evidence::noise, "noise", Pattern::gain, Character::white))
+      out.push_back({e, {f}, {error}, others, nats_of_two(along, across, n / 2.0)});
+  }
+  if (differ && across > along && parts.has_reference) {
+    const Effect *jitter = effect_of(Evidence::noise, "noise", Pattern::turn, Character::dynamic);
+    const Effect *noise = effect_of(Evidence::noise, "noise", Pattern::turn, Character::white);
+    const int p = model.periods_per_turn;
+    const Growth growth = growth_of(shape, along, p);
+    const double turn = std::sqrt(across - along) / amplitude / p;
+    const double relative = across * std::sqrt(2.0 / n) / (2.0 * (across - along));
+    const double nats = nats_of_two(along, across, n / 2.0);
+    if (jitter && growth.nats > criteria::kNatsOfNoise) {
+      const double s = std::sqrt(growth.per_speed2);
+      out.push_back({jitter, {s}, {relative * s}, {}, nats});
+    } else if (noise) {
+      std::vector<std::string> others;
+      if (jitter && growth.nats > -criteria::kNatsOfNoise)
+        others.push_back(id_of(jitter));
+      const double deg = turn * kDegPerRad;
+      out.push_back({noise, {deg}, {relative * deg}, others, nats});
+    }
+  }
+  const Flicker flicker = even_clock ? flicker_of(parts, model, left) : Flicker{};
+  if (flicker.corner_hz > 0.0)
+    if (const Effect *e = effect_of(Evidence::noise, "noise", Pattern::offset, Character::process)) {
+      constexpr double kOfCorner = 0.15, kOfRms = 0.1; // what octaves of a record let one tell
+      out.push_back({e,
+                     {flicker.rms_v, flicker.corner_hz},
+                     {kOfRms * flicker.rms_v, kOfCorner * flicker.corner_hz},
+                     {},
+                     flicker.nats});
+    }
+  // White noise shows in both directions alike; what is more along one of them has been named.
+  const double white2 = parts.has_reference ? std::min(along, across) : along;
+  const Effect *excess = effect_of(Evidence::noise, "noise", Pattern::offset, Character::white);
+  if (excess && stated_v > 0.0 && white2 > criteria::kMoreVariance * stated_v * stated_v) {
+    const double more = std::sqrt(white2 - stated_v * stated_v);
+    const double ratio = white2 / (stated_v * stated_v);
+    out.push_back({excess,
+                   {more},
+                   {white2 / more / std::sqrt(4.0 * n)},
+                   {},
+                   n * (ratio - 1.0 - std::log(ratio))});
+  }
+  return out;
+}
+
+} // namespace ada

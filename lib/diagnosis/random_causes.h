@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Causes whose course is random: slow processes, known only from the data, and the shape of the
+// noise. They are read off what the model of everything else leaves over.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/anonymous/anonymous.h"
+#include "diagnosis/observations.h"
+#include "diagnosis/parts.h"
+
+namespace ada {
+
+struct RandomCause {
+  const Effect *effect;
+  std::vector<double> values, std_errors;
+  std::vector<std::string> alternatives;
+  double nats = 0.0; ///< by which it raises the log likelihood of held-out data
+};
+
+/// Offsets and a gain that move slowly with time, where nothing that is recorded explains them.
+/// `left`: what the named model leaves over.
+std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model);
+
+/// The noise along and across the vector and over frequency, against `stated_v` where the capture
+/// states it (0: it does not).
+std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts, const Model &model,
+                                      double stated_v, bool even_clock);
+
+} // namespace ada
