@@ -73,7 +73,7 @@ std::vector<Variant> variants(const Scene &scene, const Residual &residual, cons
   for (const Effect *effect : catalogue()) {
     if (effect->info().evidence != Evidence::signal ||
         (effect->info().signature && !tried.signatures) ||
-        (scene.radius_only && moves_the_angle(*effect)))
+        (scene.radius_only && needs_motion(*effect)))
       continue;
     const auto present = std::count_if(model.effects.begin(), model.effects.end(),
                                        [&](const EffectInstance &e) { return e.effect == effect; });
@@ -95,9 +95,10 @@ std::vector<Variant> variants(const Scene &scene, const Residual &residual, cons
 
 } // namespace
 
-bool moves_the_angle(const Effect &effect) {
-  const Stage stage = effect.info().stage;
-  return stage == Stage::motion || stage == Stage::field;
+bool needs_motion(const Effect &effect) {
+  const EffectInfo &info = effect.info();
+  return info.stage == Stage::motion || info.stage == Stage::field || info.axis == "speed" ||
+         info.axis == "frequency";
 }
 
 Residual residual_view(const Scene &scene, const Observations &data, const ResidualColumns &columns,
@@ -110,6 +111,7 @@ Residual residual_view(const Scene &scene, const Observations &data, const Resid
   r.why_no_temperature = scene.why_no_temperature;
   r.fastest_omega = scene.fastest_omega;
   r.periods = scene.periods;
+  r.turns = scene.turns;
   r.amplitude_v = amplitude_v;
   r.noise_v = noise_v;
   r.supply_v = scene.supply_v;

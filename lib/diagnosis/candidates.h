@@ -20,8 +20,9 @@ struct Candidate {
   bool visible;        ///< whether this capture can show it as such
 };
 
-/// Whether an effect turns the angle and leaves the radius as it is.
-bool moves_the_angle(const Effect &effect);
+/// Whether only a motion that is known shows the effect: it turns the angle and leaves the radius as
+/// it is, or it comes with the speed or the time rather than with the angle.
+bool needs_motion(const Effect &effect);
 
 /// What effects are shown: the residual of `data` against `model` with the facts of the scene. The
 /// columns must outlive the result.

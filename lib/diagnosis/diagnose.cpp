@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "base/angle.h"
+#include "base/robust.h"
 #include "diagnosis/anonymous/anonymous.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
@@ -407,7 +408,8 @@ private:
 
   /// Isolated spikes stand out of the noise that there is, whatever was stated. False: none.
   bool spikes() {
-    const double noise = std::max(floor(), std::sqrt(unnamed_.selection.noise_v2));
+    const double noise = std::max({floor(), std::sqrt(unnamed_.selection.noise_v2),
+                                   loudest_noise(parts_.train, out_.extended)});
     const Spikes spikes = spikes_against(scene_, out_.extended, scene_.heldout, noise);
     if (!spikes.found)
       return false;
@@ -494,12 +496,31 @@ private:
                           : options_.baseline && options_.baseline->noise_rms_v
                               ? std::max(noise_, *options_.baseline->noise_rms_v)
                               : noise_;
+    // A converter's steps are no noise.
+    if (scene_.coarse_step_v > 0.0)
+      return;
     for (RandomCause &c : noise_causes(unnamed_, white, named, stated, even_clock()))
       if (!given(c.effect))
         name_process(c);
     const double left = std::sqrt(unnamed_.selection.noise_v2);
     if (!random_.empty())
       explained_noise_ = std::max(noise_, left);
+  }
+
+  /// Noise where it is loudest, V rms of a channel: it may grow with the speed, and a spike stands
+  /// out of the noise about it. Stretches of 64 samples; a tenth of them may hold spikes.
+  static double loudest_noise(const Observations &data, const Model &model) {
+    constexpr std::size_t kStretch = 64;
+    constexpr double kMost = 0.9;
+    const ResidualColumns r = residuals_alone(data, model);
+    std::vector<double> rms;
+    for (std::size_t from = 0; from + kStretch <= r.sin.size(); from += kStretch) {
+      double sum = 0.0;
+      for (std::size_t i = from; i < from + kStretch; ++i)
+        sum += r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
+      rms.push_back(std::sqrt(0.5 * sum / kStretch));
+    }
+    return quantile(std::move(rms), kMost);
   }
 
   /// Whether a spectrum over time means anything: an even clock, and a motion that is known.
@@ -630,7 +651,7 @@ private:
     const Residual facts =
         residual_view(scene_, scene_.all, none, noise_, out_.extended.baseline.amplitude_v);
     std::string why = effect.invisible(facts);
-    if (why.empty() && scene_.radius_only && moves_the_angle(effect))
+    if (why.empty() && scene_.radius_only && needs_motion(effect))
       why = "without a reference, and with a shaft that turns unevenly, only the radius is judged";
     if (!why.empty())
       out_.invisible.push_back({std::string(effect.info().id), why});

@@ -280,7 +280,7 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
     const double fraction = rms(course_of(left, parts.has_reference ? model.periods_per_turn
                                                                     : model.periods_per_turn),
                                 false) /
-                            model.baseline.amplitude_v;
+                            std::abs(model.baseline.amplitude_v);
     out.push_back({gain_effect, {fraction}, {relative * fraction}, {}, gain.nats});
   }
   // A supply that nobody recorded moves the offsets and the gain by one and the same wave.

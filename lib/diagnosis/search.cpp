@@ -39,6 +39,8 @@ constexpr std::size_t kMostShaken = 6; ///< beyond so many the work grows too lo
 constexpr double kEntangled = 0.995;
 /// ... unless far more is gained than by chance: two speeds just tell two lags apart.
 constexpr double kNearlyOne = 0.999, kFarMoreNats = 1000.0;
+/// Part of the best worth from which on another candidate does about as well.
+constexpr double kAsWell = 0.98;
 /// A rival that comes this close cannot be rejected.
 constexpr double kRivalNats = 8.0;
 /// What a cause leaves over of the one that yields to it, as a part of what either explains.
@@ -298,13 +300,12 @@ bool Search::forward(State &now) {
     return false;
   std::stable_sort(options.begin(), options.end(),
                    [](const Option &a, const Option &b) { return a.worth > b.worth; });
+  // Of those that do about as well the one goes first that is likelier before any data.
   const Option *chosen = &options.front();
-  if (chosen->effect->info().signature) // a physical cause that does as well goes first
-    for (const Option &o : options)
-      if (!o.effect->info().signature && o.worth > 0.98 * chosen->worth - kRivalNats) {
-        chosen = &o;
-        break;
-      }
+  for (const Option &o : options)
+    if (o.worth > kAsWell * options.front().worth - kRivalNats &&
+        o.effect->info().prior_rank < chosen->effect->info().prior_rank)
+      chosen = &o;
   now = chosen->state;
   return true;
 }

@@ -24,6 +24,7 @@ public:
   bool has_reference = false, has_supply = false;
   bool both_directions = false, several_speeds = false;
   std::string why_no_temperature; ///< empty when the capture shows a range of temperatures
+  double turns = 0.0;             ///< mechanical, whatever their sense
   double fastest_omega = 0.0;     ///< rad/s, mechanical
   int periods = 2;
   double amplitude_v = 1.0, noise_v = 0.0, supply_v = 5.0;

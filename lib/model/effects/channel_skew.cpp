@@ -29,6 +29,10 @@ constexpr EffectInfo kInfo{.id = "channel-skew",
 class ChannelSkew final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
+  /// Both channels belong to one frame: nothing is converted more than a frame late.
+  bool refuted(Values v, const Residual &r) const override {
+    return r.sample_period_s > 0.0 && std::abs(v[0]) > r.sample_period_s;
+  }
   void dynamics(Values v, Taps &taps) const override {
     for (Tap &tap : taps.cos)
       tap.delay_s -= v[0];

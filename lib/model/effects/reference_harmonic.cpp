@@ -31,15 +31,24 @@ constexpr EffectInfo kInfo{.id = "reference-harmonic",
                            .separations = kSeparations,
                            .yields_to = "field-direction-error",
                            .pattern = Pattern::turn,
-                           .prior_rank = 3,
+                           .prior_rank = 4,
                            .repeats = true};
 
 /// What changes within the record widens a line of order 1: near it nothing is of another order.
 constexpr double kOfEccentricity = 0.25;
 
+constexpr double kFewestTurns = 6.0; ///< from which on orders apart by a sixth are told apart
+
 class ReferenceHarmonic final : public ReferenceError {
 public:
   const EffectInfo &info() const override { return kInfo; }
+  std::string invisible(const Residual &r) const override {
+    if (!r.has_reference)
+      return "there is no reference";
+    return r.turns < kFewestTurns ? "too few turns: a field that errs at the same order, and an "
+                                    "order that is not whole, look the same"
+                                  : "";
+  }
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     auto out = one_of_each(3, 0, 2, 8); // order 1 is the eccentricity's
     for (const double order : {16.0, 32.0, 64.0})
