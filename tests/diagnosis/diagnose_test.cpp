@@ -65,7 +65,7 @@ TEST(Diagnose, names_both_of_two_that_look_the_same) {
 TEST(Diagnose, a_few_samples_or_a_standstill_are_not_enough) {
   std::mt19937_64 rng(fresh_seed());
   Drive few;
-  few.samples = 100;
+  few.samples = 10;
   EXPECT_EQ(diagnose(with({}, rng, few), {}).verdict, Verdict::insufficient_data);
   Drive still;
   still.slow_rpm = still.fast_rpm = 0.0;
