@@ -35,8 +35,9 @@ TEST_P(WildCheck, counts_spikes_says_where_and_stays_sound) {
         std::hypot(c.vsin_v[i] - 2.5 - pair.offset_sin_v, c.vcos_v[i] - 2.5 - pair.offset_cos_v);
     const bool found = std::count(spikes.times_s.begin(), spikes.times_s.end(), c.time_s[i]) > 0;
     told += found;
-    if (std::abs(radius - pair.amplitude_v) > 20 * pair.noise_rms_v)
+    if (std::abs(radius - pair.amplitude_v) > 20 * pair.noise_rms_v) {
       EXPECT_TRUE(found) << "sample " << i;
+    }
   }
   EXPECT_EQ(told, spikes.times_s.size()) << spikes.explanation;
   EXPECT_EQ(static_cast<double>(told), spikes.measured);
@@ -71,8 +72,9 @@ TEST(Check, names_the_channel_that_is_stuck) {
           << rpm << " rpm from " << from << ": " << health_text(health);
       const HealthCheck &clipping = find(health, "clipping"); // may not accuse the other one
       EXPECT_NE(clipping.state, HealthState::passed);
-      if (clipping.state == HealthState::failed)
+      if (clipping.state == HealthState::failed) {
         EXPECT_EQ(clipping.explanation.substr(0, 4), sine ? "VSIN" : "VCOS");
+      }
     }
 }
 

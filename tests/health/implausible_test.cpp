@@ -81,8 +81,9 @@ TEST_P(Implausible, is_told) {
   what.change(c, sampler);
   const Health health = check_health(c, nullptr);
   EXPECT_EQ(health.sound(), what.check == nullptr) << health_text(health);
-  if (what.check != nullptr)
+  if (what.check != nullptr) {
     EXPECT_EQ(find(health, what.check).state, HealthState::failed) << health_text(health);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Captures, Implausible, testing::ValuesIn(kCases),

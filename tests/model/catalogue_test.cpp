@@ -131,7 +131,7 @@ struct Stepped {
   Screened look;
   template <class Angle, class Read>
   Stepped(std::size_t n, double noise_deg, Angle angle, Read read)
-      : look{capture, {}, {}, {}, {}, {}, {}, {}, {}, 0.0} {
+      : look{capture} {
     std::mt19937_64 rng(fresh_seed());
     std::normal_distribution<double> normal(0.0, noise_deg);
     for (std::size_t i = 0; i < n; ++i) {

@@ -80,8 +80,9 @@ TEST_F(Report, TooLittleDataStillMakesAPage) {
     const Diagnosis d = diagnose(capture, {});
     const bool said = page(capture, d).find("Not enough data: ") != std::string::npos;
     EXPECT_EQ(said, d.verdict == Verdict::insufficient_data) << duration_s;
-    if (duration_s < 0.001)
+    if (duration_s < 0.001) {
       EXPECT_TRUE(said);
+    }
   }
 }
 
