@@ -136,6 +136,69 @@ check_a_server_that_dies_ends_with_1_and_keeps_what_came() {
   status 0 iio-angle check a.csv
 }
 
+# until_there COMMAND...: waits up to 20 s until it succeeds.
+until_there() {
+  local i
+  for ((i = 0; i < 400; i++)); do
+    "$@" && return 0
+    sleep 0.05
+  done
+  fail "still not: $*: $(head -c 500 err)"
+}
+
+# away FILE: the emulator that serves a verb in the background, which writes FILE, goes and comes back.
+away() {
+  local port=${URI##*:}
+  until_there test -s "$1"
+  stop_emulator
+  until_there grep -q '^lost: .*; trying again every second$' err
+  rm uri
+  emulate --temperature constant:deg_c=25 --port "$port"
+  until_there grep -qE '^back after [0-9.]+ s: about [1-9][0-9]* samples missed$' err
+}
+
+check_record_goes_on_when_the_server_is_back_and_counts() {
+  emulate --temperature constant:deg_c=25
+  iio-angle record -u "$URI" --reconnect --samples 60000 -o a.sigmf-meta >out 2>err </dev/null &
+  local recorder=$! got=0
+  away a.sigmf-data
+  wait "$recorder" || got=$?
+  same "exit status" "$got" 0
+  says err '^1 times away, about [1-9][0-9]* samples missed meanwhile$'
+  # A try comes no sooner than a second after the loss: one step of the times is at least that.
+  python3 - <<'EOF' >said 2>&1 || fail "$(tail -1 said)"
+import json
+meta = json.load(open("a.sigmf-meta"))
+parts, rate = meta["captures"], meta["global"]["core:sample_rate"]
+gaps = [b["ada4571:time_s"] - a["ada4571:time_s"] - (b["core:sample_start"] - a["core:sample_start"]) / rate
+        for a, b in zip(parts, parts[1:])]
+assert max(gaps, default=0) >= 1 and min(gaps) > 0, gaps
+EOF
+}
+
+check_read_goes_on_when_asked_and_watch_unasked() {
+  emulate --temperature constant:deg_c=25
+  local reader got
+  for verb in "read --reconnect" watch; do
+    rm -f out err
+    # shellcheck disable=SC2086 # the verb and its options
+    iio-angle $verb -u "$URI" >out 2>err </dev/null &
+    reader=$! got=0
+    away out
+    kill -INT "$reader"
+    wait "$reader" || got=$?
+    same "exit status of $verb" "$got" 0
+    awk 'NR > 1 && !($1 > last) { exit 1 } { last = $1 }' out || fail "$verb: the times do not go on"
+    says err '^1 times away'
+  done
+  iio-angle watch --no-reconnect -u "$URI" >out 2>err </dev/null &
+  reader=$! got=0
+  until_there test -s out
+  stop_emulator
+  wait "$reader" || got=$?
+  same "exit status without --reconnect" "$got" 1
+}
+
 check_a_stored_configuration_opens_the_device() {
   emulate --temperature constant:deg_c=25
   export XDG_CONFIG_HOME=$PWD/config

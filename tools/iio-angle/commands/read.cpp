@@ -18,7 +18,7 @@ namespace {
 struct Options {
   SourceOptions source;
   std::string calibration, format = "text";
-  bool dynamic = false, latency = false;
+  bool dynamic = false, latency = false, reconnect = false;
   std::uint64_t samples = 0;
   std::vector<std::size_t> buffers;
 };
@@ -39,7 +39,8 @@ int run(const Options &options) {
   AngleText text(format_of(options.format), angles.range_deg());
   std::uint64_t left = options.samples;
   std::string lines;
-  read_blocks(source, [&](std::span<const ada4571_frame> frames) {
+  LiveReader reader(source, options.reconnect);
+  reader.run([&](std::span<const ada4571_frame> frames) {
     if (options.samples > 0 && frames.size() > left)
       frames = frames.first(static_cast<std::size_t>(left));
     left -= frames.size();
@@ -48,7 +49,7 @@ int run(const Options &options) {
     put(lines);
     return options.samples == 0 || left > 0;
   });
-  report_losses(source);
+  reader.report();
   return kDone;
 }
 
@@ -78,6 +79,7 @@ void add_read(CLI::App &app, Action &action) {
       ->check(CLI::PositiveNumber)
       ->needs(latency)
       ->type_name("N,N...");
+  add_reconnect_option(*verb, options->reconnect);
   example(*verb, "  iio-angle read --calibration sensor.toml\n"
                  "  iio-angle read -s wheel --dynamic --format json | jq .angle_deg\n"
                  "  iio-angle read -s wheel --latency --buffers 1,10,100");

@@ -10,7 +10,6 @@
 #include "common/print.h"
 #include "common/progress.h"
 #include "common/source_options.h"
-#include "common/stop.h"
 #include "common/verb.h"
 
 namespace cli {
@@ -21,7 +20,7 @@ struct Options {
   SourceOptions source;
   double duration_s = 0;
   std::uint64_t samples = 0;
-  bool resume = false;
+  bool resume = false, reconnect = false;
   std::string output;
 };
 
@@ -143,10 +142,8 @@ private:
 };
 
 /// Without a sample rate nothing can stand in for timestamps that make no sense.
-void require_times(const Source &source) {
-  auto statistics = initialised(ada4571_source_statistics_init);
-  check(ada4571_source_get_statistics(source.get(), &statistics));
-  if (source_info(source).sample_rate_hz <= 0 && statistics.bad_times * 100 > statistics.frames)
+void require_times(const Source &source, const Losses &losses) {
+  if (source_info(source).sample_rate_hz <= 0 && losses.bad_times * 100 > losses.frames)
     throw Failure(kUnusable, "the device's timestamps make no sense, and its sample rate is not "
                              "known: the times of this recording cannot be used");
 }
@@ -154,18 +151,17 @@ void require_times(const Source &source) {
 int run(const Options &options) {
   const Source source = open_source(options.source);
   Recorder recorder(options, open_writer(source, options));
-  // Until the end of the verb: what was captured is kept, however often a signal comes.
-  const StopSignal stop([&source] { ada4571_source_cancel(source.get()); });
+  // To the end of the verb: what was captured is kept, however often a signal comes.
+  LiveReader reader(source, options.reconnect);
   try {
-    read_until_stopped(
-        source, [&](std::span<const ada4571_frame> frames) { return recorder.take(frames); });
+    reader.run([&](std::span<const ada4571_frame> frames) { return recorder.take(frames); });
   } catch (const Failure &) {
     recorder.keep();
     throw;
   }
   recorder.finish();
-  report_losses(source);
-  require_times(source);
+  reader.report();
+  require_times(source, reader.losses());
   recorder.require_in_time();
   return kDone;
 }
@@ -190,6 +186,7 @@ void add_record(CLI::App &app, Action &action) {
       ->type_name("CAPTURE");
   verb->add_flag("--continue", options->resume,
                  "go on in the SigMF recording of that name, after a gap, if there is one");
+  add_reconnect_option(*verb, options->reconnect);
   example(
       *verb,
       "  iio-angle record --duration 10 -o capture.csv\n"

@@ -21,7 +21,7 @@ namespace {
 struct Options {
   SourceOptions source;
   std::string calibration;
-  bool dynamic = false;
+  bool dynamic = false, reconnect = true;
 };
 
 bool is_terminal() {
@@ -34,20 +34,17 @@ int terminal_columns() {
   return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
-std::uint64_t lost(const Source &source) {
-  auto statistics = initialised(ada4571_source_statistics_init);
-  check(ada4571_source_get_statistics(source.get(), &statistics));
-  return statistics.lost;
-}
-
 /// Redraws the picture in place, at most twenty times a second of sample time.
-void draw_live(const Source &source, LiveAngles &angles) {
+void draw_live(const Source &source, LiveReader &reader, LiveAngles &angles) {
   Picture picture(source_info(source).description, angles.range_deg());
   bool drawn = false;
-  read_blocks(source, [&](std::span<const ada4571_frame> frames) {
+  reader.run([&](std::span<const ada4571_frame> frames) {
     picture.add(angles.convert(frames));
+    if (reader.away()) // what was said of that stays above the picture
+      drawn = false;
     if (picture.due()) {
-      picture.set_lost(lost(source));
+      const Losses losses = reader.losses();
+      picture.set_lost(losses.samples + losses.missed);
       put((drawn ? picture.back_to_top() : std::string()) + picture.draw(terminal_columns()));
       drawn = true;
     }
@@ -56,9 +53,9 @@ void draw_live(const Source &source, LiveAngles &angles) {
 }
 
 /// Not a terminal: the same as `read`, lines that a log can hold.
-void print_live(const Source &source, LiveAngles &angles) {
+void print_live(LiveReader &reader, LiveAngles &angles) {
   AngleText text(AngleFormat::text, angles.range_deg());
-  read_blocks(source, [&](std::span<const ada4571_frame> frames) {
+  reader.run([&](std::span<const ada4571_frame> frames) {
     std::string lines;
     text.append(lines, angles.convert(frames));
     put(lines);
@@ -71,11 +68,12 @@ int run(const Options &options) {
   const Model model = live_model(source, options.calibration);
   mention_remainder(model);
   LiveAngles angles(model, options.dynamic);
+  LiveReader reader(source, options.reconnect);
   if (is_terminal())
-    draw_live(source, angles);
+    draw_live(source, reader, angles);
   else
-    print_live(source, angles);
-  report_losses(source);
+    print_live(reader, angles);
+  reader.report();
   return kDone;
 }
 
@@ -89,6 +87,7 @@ void add_watch(CLI::App &app, Action &action) {
                    "calibration or model file (default: what -s or the driver has)")
       ->type_name("FILE");
   verb->add_flag("--dynamic", options->dynamic, "follow drifting offsets while it turns");
+  add_reconnect_option(*verb, options->reconnect);
   example(*verb, "  iio-angle watch --calibration sensor.toml");
   verb->callback([options, &action] { action = [options] { return run(*options); }; });
 }

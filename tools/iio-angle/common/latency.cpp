@@ -84,7 +84,8 @@ Measurement measure(const Source &source, LiveAngles &angles, std::size_t frames
   Ages ages(source);
   std::uint64_t seen = 0, wake_ups = 0;
   double began_s = 0, began_cpu_s = 0;
-  read_blocks(source, [&](std::span<const ada4571_frame> block) {
+  LiveReader reader(source, false);
+  reader.run([&](std::span<const ada4571_frame> block) {
     const auto converted = angles.convert(block);
     if (block.empty())
       return true;

@@ -2,22 +2,27 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include "common/live.h"
 
-#include <chrono>
+#include <algorithm>
 #include <string>
+#include <thread>
 
 #include "common/print.h"
 #include "common/source_options.h"
-#include "common/stop.h"
 
 namespace cli {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr std::size_t kBlockFrames = 4096;
 constexpr int kPollMs = 200;
+constexpr int kRetryMs = 1000;
 constexpr std::chrono::seconds kPatience{10};
+
+/// The device or its server may come back from that.
+bool is_absence(ada4571_status status) {
+  return status == ADA4571_ERROR_DISCONNECTED || status == ADA4571_ERROR_NOT_FOUND ||
+         status == ADA4571_ERROR_BUSY || status == ADA4571_ERROR_IO;
+}
 
 Model ideal_model(const Source &source) {
   const auto info = source_info(source);
@@ -30,33 +35,130 @@ Model ideal_model(const Source &source) {
 
 } // namespace
 
-void read_blocks(const Source &source,
-                 const std::function<bool(std::span<const ada4571_frame>)> &take) {
-  const StopSignal stop([&source] { ada4571_source_cancel(source.get()); });
-  read_until_stopped(source, take);
+LiveReader::LiveReader(const Source &source, bool reconnect)
+    : source_(source), reconnect_(reconnect),
+      stop_([&source] { ada4571_source_cancel(source.get()); }) {}
+
+void LiveReader::greet_return(const ada4571_frame &first) {
+  const double away_s = std::chrono::duration<double>(Clock::now() - last_).count();
+  shift_s_ = any_ ? last_s_ + away_s - first.time_s : 0.0;
+  const auto missed =
+      static_cast<std::uint64_t>(std::max(0.0, away_s * source_info(source_).sample_rate_hz - 1));
+  ++before_.returns;
+  before_.missed += missed;
+  note("back after {:.1f} s: about {} samples missed\n", away_s, missed);
 }
 
-void read_until_stopped(const Source &source,
-                        const std::function<bool(std::span<const ada4571_frame>)> &take) {
-  check(ada4571_source_start(source.get()));
+bool LiveReader::hand_over(std::span<ada4571_frame> frames, const Take &take) {
+  if (!frames.empty()) {
+    if (away_)
+      greet_return(frames.front());
+    for (ada4571_frame &frame : frames)
+      frame.time_s += shift_s_;
+    last_ = Clock::now();
+    last_s_ = frames.back().time_s;
+    any_ = true;
+  }
+  const bool wanted = take(frames);
+  if (!frames.empty())
+    away_ = false;
+  return wanted;
+}
+
+void LiveReader::end_connection() {
+  before_ = losses();
+  counted_ = true;
+}
+
+bool LiveReader::wait_for_return(const std::string &why, const Take &take) {
+  end_connection();
+  if (!away_)
+    note("lost: {}; trying again every second\n", why);
+  away_ = true;
+  for (;;) {
+    for (int i = 0; i < kRetryMs / kPollMs; ++i) {
+      if (StopSignal::requested() || !take({}))
+        return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(kPollMs));
+    }
+    const ada4571_status status = ada4571_source_start(source_.get());
+    counted_ = status != ADA4571_OK;
+    if (status == ADA4571_OK)
+      return true;
+    // A device that was just plugged in belongs to root until udev has seen it.
+    if (!is_absence(status) && status != ADA4571_ERROR_PERMISSION)
+      check(status);
+  }
+}
+
+void LiveReader::run(const Take &take) {
+  check(ada4571_source_start(source_.get()));
+  counted_ = false;
   std::vector<ada4571_frame> frames(kBlockFrames);
-  Clock::time_point last = Clock::now();
-  bool wanted = true;
-  while (wanted && !StopSignal::requested()) {
+  last_ = Clock::now();
+  Clock::time_point heard = last_; // or a new connection made
+  while (!StopSignal::requested()) {
     std::size_t count = 0;
     ada4571_read_outcome outcome = ADA4571_READ_END;
-    check(
-        ada4571_source_read(source.get(), frames.data(), frames.size(), kPollMs, &count, &outcome));
+    const ada4571_status status =
+        ada4571_source_read(source_.get(), frames.data(), frames.size(), kPollMs, &count, &outcome);
+    const bool silent = status == ADA4571_OK && count == 0 && Clock::now() - heard > kPatience;
+    // Where no sample ever came, waiting will not bring one.
+    if (reconnect_ && (is_absence(status) || (silent && any_))) {
+      if (!wait_for_return(silent ? "no sample came for 10 s" : ada4571_last_error(), take))
+        break;
+      heard = Clock::now();
+      continue;
+    }
+    check(status);
     if (outcome == ADA4571_READ_END || outcome == ADA4571_READ_CANCELLED)
       break;
-    if (count > 0)
-      last = Clock::now();
-    else if (Clock::now() - last > kPatience)
+    if (silent)
       throw Failure(kUnusable, "no sample came for 10 s: is the trigger set and running "
                                "(--trigger), and the sample rate not zero (--rate)?");
-    wanted = take({frames.data(), count});
+    if (count > 0)
+      heard = Clock::now();
+    if (!hand_over({frames.data(), count}, take))
+      break;
   }
-  check(ada4571_source_stop(source.get()));
+  end_connection();
+  check(ada4571_source_stop(source_.get()));
+}
+
+Losses LiveReader::losses() const {
+  Losses all = before_;
+  if (counted_)
+    return all;
+  auto statistics = initialised(ada4571_source_statistics_init);
+  check(ada4571_source_get_statistics(source_.get(), &statistics));
+  all.frames += statistics.frames;
+  all.bad_times += statistics.bad_times;
+  all.samples += statistics.lost;
+  all.places += statistics.gaps;
+  return all;
+}
+
+void LiveReader::report() const {
+  const Losses all = losses();
+  if (all.bad_times > 0)
+    note("{} of {} samples came with timestamps that make no sense (standing still, going back, or "
+         "leaping ahead): their times are from the sample rate\n",
+         all.bad_times, all.frames);
+  if (all.samples > 0)
+    note("{} samples were lost in {} places: lower the rate, or free the machine\n", all.samples,
+         all.places);
+  if (all.returns > 0)
+    note("{} times away, about {} samples missed meanwhile\n", all.returns, all.missed);
+}
+
+void add_reconnect_option(CLI::App &verb, bool &reconnect) {
+  auto *wait = verb.add_flag("--reconnect", reconnect,
+                             std::string("when device or server are lost, wait for their return") +
+                                 (reconnect ? " (default)" : ""));
+  verb.add_flag_callback(
+          "--no-reconnect", [&reconnect] { reconnect = false; },
+          std::string("end with status 1 instead") + (reconnect ? "" : " (default)"))
+      ->excludes(wait);
 }
 
 Model live_model(const Source &source, const std::string &path) {

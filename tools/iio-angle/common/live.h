@@ -4,23 +4,72 @@
 // Live frames, and live angles from them.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "common/handles.h"
+#include "common/stop.h"
 
 namespace cli {
 
-/// Starts the source and hands over block after block, until `take` returns false, the source is
-/// exhausted, or Ctrl-C. `take` is also called with an empty block a few times a second when
-/// nothing comes. Throws when nothing comes for ten seconds.
-void read_blocks(const Source &source,
-                 const std::function<bool(std::span<const ada4571_frame>)> &take);
-/// The same under a StopSignal of the caller, which cancels the source: for work that must be
-/// finished after the reading, whatever signals come.
-void read_until_stopped(const Source &source,
-                        const std::function<bool(std::span<const ada4571_frame>)> &take);
+/// What came, and what did not.
+struct Losses {
+  std::uint64_t frames = 0;
+  std::uint64_t bad_times = 0; ///< frames whose timestamp made no sense
+  std::uint64_t samples = 0;   ///< lost, counted from the timestamps
+  std::uint64_t places = 0;
+  std::uint64_t returns = 0; ///< of a device or server that was away
+  std::uint64_t missed = 0;  ///< meanwhile, by the sample rate; 0 where that is unknown
+};
+
+/// Reads a source block after block. While it lives, signals end the reading and nothing else: work
+/// that must be finished afterwards is finished before it goes.
+class LiveReader {
+public:
+  /// `reconnect`: when device or server are lost, tries once a second until they are back.
+  LiveReader(const Source &source, bool reconnect);
+
+  /// Starts the source and hands over block after block, until `take` returns false, the source is
+  /// exhausted, or Ctrl-C. `take` is also called with an empty block a few times a second when
+  /// nothing comes. Throws when nothing comes for ten seconds and when the source is lost, unless
+  /// it reconnects. Times go on through an absence.
+  void run(const std::function<bool(std::span<const ada4571_frame>)> &take);
+
+  /// Between the loss of the source and the first frame after its return.
+  bool away() const { return away_; }
+  Losses losses() const;
+  /// Standard error: what was lost, when anything was.
+  void report() const;
+
+private:
+  using Clock = std::chrono::steady_clock;
+  using Take = std::function<bool(std::span<const ada4571_frame>)>;
+
+  void greet_return(const ada4571_frame &first);
+  bool hand_over(std::span<ada4571_frame> frames, const Take &take);
+  bool wait_for_return(const std::string &why, const Take &take);
+  void end_connection();
+
+  const Source &source_;
+  bool reconnect_;
+  Losses before_;            ///< of the connections that ended
+  bool counted_ = true;      ///< before_ holds the newest connection too
+  Clock::time_point last_{}; ///< when something came
+  double shift_s_ = 0;       ///< that makes the times of this connection go on
+  double last_s_ = 0;        ///< time of the last frame, shifted
+  bool away_ = false;
+  bool any_ = false; ///< a frame has come
+  StopSignal stop_;  ///< last: it ends before what it touches
+};
+
+/// The flag of the verbs that read live.
+void add_reconnect_option(CLI::App &verb, bool &reconnect);
 
 /// Calibration for a live source: the file when one is named, else what the stored configuration
 /// or the driver has, else an ideal sensor, which standard error is told.

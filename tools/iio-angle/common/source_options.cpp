@@ -2,8 +2,6 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include "common/source_options.h"
 
-#include "common/print.h"
-
 namespace cli {
 
 namespace {
@@ -88,18 +86,6 @@ ada4571_source_info source_info(const Source &source) {
   auto info = initialised(ada4571_source_info_init);
   check(ada4571_source_get_info(source.get(), &info));
   return info;
-}
-
-void report_losses(const Source &source) {
-  auto statistics = initialised(ada4571_source_statistics_init);
-  check(ada4571_source_get_statistics(source.get(), &statistics));
-  if (statistics.bad_times > 0)
-    note("{} of {} samples came with timestamps that make no sense (standing still, going back, or "
-         "leaping ahead): their times are from the sample rate\n",
-         statistics.bad_times, statistics.frames);
-  if (statistics.lost > 0)
-    note("{} samples were lost in {} places: lower the rate, or free the machine\n",
-         statistics.lost, statistics.gaps);
 }
 
 } // namespace cli

@@ -25,7 +25,4 @@ void add_source_options(CLI::App &verb, SourceOptions &options);
 Source open_source(const SourceOptions &options);
 ada4571_source_info source_info(const Source &source);
 
-/// Standard error: how many samples were lost, when any were.
-void report_losses(const Source &source);
-
 } // namespace cli
