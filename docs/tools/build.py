@@ -8,6 +8,7 @@ import argparse
 import inspect
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -99,17 +100,25 @@ def python_page(tree, site):
     (site / "reference" / "python.md").write_text("\n".join(lines), encoding="utf-8")
 
 
+def with_linked_files(tree, site, text):
+    """What a page of lib/docs links to elsewhere in the tree goes along."""
+    def carry(match):
+        target = site / "tree" / match[1]
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(tree.source / match[1], target)
+        return f"](../../tree/{match[1]})"
+    return re.sub(r"\]\(\.\./\.\./([^)#]+)\)", carry, text)
+
+
 def method_pages(tree, site):
     folder = site / "reference" / "pages"
     folder.mkdir(parents=True)
     rows = ["# File formats and methods", "", "A page a concept, as they lie beside the sources.", ""]
-    for name, title in METHODS.items():
-        shutil.copy(tree.source / "lib" / "docs" / f"{name}.md", folder)
-        rows.append(f"- [{title}](pages/{name}.md)")
-    for path in sorted((tree.source / "lib" / "docs").glob("*.md")):
-        if path.stem not in METHODS:
-            shutil.copy(path, folder)
-            rows.append(f"- [{path.stem}](pages/{path.name})")
+    paths = {path.stem: path for path in sorted((tree.source / "lib" / "docs").glob("*.md"))}
+    for name in [*METHODS, *(name for name in paths if name not in METHODS)]:
+        text = with_linked_files(tree, site, paths[name].read_text(encoding="utf-8"))
+        (folder / f"{name}.md").write_text(text, encoding="utf-8")
+        rows.append(f"- [{METHODS.get(name, name)}](pages/{name}.md)")
     (site / "reference" / "pages.md").write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 

@@ -108,7 +108,9 @@ def rows_of(text, heading):
 
 def section(text, name):
     found = re.search(rf"^## {re.escape(name)}\n(.*?)(?=^## |\Z)", text, re.M | re.S)
-    return found[1].strip() if found else ""
+    if not found:
+        raise KeyError(f"physics.md has no section on {name}")
+    return found[1].strip()
 
 
 def link(name, known):
@@ -131,8 +133,7 @@ def page(fact, known, definition, smallest, physics):
     lines += [f"It acts at the stage *{fact['stage']}*, and " +
               ("is corrected in the angle." if fact["correctable"] else
                "is found and modelled, but never corrected in the angle: it is not the sensor's."), ""]
-    if physics:
-        lines += ["## Physics", "", physics, ""]
+    lines += ["## Physics", "", physics, ""]
     if fact["separations"]:
         lines += ["## What it is mistaken for", "", "| for | what tells them apart |", "|---|---|"]
         lines += [f"| {link(s['rival'], known)} | {s['experiment']} |" for s in fact["separations"]]

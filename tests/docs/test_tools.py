@@ -8,6 +8,7 @@ import types
 import pytest
 
 import blocks
+import catalogue
 import links
 
 TREE = types.SimpleNamespace(program=pathlib.Path("/bin/true"), python="/", library="/usr/lib",
@@ -50,3 +51,9 @@ def test_links_that_lead_nowhere_are_seen(body, wrong, tmp_path):
     (tmp_path / "there.html").write_text('<p id="place">')
     (tmp_path / "index.html").write_text(body)
     assert [link for _, link in links.broken(tmp_path)] == wrong
+
+
+def test_an_effect_without_physics_ends_the_build():
+    assert catalogue.section("## one\n\ntext\n\n## other\n", "one") == "text"
+    with pytest.raises(KeyError, match="no section on two"):
+        catalogue.section("## one\n\ntext\n", "two")
