@@ -36,6 +36,12 @@ def test_a_block_of_an_unknown_kind_is_refused(tmp_path):
         run(tmp_path, "```fortran\nend\n```\n")
 
 
+@pytest.mark.parametrize("kind, text", [("toml", "key = 'a"), ("json", "{"), ("json", "{} {}")])
+def test_a_file_that_cannot_be_read_ends_the_build(kind, text, tmp_path):
+    with pytest.raises(blocks.BlockFailed, match="page: "):
+        run(tmp_path, f"```{kind}\n{text}\n```\n")
+
+
 def test_python_goes_on_where_it_ended(tmp_path):
     page = run(tmp_path, "```python\nx = 6\nprint('first')\n```\n```python\nprint(x * 7)\n```\n")
     assert page.count("first") == 2 and page.rstrip().endswith("```text\n42\n```")

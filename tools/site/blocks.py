@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: The libada4571 authors
 """Runs every code block of a page, in the page's order and in one folder, and sets what a command
-says below it. `sh hardware` blocks run against the simulated sensor behind the network; `text` shows
-what only a real board can do, and is the one kind that does not run."""
+says below it. `sh hardware` blocks run against the simulated sensor behind the network; the files that a
+page shows are read; `text` shows what only a real board can do, and is the one kind that does not run."""
+import json
 import os
 import re
 import subprocess
 import textwrap
+import tomllib
 
 SHOWN_LINES = 24
 
@@ -52,6 +54,9 @@ class Runner:
                               f"{done.returncode}:\n{text or ''}\n{done.stdout}")
         return done.stdout
 
+    def _python(self, text):
+        return self._run([self.tree.interpreter, "-"], text)
+
     def _emulated(self):
         if not self.emulator:
             self.emulator = subprocess.Popen(
@@ -74,10 +79,8 @@ class Runner:
         """Blocks go on where the last one ended, so all up to this one are run."""
         before = "\n".join(self.python)
         self.python.append(text)
-        said = self._run(["/usr/bin/env", self.tree.interpreter, "-"], "\n".join(self.python))
-        if before:
-            said = said[len(self._run(["/usr/bin/env", self.tree.interpreter, "-"], before)):]
-        return said
+        said = self._python("\n".join(self.python))
+        return said[len(self._python(before)):] if before else said
 
     def c(self, text):
         source = self.folder / "program.c"
@@ -93,10 +96,32 @@ class Runner:
     def dts(self, text):
         return self._run(["dtc", "-q", "-@", "-I", "dts", "-O", "dtb", "-o", "/dev/null", "-"], text)
 
+    def csv(self, text):
+        """A capture."""
+        (self.folder / "shown.csv").write_text(text)
+        self._python("import ada4571; ada4571.Recording('shown.csv')")
+
+    def toml(self, text):
+        """A model, or a configuration, which would open a device."""
+        try:
+            names_a_model = "schema" in tomllib.loads(text)
+        except ValueError as error:
+            raise BlockFailed(f"{self.page}: {error}\n{text}") from error
+        if names_a_model:
+            (self.folder / "shown.toml").write_text(text)
+            self._python("import ada4571; ada4571.Model.load('shown.toml')")
+
+    def json(self, text):
+        try:
+            json.loads(text)
+        except ValueError as error:
+            raise BlockFailed(f"{self.page}: {error}\n{text}") from error
+
     def block(self, kind, text):
         """What the block says; None where it is only shown."""
         runners = {"sh": self.sh, "sh hardware": self.sh_hardware, "python": self.python_block,
-                   "c": self.c, "gnuplot": self.gnuplot, "dts": self.dts}
+                   "c": self.c, "gnuplot": self.gnuplot, "dts": self.dts,
+                   "csv": self.csv, "toml": self.toml, "json": self.json}
         if kind == "text":
             return None
         if kind not in runners:
@@ -121,6 +146,6 @@ def run_page(runner, text):
         page = "" if language == "gnuplot" else f"```{language}\n{block}```\n"
         return page + (f"\n```text\n{shown(said)}\n```\n" if said and said.strip() else "")
     try:
-        return re.sub(r"^```([^\n]+)\n(.*?)^```\n", replace, text, flags=re.M | re.S)
+        return re.sub(r"^```([^\n]*)\n(.*?)^```\n", replace, text, flags=re.M | re.S)
     finally:
         runner.close()

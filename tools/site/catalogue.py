@@ -142,7 +142,7 @@ def page(fact, known, definition, smallest, physics):
         bound = f" The bound of the joint fit there: {smallest[3]}." if smallest[3] else ""
         lines += ["## How small one can see", "", f"Found in 95 % of captures from {smallest[1]} = "
                   f"{smallest[2]} on (60,000 to 75,000 samples, 0.35 to 0.7 mV of noise).{bound} How it "
-                  "was measured: [how small is too small](../reference/pages/diagnosis.md"
+                  "was measured: [how small is too small](../diagnosis.md"
                   "#how-small-is-too-small).", ""]
     return "\n".join(lines)
 
@@ -152,7 +152,7 @@ def build(tree, target, scratch):
     known = {fact["id"] for fact in facts}
     texts = {name: (tree.source / path).read_text(encoding="utf-8") for name, path in
              {"effects": "lib/docs/effects.md", "diagnosis": "lib/docs/diagnosis.md",
-              "physics": "docs/physics.md"}.items()}
+              "physics": "lib/docs/physics.md"}.items()}
     definitions = rows_of(texts["effects"], "# ")
     smallest = rows_of(texts["diagnosis"], "## How small is too small")
     for folder in (target, scratch):

@@ -35,25 +35,41 @@ class Tree:
     def __init__(self, source, build):
         self.source, self.build = source, build
         self.program = build / "tools" / "iio-angle"
-        self.facts = build / "docs" / "catalogue_facts"
-        self.library, self.python = build / "lib", build / "python"
+        self.facts = build / "tools" / "site" / "catalogue_facts"
+        self.library, self.python = build / "lib", build / "lib" / "python"
         self.header = source / "lib" / "include"
         self.manual = build / "tools" / "man" / "pages"
         self.interpreter = sys.executable
 
 
+def with_linked_files(tree, page, text, site):
+    """What a page links to outside lib/docs goes along, below tree/."""
+    docs = tree.source / "lib" / "docs"
+
+    def carry(match):
+        target = (page.parent / match[1]).resolve()
+        if target.is_relative_to(docs) or not target.is_file():
+            return match[0]
+        copy = site / "tree" / target.relative_to(tree.source)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(target, copy)
+        return f"]({os.path.relpath(copy, (site / page.relative_to(docs)).parent)})"
+    return re.sub(r"\]\(([^):#]+)\)", carry, text)
+
+
 def run_pages(tree, site, scratch):
-    """The pages that are written by hand, with what their blocks say and draw."""
-    for path in sorted((tree.source / "docs").rglob("*.md")):
-        name = path.relative_to(tree.source / "docs")
+    """The pages of lib/docs, with what their blocks say and draw."""
+    docs = tree.source / "lib" / "docs"
+    for path in sorted(docs.rglob("*.md")):
+        name = path.relative_to(docs)
         if name.name == "physics.md":
             continue
         print(f"page {name}", flush=True)
         work = scratch / name.with_suffix("")
-        text = blocks.run_page(blocks.Runner(tree, work, name), path.read_text(encoding="utf-8"))
+        text = with_linked_files(tree, path, path.read_text(encoding="utf-8"), site)
         target = site / name
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text, encoding="utf-8")
+        target.write_text(blocks.run_page(blocks.Runner(tree, work, name), text), encoding="utf-8")
         for result in [*work.glob("*.svg"), *work.glob("report.html")]:
             shutil.copy(result, target.parent)
 
@@ -100,25 +116,12 @@ def python_page(tree, site):
     (site / "reference" / "python.md").write_text("\n".join(lines), encoding="utf-8")
 
 
-def with_linked_files(tree, site, text):
-    """What a page of lib/docs links to elsewhere in the tree goes along."""
-    def carry(match):
-        target = site / "tree" / match[1]
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(tree.source / match[1], target)
-        return f"](../../tree/{match[1]})"
-    return re.sub(r"\]\(\.\./\.\./([^)#]+)\)", carry, text)
-
-
 def method_pages(tree, site):
-    folder = site / "reference" / "pages"
-    folder.mkdir(parents=True)
+    """A list of the pages that lie in lib/docs itself."""
+    names = [path.stem for path in sorted((tree.source / "lib" / "docs").glob("*.md"))]
+    others = [name for name in names if name not in {*METHODS, "index", "tutorial", "physics"}]
     rows = ["# File formats and methods", "", "A page a concept, as they lie beside the sources.", ""]
-    paths = {path.stem: path for path in sorted((tree.source / "lib" / "docs").glob("*.md"))}
-    for name in [*METHODS, *(name for name in paths if name not in METHODS)]:
-        text = with_linked_files(tree, site, paths[name].read_text(encoding="utf-8"))
-        (folder / f"{name}.md").write_text(text, encoding="utf-8")
-        rows.append(f"- [{METHODS.get(name, name)}](pages/{name}.md)")
+    rows += [f"- [{METHODS.get(name, name.capitalize())}](../{name}.md)" for name in [*METHODS, *others]]
     (site / "reference" / "pages.md").write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
