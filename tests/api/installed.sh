@@ -21,7 +21,8 @@ installed_whole() {
   local prefix=$1 path=$2 file
   for file in bin/iio-angle include/ada4571.h share/man/man1/iio-angle.1 \
     share/bash-completion/completions/iio-angle lib/udev/rules.d/60-ada4571.rules \
-    lib/udev/ada4571-permissions lib/systemd/system/ada4571-{gc,pd}@.service; do
+    lib/udev/ada4571-permissions lib/systemd/system/ada4571-{gc,pd}@.service \
+    share/doc/libada4571/{LICENSE,README.md,NEWS.md,docs/index.md,examples/{read_angle.c,tutorial.py}}; do
     [[ -e $prefix/$file ]] || fail "not installed: $file"
   done
   [[ $(find "$prefix/include" -type f | wc -l) == 1 ]] || fail "more than one header"
@@ -42,6 +43,12 @@ installed_whole "$work/own" "$work/own"
 "$work/own/bin/iio-angle" --version
 mv "$work/own" "$work/moved"
 "$work/moved/bin/iio-angle" --version >/dev/null || fail "a moved tree does not start"
+
+package=$(find "$work/moved" -path '*/ada4571/__init__.py')
+if [[ -n $package ]]; then
+  PYTHONPATH=$(dirname "$(dirname "$package")") /usr/bin/python3 -B -c 'import ada4571
+assert len(ada4571.Simulation().record(0.1)) == 1000' || fail "a moved Python package does not start"
+fi
 
 # As a package: nothing beside /usr, and nothing that a loader must be told.
 DESTDIR=$work/package cmake --install "$build" --prefix /usr >"$work/package.log"

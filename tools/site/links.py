@@ -28,12 +28,10 @@ class Page(html.parser.HTMLParser):
                     self.loaded.add(value)
 
 
-def broken(site, checked=lambda path: True):
+def broken(site):
     """(page, link) of what leads nowhere, or is loaded from elsewhere."""
     pages = {path: Page(path) for path in sorted(site.rglob("*.html"))}
     for path, page in pages.items():
-        if not checked(path):
-            continue
         for link in sorted(page.links):
             parts = urllib.parse.urlsplit(link)
             if parts.scheme or parts.netloc:
