@@ -8,12 +8,19 @@ export DEBIAN_FRONTEND=noninteractive
 
 quiet_apt() { apt-get -qq -o Dpkg::Use-Pty=0 "$@"; }
 
-# The packages into /packages, as a repository that apt takes.
+# The packages into /packages, as a repository that apt takes. They are built from the source tarball,
+# unpacked elsewhere: it is whole and builds alone.
 build() {
   quiet_apt update
   quiet_apt install -y --no-install-recommends ccache
+  quiet_apt build-dep -y --no-install-recommends /work
   export CCACHE_DIR=/ccache CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
-  /work/tools/package /packages
+  cmake -S /work -B /tmp/configured -DADA4571_TESTS=OFF
+  cmake --build /tmp/configured --target package_source
+  mkdir /tarball
+  tar -C /tarball --strip-components=1 -xf /tmp/configured/libada4571-*.tar.gz
+  rm -rf /work
+  /tarball/tools/package /packages
   cd /packages
   dpkg-scanpackages . >Packages
 }
@@ -48,11 +55,11 @@ ours_installed() {
   done
 }
 
-# As a user without rights, in a folder of his own, as autopkgtest does it.
+# As a user without rights, in the tree, with a folder of his own, as autopkgtest does it.
 test() {
   mkdir -p /tmp/test
   chown somebody /tmp/test
-  su somebody -s /bin/bash -c "cd /tmp && AUTOPKGTEST_TMP=/tmp/test bash /packages/$1"
+  su somebody -s /bin/bash -c "cd /tree && AUTOPKGTEST_TMP=/tmp/test bash debian/tests/$1"
 }
 
 # Takes the packages away and looks for what they left.
@@ -70,7 +77,7 @@ remove() {
   while read -r path; do
     echo "left behind: $path" && left=1
   done < <(find / -xdev \( -name '*ada4571*' -o -name '*iio-angle*' \) \
-    -not -path '/packages/*' -not -path '/var/cache/apt/*' -not -path '/var/lib/apt/*' \
+    -not -path '/packages/*' -not -path '/tree/*' -not -path '/var/cache/apt/*' -not -path '/var/lib/apt/*' \
     -not -path '/tmp/*')
   return $left
 }

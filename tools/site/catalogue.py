@@ -138,12 +138,14 @@ def page(fact, known, definition, smallest, physics):
         lines += ["## What it is mistaken for", "", "| for | what tells them apart |", "|---|---|"]
         lines += [f"| {link(s['rival'], known)} | {s['experiment']} |" for s in fact["separations"]]
         lines += [""]
+    how = "[how small is too small](../diagnosis.md#how-small-is-too-small)"
+    lines += ["## How small one can see", ""]
     if smallest:
         bound = f" The bound of the joint fit there: {smallest[3]}." if smallest[3] else ""
-        lines += ["## How small one can see", "", f"Found in 95 % of captures from {smallest[1]} = "
-                  f"{smallest[2]} on (60,000 to 75,000 samples, 0.35 to 0.7 mV of noise).{bound} How it "
-                  "was measured: [how small is too small](../diagnosis.md"
-                  "#how-small-is-too-small).", ""]
+        lines += [f"Found in 95 % of captures from {smallest[1]} = {smallest[2]} on (60,000 to 75,000 "
+                  f"samples, 0.35 to 0.7 mV of noise).{bound} How it was measured: {how}.", ""]
+    else:
+        lines += [f"No limit is stated for it; which effects were measured, and how: {how}.", ""]
     return "\n".join(lines)
 
 
