@@ -93,8 +93,9 @@ def draw(program, folder, effect, base, target):
     base = simulate(program, folder, "companion", [companion]) if companion else base
     table, scale = signature(base, capture)
     np.savetxt(folder / f"{effect}.dat", table, fmt="%.8g")
-    script = PICTURE.format(target=target, table=folder / f"{effect}.dat", scale=scale)
-    subprocess.run(["gnuplot", "-"], input=script, text=True, check=True,
+    # A picture names its table, so not by a path of the machine that drew it.
+    script = PICTURE.format(target=target, table=f"{effect}.dat", scale=scale)
+    subprocess.run(["gnuplot", "-"], input=script, text=True, check=True, cwd=folder,
                    stderr=subprocess.DEVNULL)
 
 
