@@ -5,12 +5,17 @@
 # For classes of faults that are drawn at random by a test program: the same again and again, each
 # time from a fresh seed.
 
+# What never ends is ended: by its processor time, which a busy machine does not lengthen, and what
+# sleeps for ever by the hour.
+PROCESSOR_S=600 HOUR_S=3600
+
 # repeat PROGRAM FILTER FORM TIMES: a try is a test that ran; a program that dies is a failure too.
 repeat() {
   local program=$1 filter=$2 times=$4 tries=0 failures=0 i ran failed
   [[ $3 == full ]] || times=1
   for ((i = 0; i < times; i++)); do
-    if timeout 600 "$program" --gtest_filter="$filter" >said 2>&1; then
+    if (ulimit -t "$PROCESSOR_S" &&
+      exec timeout "$HOUR_S" "$program" --gtest_filter="$filter") >said 2>&1; then
       failed=0
     else
       failed=$(grep -cE '^\[  FAILED  \] .*ms\)$' said)

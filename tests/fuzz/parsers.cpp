@@ -24,14 +24,14 @@
 
 namespace ada::test {
 
-namespace {
-
 void promise(bool kept, const char *what) {
   if (kept)
     return;
   std::fprintf(stderr, "broken promise: %s\n", what);
   std::abort();
 }
+
+namespace {
 
 void check(const Error &e) {
   promise(e.status() == ADA4571_ERROR_FORMAT || e.status() == ADA4571_ERROR_INVALID_ARGUMENT,
@@ -69,12 +69,16 @@ template <class Body> Outcome run(Body body) {
 
 } // namespace
 
-Outcome parse_text_capture(std::string_view input) {
+Capture capture_of_text(std::string_view input) {
   const Descriptor file(::memfd_create("fuzz", MFD_CLOEXEC));
   promise(::write(file.get(), input.data(), input.size()) == static_cast<ssize_t>(input.size()) &&
               ::lseek(file.get(), 0, SEEK_SET) == 0,
           "the input can be put into a file");
-  return run([&] { check(read_text_capture(file.get(), "input")); });
+  return read_text_capture(file.get(), "input");
+}
+
+Outcome parse_text_capture(std::string_view input) {
+  return run([&] { check(capture_of_text(input)); });
 }
 
 Outcome parse_sigmf_meta(std::string_view input) {
