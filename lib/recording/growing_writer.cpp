@@ -43,6 +43,12 @@ public:
       stem_ = there ? free_sigmf_stem(path) : without_end(follow_links(sigmf_data_path(path)));
   }
 
+  /// Where not one frame could be written and shown, nothing stays.
+  ~GrowingWriter() override {
+    if (created_ && !syncer_)
+      ::unlink((stem_ + ".sigmf-data").c_str());
+  }
+
   void metadata(std::string_view key, std::string_view value) override {
     check_.add_metadata(key, value);
   }
@@ -52,9 +58,10 @@ public:
   void write(std::span<const Frame> frames) override {
     if (frames.empty())
       return;
-    if (!syncer_)
+    if (syncer_)
+      syncer_->rethrow_failure();
+    else
       begin(frames.front());
-    syncer_->rethrow_failure();
     bytes_.clear();
     for (Frame frame : frames) {
       check_.accept(frame);
@@ -64,7 +71,9 @@ public:
       bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     }
     append();
-    if (segments_changed_)
+    if (!syncer_)
+      show();
+    else if (segments_changed_)
       syncer_->put_meta(meta(std::nullopt));
     segments_changed_ = false;
   }
@@ -151,8 +160,7 @@ private:
     datetime_ = old_.datetime;
   }
 
-  /// With the first frame: the data file is there, or cut to whole frames, and the meta file says
-  /// that it grows.
+  /// With the first frame: the data file is there, or cut to whole frames.
   void begin(const Frame &first) {
     const std::string data = stem_ + ".sigmf-data";
     if (fd_.get() < 0)
@@ -166,8 +174,15 @@ private:
     gap_marked_ = true;
     if (segments_.empty())
       segments_.push_back({0, 0, first.time_s});
-    write_sigmf_meta(meta(std::nullopt), stem_ + ".sigmf-meta");
-    syncer_ = std::make_unique<DiskSyncer>(fd_.get(), data, stem_ + ".sigmf-meta");
+    if (!created_) // that the data grows is said before it does
+      write_sigmf_meta(meta(std::nullopt), stem_ + ".sigmf-meta");
+  }
+
+  /// After the first frames: a meta file without one would be a recording that cannot be read.
+  void show() {
+    if (created_)
+      write_sigmf_meta(meta(std::nullopt), stem_ + ".sigmf-meta");
+    syncer_ = std::make_unique<DiskSyncer>(fd_.get(), stem_ + ".sigmf-data", stem_ + ".sigmf-meta");
   }
 
   void create(const std::string &data) {
@@ -175,6 +190,7 @@ private:
         ::open(data.c_str(), O_RDWR | O_APPEND | O_CREAT | O_EXCL | O_CLOEXEC | O_NOCTTY, 0666));
     if (fd_.get() < 0)
       throw system_error(errno, data, "cannot create");
+    created_ = true;
     lock_for_writing(fd_.get());
     struct stat existing {};
     if (!in_own_place() && ::stat(sigmf_data_path(path_).c_str(), &existing) == 0)
@@ -221,6 +237,7 @@ private:
   SigmfEncoder encoder_;
   SigmfMeta old_; ///< of the recording that goes on; frame_bytes 0: there is none
   Descriptor fd_;
+  bool created_ = false; ///< the data file is ours
   std::unique_ptr<DiskSyncer> syncer_; ///< since the first frame
   std::vector<std::byte> bytes_;
   std::vector<SigmfSegment> segments_;
