@@ -50,6 +50,7 @@ ada4571_recording_info to_info(const ada::Capture &capture) {
   info.has_reference = capture.has_reference();
   info.serial = meta.serial.c_str();
   info.origin = meta.origin.c_str();
+  info.data_file = capture.data_file.c_str();
   return info;
 }
 
@@ -88,7 +89,7 @@ void ada4571_recording_info_init(ada4571_recording_info *info) {
   if (info != nullptr)
     *info = to_info(ada::Capture());
   if (info != nullptr)
-    info->serial = info->origin = nullptr; // not into the capture above, which is gone
+    info->serial = info->origin = info->data_file = nullptr; // not into the capture above, which is gone
 }
 
 ada4571_status ada4571_recording_open(const char *path, ada4571_recording **recording) {

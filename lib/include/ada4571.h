@@ -252,6 +252,7 @@ typedef struct ada4571_recording_info {
   double adc_reference_v;
   int has_vtemp, has_vdd, has_reference;
   const char *serial, *origin; /* may be NULL when given to a writer */
+  const char *data_file; /* SigMF: the file that holds the samples; else empty. A writer ignores it */
 } ada4571_recording_info;
 
 ADA4571_API void ada4571_recording_info_init(ada4571_recording_info *info);

@@ -33,6 +33,7 @@ struct Capture {
   std::vector<double> vtemp_v, vdd_v, reference_deg; ///< that length, or empty when absent
   std::vector<std::size_t> gaps; ///< first sample after each gap that the source reported
   std::string identity;          ///< checksum of the content, names the capture in provenance
+  std::string data_file;         ///< of a SigMF recording: where its samples were read
   std::vector<std::string>
       ignored_columns; ///< names of columns in the file that have no meaning here
 

@@ -233,7 +233,9 @@ Capture read_sigmf_capture(const std::string &path) {
     const std::string data_path = data_path_of(meta, path);
     try {
       const MappedFile data(data_path);
-      return decode_sigmf(meta, data.bytes(), data_path);
+      Capture capture = decode_sigmf(meta, data.bytes(), data_path);
+      capture.data_file = data_path;
+      return capture;
     } catch (const Error &) {
       if (i == kTries || version_of(meta_path) == before)
         throw;

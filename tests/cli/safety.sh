@@ -64,6 +64,23 @@ check_a_sigmf_recording_is_both_of_its_files() {
   done
 }
 
+check_the_data_file_that_a_meta_file_names_is_read_too() {
+  capture a.sigmf-meta
+  capture a.csv
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  mv a.sigmf-data other.sigmf-data
+  sed -i 's/"global": {/&"core:dataset": "other.sigmf-data",/' a.sigmf-meta
+  status 0 iio-angle check a.sigmf-meta
+  local name
+  for name in other.sigmf-data other.sigmf-meta ./other.sigmf-data; do
+    refused other.sigmf-data iio-angle calibrate single a.sigmf-meta -o "$name"
+    refused other.sigmf-data iio-angle convert --calibration a.toml a.sigmf-meta -o "$name"
+    refused other.sigmf-data iio-angle diagnose --report "$name" a.sigmf-meta
+    refused other.sigmf-data iio-angle diagnose --heldout a.sigmf-meta --extend "$name" a.csv
+    refused other.sigmf-data iio-angle calibrate dual a.csv a.sigmf-meta -o "$name"
+  done
+}
+
 check_devices_and_pipes_may_be_read_and_written() {
   capture a.csv
   status 0 iio-angle calibrate single a.csv -o /dev/null

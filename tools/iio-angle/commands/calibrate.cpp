@@ -7,6 +7,7 @@
 #include "common/file_roles.h"
 #include "common/handles.h"
 #include "common/print.h"
+#include "common/soundness.h"
 #include "common/verb.h"
 
 namespace cli {
@@ -47,17 +48,9 @@ void finish(const Model &model, const std::string &path) {
   note("written: {}\n", path);
 }
 
-/// A calibration can be exact and its capture odd all the same: a wrong supply, say.
-void warn_of_faults(const Recording &capture, const std::string &path) {
-  const auto health =
-      make<Health>(ada4571_check, capture.get(), static_cast<const ada4571_model *>(nullptr));
-  if (!ada4571_health_sound(health.get()))
-    note("but {0} is not sound: see `iio-angle check {0}`\n", path);
-}
-
 int single(const Options &options) {
-  FileRoles().reads(options.capture).writes(options.output);
   const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
+  FileRoles().reads(options.capture, capture).writes(options.output);
   finish(make<Model>(ada4571_calibrate_single, capture.get(), options.method), options.output);
   warn_of_faults(capture, options.capture);
   return kDone;
@@ -71,9 +64,9 @@ double mean_vtemp(const Recording &capture, ada4571_calibration_method method) {
 }
 
 int dual(const Options &options) {
-  FileRoles().reads(options.cold).reads(options.hot).writes(options.output);
   const auto cold = make<Recording>(ada4571_recording_open, options.cold.c_str());
   const auto hot = make<Recording>(ada4571_recording_open, options.hot.c_str());
+  FileRoles().reads(options.cold, cold).reads(options.hot, hot).writes(options.output);
   const auto model = make<Model>(ada4571_calibrate_dual, cold.get(), hot.get(), options.method);
   const double cold_v = mean_vtemp(cold, options.method), hot_v = mean_vtemp(hot, options.method);
   if (hot_v < cold_v)

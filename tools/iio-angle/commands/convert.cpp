@@ -50,9 +50,9 @@ void for_each_block(const Recording &capture, const Model &model, bool dynamic, 
 }
 
 int run(const Options &options) {
-  FileRoles().reads(options.capture).reads(options.calibration).writes(options.output);
   const auto model = make<Model>(ada4571_model_load, options.calibration.c_str());
   const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
+  FileRoles().reads(options.capture, capture).reads(options.calibration).writes(options.output);
   mention_remainder(model);
   const auto out = make<File>(ada4571_file_open, options.output.c_str());
   AngleText text(AngleFormat::csv, angle_range_deg(model));

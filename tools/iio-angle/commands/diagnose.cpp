@@ -6,6 +6,7 @@
 #include "common/handles.h"
 #include "common/print.h"
 #include "common/progress.h"
+#include "common/soundness.h"
 #include "common/verb.h"
 
 namespace cli {
@@ -22,12 +23,8 @@ int on_progress(double fraction, const char *what, void *user) {
   return 0;
 }
 
-Diagnosis diagnose(const Options &options) {
-  const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
-  Recording heldout;
+Diagnosis diagnose(const Options &options, const Recording &capture, const Recording &heldout) {
   Model baseline;
-  if (!options.heldout.empty())
-    heldout = make<Recording>(ada4571_recording_open, options.heldout.c_str());
   if (!options.model.empty())
     baseline = make<Model>(ada4571_model_load, options.model.c_str());
   Progress progress;
@@ -43,13 +40,16 @@ Diagnosis diagnose(const Options &options) {
 }
 
 int run(const Options &options) {
-  FileRoles()
-      .reads(options.capture)
-      .reads(options.heldout)
-      .reads(options.model)
-      .writes(options.extend)
-      .writes(options.report);
-  const Diagnosis diagnosis = diagnose(options);
+  const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
+  const Recording heldout = options.heldout.empty()
+                                ? Recording()
+                                : make<Recording>(ada4571_recording_open, options.heldout.c_str());
+  FileRoles roles;
+  roles.reads(options.capture, capture);
+  if (heldout)
+    roles.reads(options.heldout, heldout);
+  roles.reads(options.model).writes(options.extend).writes(options.report);
+  const Diagnosis diagnosis = diagnose(options, capture, heldout);
   if (!options.extend.empty()) {
     const auto model = make<Model>(ada4571_diagnosis_model, diagnosis.get());
     check(ada4571_model_save(model.get(), options.extend.c_str()));
@@ -59,6 +59,7 @@ int run(const Options &options) {
   const std::string_view result = options.json ? ada4571_diagnosis_json(diagnosis.get())
                                                : ada4571_diagnosis_text(diagnosis.get());
   print("{}{}", result, result.ends_with('\n') ? "" : "\n");
+  warn_of_faults(capture, options.capture);
   return kDone;
 }
 

@@ -8,8 +8,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "common/handles.h"
-
 namespace cli {
 
 namespace {
@@ -60,6 +58,12 @@ FileRoles &FileRoles::reads(const std::string &path) {
     for (const std::string &file : files_of(path))
       add(file, false);
   return *this;
+}
+
+FileRoles &FileRoles::reads(const std::string &path, const Recording &recording) {
+  auto info = initialised(ada4571_recording_info_init);
+  check(ada4571_recording_get_info(recording.get(), &info));
+  return reads(path).reads(info.data_file);
 }
 
 FileRoles &FileRoles::writes(const std::string &path) {

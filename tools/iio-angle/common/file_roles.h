@@ -10,6 +10,8 @@
 
 #include <sys/types.h>
 
+#include "common/handles.h"
+
 namespace cli {
 
 class FileRoles {
@@ -17,6 +19,8 @@ public:
   /// "-" is standard input; an empty path, of an option that was not given, is nothing. A SigMF
   /// recording is its two files. Call reads() before writes().
   FileRoles &reads(const std::string &path);
+  /// The data file too, which a meta file may name otherwise (core:dataset).
+  FileRoles &reads(const std::string &path, const Recording &recording);
   /// Throws Failure(kWrongUsage) when that would write over a file that is read or written already.
   FileRoles &writes(const std::string &path);
 
