@@ -9,7 +9,9 @@
 //  - a refill that times out loses what it had read: local buffers are switched to non-blocking;
 //  - a network server sends every channel that any of its clients has enabled: the layout is
 //    checked against the library's after each refill;
-//  - it writes into the URI that it is given: it gets a copy.
+//  - it writes into the URI that it is given: it gets a copy;
+//  - it trusts the length of what a server sends: buffers of the network are read without it
+//    (network_buffer.h).
 
 #include "acquisition/iio_library.h"
 
@@ -20,6 +22,7 @@
 
 #include <iio.h>
 
+#include "acquisition/network_buffer.h"
 #include "base/error.h"
 #include "base/text.h"
 
@@ -35,6 +38,17 @@ using ContextPointer = std::unique_ptr<iio_context, ContextDeleter>;
 /// Text of a device or a server, fit to be printed.
 std::string text(const char *s) {
   return s ? printable(s) : std::string();
+}
+
+/// Of "ip:HOST", "ip:HOST:PORT", "ip:[HOST]:PORT"; nothing for a server that libiio has to find.
+std::string port_of(const std::string &uri) {
+  constexpr std::string_view kUsual = "30431";
+  if (!uri.starts_with("ip:") || uri.size() == 3)
+    return {};
+  const std::string host = uri.substr(3);
+  const std::size_t colon = host.rfind(':');
+  const bool has_port = colon != host.npos && (colon == host.find(':') || host[colon - 1] == ']');
+  return has_port ? host.substr(colon + 1) : std::string(kUsual);
 }
 
 ScanFormat format_of(const iio_channel *channel) {
@@ -139,7 +153,8 @@ private:
 
 class ContextV0 final : public IioContext {
 public:
-  explicit ContextV0(ContextPointer context) : context_(std::move(context)) {}
+  ContextV0(ContextPointer context, const std::string &uri)
+      : context_(std::move(context)), port_(port_of(uri)) {}
 
   std::vector<IioDevice> devices() const override {
     std::vector<IioDevice> out;
@@ -165,6 +180,7 @@ public:
   std::string trigger(const std::string &device) const override;
   void set_trigger(const std::string &device, const std::string &trigger) override;
   void set_timeout(std::chrono::milliseconds timeout) override {
+    timeout_ = timeout;
     // A server without the command is no reason to fail.
     (void)!iio_context_set_timeout(context_.get(), static_cast<unsigned>(timeout.count()));
   }
@@ -186,7 +202,13 @@ private:
     return found;
   }
 
+  std::unique_ptr<IioBuffer> network_buffer(const iio_device *dev,
+                                            const std::vector<const iio_channel *> &enabled,
+                                            std::size_t frames, int &error);
+
   ContextPointer context_;
+  std::string port_; ///< of a server that the URI names
+  std::chrono::milliseconds timeout_{5000};
 };
 
 std::optional<std::string> ContextV0::read(const std::string &device_id,
@@ -236,6 +258,16 @@ void ContextV0::set_trigger(const std::string &device_id, const std::string &tri
                                              ": " + errno_text(-error));
 }
 
+[[noreturn]] void refuse_buffer(const std::string &device_id, int error) {
+  throw Error(status_of_errno(error),
+              "cannot start the capture buffer of " + device_id + ": " + errno_text(error) +
+                  (error == EINVAL ? "; most often the device has no trigger: name one with the "
+                                     "option for the trigger"
+                   : error == ENOMEM ? "; ask for fewer frames a buffer (the emulator holds 320 "
+                                       "MiB for all clients together)"
+                                     : ""));
+}
+
 std::unique_ptr<IioBuffer> ContextV0::create_buffer(const std::string &device_id,
                                                     std::span<const std::string> channels,
                                                     std::size_t frames, unsigned kernel_buffers) {
@@ -250,18 +282,42 @@ std::unique_ptr<IioBuffer> ContextV0::create_buffer(const std::string &device_id
   }
   // Refused by servers that do not know it; the default of 4 holds then.
   (void)!iio_device_set_kernel_buffers_count(dev, kernel_buffers);
-  iio_buffer *buffer = iio_device_create_buffer(dev, frames, false);
-  if (!buffer) {
-    const int error = errno ? errno : EIO;
-    throw Error(status_of_errno(error),
-                "cannot start the capture buffer of " + device_id + ": " + errno_text(error) +
-                    (error == EINVAL ? "; most often the device has no trigger: name one with the "
-                                       "option for the trigger"
-                     : error == ENOMEM ? "; ask for fewer frames a buffer (the emulator holds 320 "
-                                         "MiB for all clients together)"
-                                       : ""));
+  if (!port_.empty() && text(iio_context_get_name(context_.get())) == "network") {
+    int error = 0;
+    auto buffer = network_buffer(dev, enabled, frames, error);
+    if (!buffer)
+      refuse_buffer(device_id, error);
+    return buffer;
   }
+  iio_buffer *buffer = iio_device_create_buffer(dev, frames, false);
+  if (!buffer)
+    refuse_buffer(device_id, errno ? errno : EIO);
   return std::make_unique<BufferV0>(buffer, std::move(enabled));
+}
+
+std::unique_ptr<IioBuffer>
+ContextV0::network_buffer(const iio_device *dev, const std::vector<const iio_channel *> &enabled,
+                          std::size_t frames, int &error) {
+  NetworkBufferOptions o;
+  o.host = text(iio_context_get_attr_value(context_.get(), "ip,ip-addr"));
+  o.port = port_;
+  o.device = text(iio_device_get_id(dev));
+  o.frames = frames;
+  o.timeout = timeout_;
+  const ssize_t sample_bytes = iio_device_get_sample_size(dev);
+  o.bytes = frames * static_cast<std::size_t>(std::max<ssize_t>(1, sample_bytes));
+  for (unsigned i = 0; i < iio_device_get_channels_count(dev); ++i) {
+    const iio_channel *channel = iio_device_get_channel(dev, i);
+    IioChannel place; // and nothing that would have to be asked for
+    place.index = iio_channel_is_scan_element(channel) ? iio_channel_get_index(channel) : -1;
+    place.format = format_of(channel);
+    o.channels.push_back(place);
+  }
+  for (const iio_channel *channel : enabled)
+    for (unsigned i = 0; i < iio_device_get_channels_count(dev); ++i)
+      if (iio_device_get_channel(dev, i) == channel)
+        o.wanted.push_back(i);
+  return open_network_buffer(o, error);
 }
 
 [[noreturn]] void refuse_context(const std::string &uri, int error) {
@@ -286,7 +342,7 @@ std::unique_ptr<IioContext> open_iio_context(const std::string &uri) {
   ContextPointer context(iio_create_context_from_uri(scratch.c_str()));
   if (!context)
     refuse_context(uri, errno);
-  return std::make_unique<ContextV0>(std::move(context));
+  return std::make_unique<ContextV0>(std::move(context), uri);
 }
 
 std::string iio_library_version() {
