@@ -37,6 +37,7 @@ has_rpath() {
   [[ $(readelf -d "$1") == *'PATH)'* ]]
 }
 
+touch "$work/began"
 # As a user installs it, root or not, by a path from where he stands.
 (cd "$work" && cmake --install "$build" --prefix own >install.log)
 installed_whole "$work/own" "$work/own"
@@ -56,6 +57,9 @@ installed_whole "$work/package/usr" /usr
 [[ $(ls "$work/package") == usr ]] || fail "a package also has: $(ls "$work/package")"
 ! has_rpath "$work/package/usr/bin/iio-angle" || fail "a packaged program has an RPATH"
 has_rpath "$work/moved/bin/iio-angle" || fail "RPATHs are not seen"
+
+# The build folder may be another user's: only CMake's own list is written there.
+[[ -z $(find "$build/udev" -newer "$work/began" -type f) ]] || fail "installing writes into the build folder"
 
 prefix=$work/moved
 library=$(dirname "$(find "$prefix" -name libada4571.so)")
