@@ -16,7 +16,8 @@ declare -A PACKAGES=(
   [docs]="doxygen mandoc mkdocs device-tree-compiler"
   [report]="gnuplot-nox"
   [test]="libgtest-dev libbenchmark-dev libsleef-dev libumockdev-dev umockdev libiio-utils iiod
-    device-tree-compiler mandoc python3-pytest shellcheck chromium"
+    device-tree-compiler mandoc python3-pytest shellcheck chromium
+    poppler-utils"
   [kernel]="qemu-system-x86 busybox-static cpio kmod xz-utils zstd bc gcc make perl gpiod udev
     systemd iproute2"
   [where-offered]="dt-schema"

@@ -12,10 +12,10 @@ namespace ada {
 
 namespace {
 
-ChildResult run(const std::string &script) {
+ChildResult run(const std::string &script, int timeout_ms) {
   try {
     // -d: not the user's own start-up files.
-    return run_child("gnuplot", {"-d"}, script);
+    return run_child("gnuplot", {"-d"}, script, {.timeout_ms = timeout_ms});
   } catch (const Error &e) {
     if (e.status() != ADA4571_ERROR_NOT_FOUND)
       throw;
@@ -50,13 +50,13 @@ std::string gnuplot_quoted(std::string_view text) {
   return out + "'";
 }
 
-std::vector<std::string> draw(const std::vector<std::string> &scripts) {
+std::vector<std::string> draw(const std::vector<std::string> &scripts, int timeout_ms) {
   if (scripts.empty())
     return {};
   std::string all;
   for (const std::string &script : scripts)
     all += "reset\n" + script + "\nset output\n"; // closes the document on standard output
-  const ChildResult result = run(all);
+  const ChildResult result = run(all, timeout_ms);
 
   std::vector<std::string> drawn;
   const std::string_view out = result.out;

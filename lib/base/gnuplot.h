@@ -15,7 +15,8 @@ std::string gnuplot_quoted(std::string_view text);
 
 /// Draws each script, which sets its own terminal (svg) and plots once or in a multiplot, in one
 /// run of gnuplot, under its default settings. One SVG document a script, from "<svg" to "</svg>".
-/// Throws Error: NOT_FOUND when gnuplot is missing, IO with gnuplot's own words when it fails.
-std::vector<std::string> draw(const std::vector<std::string> &scripts);
+/// Throws Error: NOT_FOUND when gnuplot is missing, IO with gnuplot's own words when it fails or
+/// takes longer than `timeout_ms`.
+std::vector<std::string> draw(const std::vector<std::string> &scripts, int timeout_ms = 60000);
 
 } // namespace ada

@@ -598,7 +598,8 @@ ADA4571_API const char *ada4571_diagnosis_text(const ada4571_diagnosis *diagnosi
 /* The extended model, ready for ada4571_converter_new. */
 ADA4571_API ada4571_status ada4571_diagnosis_model(const ada4571_diagnosis *diagnosis,
                                                    ada4571_model **model);
-/* One self-contained HTML page. Plots are drawn by the program gnuplot. */
+/* One self-contained HTML page. Plots are drawn by the program gnuplot; one that it does not draw is
+ * missing from the page, which says why. */
 ADA4571_API ada4571_status ada4571_diagnosis_report(const ada4571_diagnosis *diagnosis,
                                                     const char *path);
 ADA4571_API void ada4571_diagnosis_free(ada4571_diagnosis *diagnosis);

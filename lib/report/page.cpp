@@ -22,10 +22,10 @@ std::string change(const std::string &before, const std::string &after) {
 }
 
 std::string tiles(const Diagnosis &d) {
-  const Quality &b = d.baseline_quality.heldout, &e = d.extended_quality.heldout;
+  const Quality &b = d.baseline_quality.heldout, &e = d.extended_quality.heldout, &a = d.anonymous;
   std::string out = "<div class=\"tiles\">";
   out += tile(change(millivolts(b.residual_rms_v), millivolts(e.residual_rms_v)),
-              fmt::format("residual rms, held out; noise floor {}", millivolts(d.noise_rms_v)));
+              "residual rms of a channel, before and with everything found");
   if (b.angle_error_rms_deg && e.angle_error_rms_deg)
     out += tile(change(degrees(*b.angle_error_rms_deg), degrees(*e.angle_error_rms_deg)),
                 "angle error rms against the reference");
@@ -36,118 +36,12 @@ std::string tiles(const Diagnosis &d) {
     open += f.alternatives.empty() ? 0 : 1;
   out += tile(d.findings.empty() ? "no cause" : counted(d.findings.size(), "cause"),
               d.findings.empty() ? "found"
-              : open == 0        ? "found, none with rivals"
-                                 : fmt::format("found, {} with rivals", open));
-  out += tile(d.structure.empty() ? "white noise" : millivolts(d.unexplained_rms_v) + " rms",
-              d.structure.empty() ? "is all that is left over" : "left over and unexplained");
+              : open == 0        ? "found, each the only one that fits"
+                                 : fmt::format("found, {} of them with rivals", open));
+  out += tile(millivolts(a.residual_rms_v) +
+                  (a.angle_error_rms_deg ? ", " + degrees(*a.angle_error_rms_deg) : ""),
+              "what the best model that names nothing leaves");
   return out + "</div>\n";
-}
-
-std::string summary(const Diagnosis &d) {
-  if (d.findings.empty())
-    return {};
-  std::string out = "<table><thead><tr><th scope=\"col\" colspan=\"2\">cause</th><th "
-                    "scope=\"col\">size</th><th scope=\"col\" class=\"n\">residual, held "
-                    "out</th><th scope=\"col\">rivals</th></tr></thead><tbody>\n";
-  for (std::size_t i = 0; i < d.findings.size(); ++i) {
-    const Finding &f = d.findings[i];
-    const auto parameters = f.effect->info().parameters;
-    std::string size, rivals;
-    for (std::size_t k = 0; k < parameters.size() && size.empty(); ++k)
-      if (!std::isnan(f.values[k]) && parameters[k].role == Role::fitted) {
-        const double error = k < f.std_errors.size() ? f.std_errors[k] : 0.0;
-        const Shown shown = show(parameters[k], f.values[k], error);
-        size = fmt::format("<code>{}</code> {}{}{} {}", parameters[k].name, shown.value,
-                           shown.error.empty() ? "" : " \u00b1 ", shown.error, shown.unit);
-      }
-    for (const std::string &rival : f.alternatives)
-      rivals += (rivals.empty() ? "" : ", ") + plain_name(rival);
-    const Quality &b = f.before.heldout, &a = f.after.heldout;
-    out +=
-        fmt::format("<tr><td class=\"n\">{0}</td><td><a href=\"#finding-{0}\">{1}</a></td><td>{2}"
-                    "</td><td class=\"n\">{3}</td><td>{4}</td></tr>\n",
-                    i + 1, html_escape(plain_name(f.effect->info().id)), size,
-                    change(millivolts(b.residual_rms_v), millivolts(a.residual_rms_v)),
-                    rivals.empty() ? "none" : html_escape(rivals));
-  }
-  return out + "</tbody></table>\n";
-}
-
-std::string measured_section(const Diagnosis &d, const View &view, Gallery &gallery) {
-  const double factor = locus_factor(view);
-  std::string out = "<h2>Measured against simulated</h2>\n<div class=\"row wide\">";
-  out += figure(gallery.add(stretch_picture(view, d.periods_per_turn)) +
-                    gallery.add(stretch_residual_picture(view)),
-                legend({{"measured dot", "measured"},
-                        {"after", "simulated by the extended model, and its residual"},
-                        {"before", "residual of the " + html_escape(d.baseline_name)}}));
-  out += figure(gallery.add(locus_picture(view, factor, view.scene.supply_v)),
-                legend({{"muted", "simulated"},
-                        {"before", fmt::format("deviation \u00d7{:g}", factor)},
-                        {"after", "with the causes"}}));
-  return out + "</div>\n";
-}
-
-std::string residual_section(const Diagnosis &d, const View &view, Gallery &gallery) {
-  const ResidualBins &first = view.rungs.front();
-  const double limit = residual_limit(view, first, view.final);
-  const std::string base = html_escape(d.baseline_name);
-  std::string out = "<h2>Residual before and after</h2>\n<div class=\"row panels\">";
-  for (std::size_t a = 0; a < view.axes.size(); ++a)
-    out += figure(gallery.add(residual_picture(view, a, first, view.final, limit)), "");
-  out += "</div>" + legend({{"before", base}, {"after", "extended model"}});
-  out += "<p class=\"note\">Measured minus simulated: mean over each bin with its spread (one "
-         "standard deviation), one scale for all. Each panel shows the part that changes most: one "
-         "of the outputs, along the radius, or across it (which turns the angle).";
-  for (const std::string &missing : view.missing)
-    out += " Not shown: " + html_escape(missing) + ".";
-  return out + "</p>\n";
-}
-
-std::string ladder_section(const Diagnosis &d, const View &view, Gallery &gallery) {
-  std::vector<LadderStep> steps{{d.baseline_name.substr(0, 40), d.baseline_quality}};
-  for (const Finding &f : d.findings)
-    if (steps.size() < 2 * kMaxRungs && f.effect->info().evidence != Evidence::screening)
-      steps.push_back({"+ " + plain_name(f.effect->info().id), f.after});
-  std::string out = "<h2>What each cause gains</h2>\n<div class=\"row half\">";
-  out += figure(gallery.add(ladder_picture(steps, d.noise_rms_v, false)),
-                legend({{"after dot", "held out: data that no fit has seen"},
-                        {"muted ring", "in sample"},
-                        {"floor dash", "noise floor"}}));
-  if (d.baseline_quality.heldout.angle_error_rms_deg)
-    out += figure(gallery.add(ladder_picture(steps, d.noise_rms_v, true)),
-                  legend({{"after dot", "held out"}, {"muted ring", "in sample"}}));
-  if (!view.base_angle_error.empty())
-    out += figure(gallery.add(angle_error_picture(view, d.baseline_name)),
-                  legend({{"before", html_escape(d.baseline_name)},
-                          {"after", "extended model: mean and spread"}}));
-  if (!view.spectrum.density.empty())
-    out += figure(gallery.add(spectrum_picture(view.spectrum, 0, view.spectrum.density.size() - 1,
-                                               d.noise_rms_v, false)),
-                  legend({{"before", html_escape(d.baseline_name)},
-                          {"after", "extended model"},
-                          {"floor dash", "white noise"}}));
-  return out + "</div>\n";
-}
-
-std::string left_section(const Diagnosis &d, const View &view, Gallery &gallery) {
-  std::string out = "<h2>What is left over</h2>\n";
-  if (d.structure.empty()) {
-    out += "<p>Nothing but noise: the residual of the extended model is white along every axis "
-           "that this capture has.</p>\n";
-  } else {
-    out += "<ul class=\"plain\">";
-    for (const Structure &s : d.structure)
-      out += fmt::format("<li><b>Along {}:</b> {}</li>", html_escape(s.along),
-                         html_escape(s.description));
-    out += "</ul>\n";
-  }
-  out += "<div class=\"row panels\">";
-  for (std::size_t a = 0; a < view.axes.size(); ++a)
-    out += figure(gallery.add(leftover_picture(view, a)), "");
-  return out +
-         "</div><p class=\"note\">Residual of the extended model, enlarged: means with bars of "
-         "two standard errors. Noise alone leaves one bar in twenty off zero.</p>\n";
 }
 
 std::string invisible_section(const Diagnosis &d) {
@@ -156,7 +50,7 @@ std::string invisible_section(const Diagnosis &d) {
   std::map<std::string, std::string> by_reason;
   for (const Invisible &i : d.invisible) {
     std::string &causes = by_reason[i.reason];
-    causes += (causes.empty() ? "" : ", ") + plain_name(i.cause);
+    causes += (causes.empty() ? "" : ", ") + i.cause;
   }
   std::string out =
       "<h2>What this capture cannot show</h2>\n<p class=\"note\">Not found is not the "
@@ -184,24 +78,43 @@ std::string head(const Diagnosis &d, const Capture &c) {
       fmt::format("<p class=\"over\">Diagnosis of {}: {} samples, {:.4g} s, {:.4g} turns, {}</p>",
                   name.empty() ? "a capture" : html_escape(name), d.samples, d.duration_s, d.turns,
                   d.has_reference ? "with a reference angle" : "no reference angle");
-  return out + "<h1>" + html_escape(headline(d)) + "</h1></header>\n";
+  return out + "<h1>" + html_escape(headline(d)) + "</h1></header>\n" + Gallery::notice();
 }
 
 std::string foot(const Diagnosis &d) {
   const std::string date = d.extended.provenance.date;
-  return fmt::format("<footer>libada4571 {}{}. Every gain is measured on whole revolutions that no "
-                     "fit has seen. Captures and models are compared in volts; angles are "
+  return fmt::format("<footer>libada4571 {}{}. Every gain is measured on data that no fit has "
+                     "seen. Captures and models are compared in volts; angles are "
                      "mechanical.</footer>\n</main></body></html>\n",
                      ADA4571_VERSION_STRING, date.empty() ? "" : ", " + html_escape(date));
 }
 
 } // namespace
 
-std::string figure(const std::string &picture, const std::string &caption_html,
-                   const std::string &kind) {
-  return "<figure" + (kind.empty() ? "" : " class=\"" + kind + "\"") + ">" + picture +
+std::string figure(const std::string &picture, const std::string &caption_html) {
+  return "<figure>" + picture +
          (caption_html.empty() ? "" : "<figcaption>" + caption_html + "</figcaption>") +
          "</figure>\n";
+}
+
+std::string row(std::vector<std::string> cells, const std::string &filler) {
+  const bool fills = cells.size() < 3 && !filler.empty();
+  if (fills)
+    cells.push_back("<div>" + filler + "</div>");
+  std::string out = fmt::format("<div class=\"row n{}\">", cells.size());
+  for (const std::string &cell : cells)
+    out += cell;
+  return out + "</div>" + (fills ? "" : filler) + "\n";
+}
+
+std::string halves(std::vector<std::string> cells, const std::string &filler) {
+  const bool fills = cells.size() % 2 == 1;
+  if (fills)
+    cells.push_back("<div>" + filler + "</div>");
+  std::string out = "<div class=\"row n2\">";
+  for (const std::string &cell : cells)
+    out += cell;
+  return out + "</div>" + (fills ? "" : filler) + "\n";
 }
 
 std::string legend(std::initializer_list<std::pair<const char *, std::string>> entries) {
@@ -213,19 +126,22 @@ std::string legend(std::initializer_list<std::pair<const char *, std::string>> e
 
 std::string page(const Diagnosis &d, const Capture &capture, const View &view, Gallery &gallery) {
   std::string out = head(d, capture);
-  if (d.verdict == Verdict::insufficient_data || view.rungs.empty()) {
+  if (view.empty()) {
     if (capture.size() >= 2)
       out += "<h2>What was measured</h2>\n" +
              figure(gallery.add(raw_picture(capture)),
-                    legend({{"after dot", "VSIN"}, {"before dot", "VCOS"}}));
+                    legend({{"after dot", "VSIN"}, {"before ring", "VCOS"}}));
     return out + capture_section(d, capture, view) + foot(d);
   }
-  out += tiles(d) + summary(d);
+  out += budget_section(d, view) + tiles(d);
+  out += causes_section(d, view, gallery);
+  out += left_section(d, view, gallery);
+  out += remainder_section(d, view, gallery);
+  out += noise_section(d, view, gallery);
+  out += record_section(d, capture, view, gallery);
   out += measured_section(d, view, gallery);
   out += residual_section(d, view, gallery);
   out += ladder_section(d, view, gallery);
-  out += findings_section(d, view, gallery);
-  out += left_section(d, view, gallery);
   out += invisible_section(d);
   out += model_section(d);
   out += capture_section(d, capture, view);

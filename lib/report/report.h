@@ -11,8 +11,8 @@
 
 namespace ada {
 
-/// Writes the page whole or not at all. Throws Error when gnuplot is missing or the file cannot be
-/// written.
+/// Writes the page whole or not at all. A plot that gnuplot does not draw is missing from it, and
+/// the page says why. Throws Error when the file cannot be written.
 void write_report(const Diagnosis &diagnosis, const Capture &capture, const std::string &path);
 
 } // namespace ada

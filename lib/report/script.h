@@ -10,17 +10,27 @@
 
 namespace ada {
 
-/// Terminal and frame of a picture of this size in CSS pixels; the name of the vertical axis
-/// stands above it, where it reads without turning the head.
-std::string panel(int width, int height, const std::string &x_label, const std::string &y_label);
+/// Width and height in CSS pixels: one of three or four in a row, one of two.
+struct PictureSize {
+  int width, height;
+};
+inline constexpr PictureSize kPanel{270, 190}, kHalf{420, 240};
+
+/// Terminal and frame of a picture; the name of the vertical axis stands above it, where it reads
+/// without turning the head.
+std::string panel(PictureSize size, const std::string &x_label, const std::string &y_label);
 
 /// "$name << EOD ...": a block of data.
 std::string block(const std::string &name, const std::string &rows);
 
-/// About `count` round tics of axis "x" or "y".
-std::string tics(const char *axis, double from, double to, int count);
+/// Range of axis "x" or "y"; gnuplot refuses an empty one, so that is widened.
+std::string range(const char *axis, double from, double to);
 
-/// Tics of a logarithmic axis x: 1, 2, 5 of each decade while that are few, else the decades.
-std::string log_tics(double from, double to);
+/// range() with about `count` round tics.
+std::string range_with_tics(const char *axis, double from, double to, int count);
+
+/// A logarithmic axis: tics at 1, 2, 5 of each decade while that are few, else at the decades.
+/// `from` and `to` are positive.
+std::string log_range(const char *axis, double from, double to);
 
 } // namespace ada

@@ -5,11 +5,14 @@
 
 #include <array>
 
+#include "base/error.h"
+
 namespace ada {
 
 namespace {
 
-constexpr std::array kNames = {"ink", "muted", "grid", "before", "after", "measured", "floor"};
+constexpr std::array kNames = {"ink",      "muted", "grid", "before", "after",
+                               "measured", "floor", "pale", "second"};
 
 /// Replaces every piece from `open` to the next `close`, both included, by nothing.
 void cut(std::string &text, std::string_view open, std::string_view close) {
@@ -92,6 +95,8 @@ std::string html_escape(std::string_view text) {
 std::string inline_svg(std::string_view drawing, std::string_view label) {
   const std::size_t head = drawing.find('>');
   const std::size_t box = drawing.find("viewBox=\"");
+  if (head == drawing.npos || box == drawing.npos || drawing.find('"', box + 9) == drawing.npos)
+    throw Error(ADA4571_ERROR_IO, "gnuplot drew something that is no picture");
   const std::string view(drawing.substr(box, drawing.find('"', box + 9) + 1 - box));
   std::string body(drawing.substr(head + 1));
   cut(body, "<defs>", "</defs>");

@@ -22,8 +22,11 @@ inline constexpr const char *kBefore = "'#040404'";
 inline constexpr const char *kAfter = "'#050505'";
 inline constexpr const char *kMeasured = "'#060606'";
 inline constexpr const char *kFloor = "'#070707'";
+inline constexpr const char *kPale = "'#080808'";
+inline constexpr const char *kSecond = "'#090909'";
 
-/// Makes one drawing ready for the page. `label` says what it shows.
+/// Makes one drawing ready for the page. `label` says what it shows. Throws Error(IO) where the
+/// text is no drawing.
 std::string inline_svg(std::string_view drawing, std::string_view label);
 
 /// The marks that drawings refer to; once in a page.

@@ -40,7 +40,7 @@ std::string baseline_rows(const Model &m) {
 
 std::string effect_rows(const EffectInstance &e) {
   const auto parameters = e.effect->info().parameters;
-  std::string out, part = html_escape(plain_name(e.effect->info().id));
+  std::string out, part = html_escape(e.effect->info().id);
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     if (std::isnan(e.values[k]))
       continue;
@@ -61,8 +61,16 @@ std::string fact(const std::string &name, const std::string &value) {
 std::string range(const std::vector<double> &column, double scale, const char *unit) {
   if (column.empty())
     return {};
-  const auto [low, high] = std::minmax_element(column.begin(), column.end());
-  return fmt::format("{:.4g} to {:.4g} {}", *low * scale, *high * scale, unit);
+  const auto [low_at, high_at] = std::minmax_element(column.begin(), column.end());
+  const double low = *low_at * scale, high = *high_at * scale;
+  // As many digits as tell the ends apart.
+  for (int digits = 4; digits < 9; ++digits) {
+    const std::string from = fmt::format("{:.{}g}", low, digits),
+                      to = fmt::format("{:.{}g}", high, digits);
+    if (from != to)
+      return from + " to " + to + " " + unit;
+  }
+  return fmt::format("{:.6g} {} throughout", low, unit);
 }
 
 std::string channels(const Diagnosis &d) {
@@ -75,17 +83,25 @@ std::string channels(const Diagnosis &d) {
 } // namespace
 
 std::string model_section(const Diagnosis &d) {
-  std::string out = "<h2>The extended model</h2>\n<p class=\"note\">Fitted jointly to the training "
-                    "part; standard errors of one sigma. <code>--extend</code> writes it as a file "
-                    "that <code>convert --calibration</code> reads.</p>\n"
-                    "<table id=\"model\"><thead><tr><th scope=\"col\">part</th><th "
-                    "scope=\"col\">parameter</th><th scope=\"col\" class=\"n\">value</th><th "
-                    "scope=\"col\" class=\"n\">std error</th><th scope=\"col\">unit</th></tr>"
-                    "</thead><tbody>\n";
+  std::string out =
+      "<h2>The extended model</h2>\n<p class=\"note\">Fitted jointly to the training "
+      "part; standard errors of one sigma. <code>--extend</code> writes it as a file "
+      "that <code>convert --calibration</code> reads.</p>\n"
+      "<div class=\"scroll\"><table id=\"model\"><thead><tr><th scope=\"col\">part</th><th "
+      "scope=\"col\">parameter</th><th scope=\"col\" class=\"n\">value</th><th "
+      "scope=\"col\" class=\"n\">std error</th><th scope=\"col\">unit</th></tr>"
+      "</thead><tbody>\n";
   out += baseline_rows(d.extended);
   for (const EffectInstance &e : d.extended.effects)
     out += effect_rows(e);
-  return out + "</tbody></table>\n";
+  if (d.extended.remainder)
+    out += fmt::format(
+        "<tr><th scope=\"row\">periodic-remainder (unnamed)</th><td colspan=\"4\">{} orders of "
+        "the {}, {} rms</td></tr>\n",
+        d.extended.remainder->orders(),
+        d.extended.remainder->electrical ? "electrical period" : "turn",
+        millivolts(d.remainder_rms_v));
+  return out + "</tbody></table></div>\n";
 }
 
 std::string capture_section(const Diagnosis &d, const Capture &c, const View &view) {
@@ -95,6 +111,8 @@ std::string capture_section(const Diagnosis &d, const Capture &c, const View &vi
   out += fact("identity", c.identity);
   out += fact("record", fmt::format("{} samples in {:.4g} s, {:.4g} turns", d.samples, d.duration_s,
                                     d.turns));
+  if (!c.time_s.empty())
+    out += fact("starts at", fmt::format("{:.10g} s", c.time_s.front()));
   out += fact("channels", channels(d));
   out += fact("speed", range(view.scene.all.omega, 60.0 / kTwoPi, "rpm"));
   out += fact("VTEMP", range(c.vtemp_v, 1.0, "V"));

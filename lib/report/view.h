@@ -1,38 +1,23 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// What the report shows of a capture, reduced to what a page can hold: binned residuals of each
-// model of the ladder, a short stretch, angle errors, a spectrum. Bounded, whatever the capture.
+// What the report shows of a capture, reduced to what a page can hold: binned residuals of the
+// models, a short stretch, the record's extremes, angle errors, a spectrum. Bounded, whatever the
+// capture.
 #pragma once
 
-#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "diagnosis/observations.h"
 #include "diagnosis/result.h"
-#include "report/bins.h"
+#include "report/axes.h"
+#include "report/causes.h"
+#include "report/record.h"
+#include "report/spectrum.h"
 
 namespace ada {
-
-/// Parts of a residual: of either channel, along the radius, and across it (what turns the angle).
-enum Component { kVsin, kVcos, kRadial, kTangential, kComponents };
-const char *component_name(int component);
-
-/// Something that a residual may depend on.
-struct PlotAxis {
-  std::string name;  ///< "angle"
-  std::string label; ///< "shaft angle, deg"
-  double from = 0.0, to = 0.0;
-  std::size_t bins = 0;
-  bool continuous = true; ///< whether neighbouring bins may be joined by a line
-  std::vector<double> key;
-};
-
-/// Binned residual of one model, in mV, by axis and component.
-struct ResidualBins {
-  std::vector<std::array<std::vector<Bin>, kComponents>> axis;
-};
 
 /// Neighbouring samples, measured and simulated by the baseline and the extended model.
 struct Stretch {
@@ -42,32 +27,50 @@ struct Stretch {
 
 /// The curve that the pair draws in a turn: simulated, and the mean deviation from it.
 struct Locus {
+  double centre_sin_v = 0.0, centre_cos_v = 0.0;
   std::vector<double> base_sin, base_cos, base_dsin, base_dcos;
   std::vector<double> extended_sin, extended_cos, extended_dsin, extended_dcos;
 };
 
-struct Spectrum {
-  std::vector<double> frequency_hz;
-  /// uV/sqrt(Hz), mean of both channels: one a model of the ladder, the extended model last.
-  std::vector<std::vector<double>> density;
+/// What is left over in each sample, along and across the vector, mV.
+struct Scatter {
+  std::vector<double> along, across;
+};
+
+/// The remainder, which has no name, and what it was fitted to.
+struct RemainderView {
+  std::vector<double> angle_deg, sin_mv, cos_mv; ///< the curve, over the axis "angle"
+  double angle_rms_deg = 0.0;                    ///< what it does to the angle, mechanical
+  ResidualBins without;                          ///< residual of the extended model but for it
 };
 
 struct View {
   Scene scene;
-  std::vector<PlotAxis> axes;
-  std::vector<std::string> missing; ///< axes that the capture does not have, with the reason
-  std::vector<ResidualBins> rungs;  ///< one a model of the ladder
-  std::vector<int> rung_of_finding; ///< the model that has it first; -1: none, seen otherwise
-  ResidualBins final;               ///< of the extended model
+  PlotAxes axes;
+  ResidualBins baseline, final;  ///< of the extended model
+  std::vector<CauseView> causes; ///< one a finding
+  std::optional<RemainderView> remainder;
+  Scatter scatter;
   Stretch stretch;
   Locus locus;
-  Spectrum spectrum;
+  Record record;
+  Spectrum spectrum; ///< of the baseline, the extended model, then those of spectrum_of
+  std::vector<std::size_t> spectrum_of; ///< of each finding: place among the densities; 0: none
   std::vector<Bin> base_angle_error, extended_angle_error; ///< deg over shaft angle, deg
+
+  bool empty() const { return axes.all.empty(); }
 };
+
+/// Noise of a channel as the budget has it, V rms.
+double noise_v(const Diagnosis &diagnosis);
 
 View make_view(const Diagnosis &diagnosis, const Capture &capture);
 
-/// Models of the ladder that get a picture.
-inline constexpr std::size_t kMaxRungs = 12;
+/// RMS of what changes in the means between two residuals, mV: of the component that changes most.
+double change_of_means(const ResidualBins &before, const ResidualBins &after, std::size_t axis,
+                       int *component = nullptr);
+/// Which part of what a cause does in that component the means show, 0 to 1; the rest is spread
+/// within the bins.
+double shown_of_cause(const ResidualBins &without, const ResidualBins &with, std::size_t axis);
 
 } // namespace ada

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "diagnosis/diagnose.h"
+
 namespace ada {
 
 namespace {
@@ -25,7 +27,7 @@ struct Names {
 Names names_of(const Diagnosis &d) {
   Names out;
   for (const Finding &f : d.findings) {
-    const std::string name = plain_name(f.effect->info().id);
+    const std::string name(f.effect->info().id);
     if (std::find(out.each.begin(), out.each.end(), name) == out.each.end())
       out.each.push_back(name);
   }
@@ -60,13 +62,37 @@ std::string headline(const Diagnosis &d) {
   case Verdict::insufficient_data:
     break;
   }
-  return "Not enough data: " + d.reason + ".";
+  return "Not enough data: " + without_stop(d.reason) + ".";
 }
 
-std::string plain_name(std::string_view id) {
-  std::string out(id);
-  std::replace(out.begin(), out.end(), '-', ' ');
-  return out;
+std::string baseline_words(const Diagnosis &d) {
+  return d.baseline_name == DiagnosisOptions().baseline_name ? "the application note's model"
+                                                             : d.baseline_name;
+}
+
+std::string meaning(Axis axis, bool has_reference) {
+  switch (axis) {
+  case Axis::angle:
+    return has_reference ? "comes again at the same angle of the shaft"
+                         : "comes again at the same electrical angle";
+  case Axis::speed:
+    return "changes with the speed or the sense of rotation";
+  case Axis::temperature:
+    return "changes with VTEMP";
+  case Axis::supply:
+    return "follows VDD";
+  case Axis::time:
+    return "changes slowly during the record";
+  case Axis::frequency:
+    return "tones that do not turn with the shaft";
+  case Axis::noise:
+    break;
+  }
+  return "what no model could predict";
+}
+
+std::string Shown::in_full() const {
+  return value + (error.empty() ? "" : " \u00b1 " + error) + (unit.empty() ? "" : " " + unit);
 }
 
 Shown show(const ParameterInfo &info, double value, double std_error) {
@@ -102,6 +128,19 @@ std::string millivolts(double volts) {
 
 std::string degrees(double deg) {
   return fmt::format("{:.3g}\u00b0", deg);
+}
+
+std::string without_stop(std::string text) {
+  while (!text.empty() && text.back() == '.')
+    text.pop_back();
+  return text;
+}
+
+std::string sentence(std::string text) {
+  text = without_stop(std::move(text));
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
+    text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text + ".";
 }
 
 std::string counted(std::size_t n, const std::string &noun) {

@@ -7,6 +7,7 @@
 
 REPORT_PAGES is the program that writes the sample pages. Ends with 77 when Chromium is missing.
 """
+import html
 import json
 import pathlib
 import re
@@ -24,7 +25,7 @@ PAGES = None  # folder with the sample pages
 WIDTH, HEIGHT = 1100, 1700
 
 
-def browse(page, *arguments, dark=False):
+def browse(page, *arguments, dark=False, width=WIDTH):
     """Opens a page with no way to the network; returns what the browser prints."""
     with tempfile.TemporaryDirectory() as profile:
         return subprocess.run(
@@ -33,7 +34,7 @@ def browse(page, *arguments, dark=False):
              "--disable-dev-shm-usage", "--hide-scrollbars",
              "--host-resolver-rules=MAP * ~NOTFOUND", "--enable-logging=stderr",
              f"--blink-settings=preferredColorScheme={0 if dark else 1}",
-             f"--user-data-dir={profile}", f"--window-size={WIDTH},{HEIGHT}", *arguments,
+             f"--user-data-dir={profile}", f"--window-size={width},{HEIGHT}", *arguments,
              page.as_uri()],
             capture_output=True, timeout=240, check=True)
 
@@ -102,12 +103,43 @@ def variables(style, selector):
             for name, text in re.findall(r"--(\w+):#([0-9a-f]{6}|[0-9a-f]{3})\b", block)}
 
 
+# What is measured of a page: how wide it is, its smallest text in a picture, and what sticks out.
+PROBE = """<script>addEventListener("load", () => {
+  const edge = document.documentElement.clientWidth;
+  const texts = [...document.querySelectorAll("svg text")];
+  const out = [...document.querySelectorAll("main *:not(svg *)")].filter(
+    e => e.getBoundingClientRect().right > edge + 1 && !e.closest(".scroll"));
+  document.body.setAttribute("data-probe", JSON.stringify({
+    edge, width: document.documentElement.scrollWidth,
+    text: Math.min(...texts.map(t => parseFloat(getComputedStyle(t).fontSize)
+                                     * t.getScreenCTM().a)),
+    out: out.map(e => e.outerHTML.slice(0, 80))}));
+})</script>"""
+
+
+def probed(path, folder, width):
+    """The page with a script that its own policy would refuse, as a browser of this width lays it
+    out."""
+    text = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', PROBE, path.read_text())
+    copy = pathlib.Path(folder, "probed.html")
+    copy.write_text(text)
+    dom = browse(copy, "--dump-dom", width=width).stdout.decode()
+    return json.loads(html.unescape(re.search(r'data-probe="([^"]*)"', dom).group(1)))
+
+
+def blank_below(png):
+    """Share of a page's height below the last row that holds anything."""
+    rows = pixels(png)
+    used = [y for y, row in enumerate(rows) if any(min(pixel) < 250 for pixel in row)]
+    return 1.0 - (used[-1] + 1) / len(rows) if used else 1.0
+
+
 class Report(unittest.TestCase):
     def page(self, name):
         return PAGES / f"{name}.html", json.loads((PAGES / f"{name}.json").read_text())
 
     def test_renders_whole_and_quietly(self):
-        for name in ("effects", "clean", "no-reference", "short"):
+        for name in ("effects", "clean", "no-reference", "short", "left-over"):
             with self.subTest(name):
                 path, diagnosis = self.page(name)
                 text = path.read_text()
@@ -124,7 +156,7 @@ class Report(unittest.TestCase):
                 self.assertIn('id="verdict"', dom)
 
     def test_ids_are_unique(self):
-        for name in ("effects", "short"):
+        for name in ("effects", "short", "left-over"):
             ids = re.findall(r' id="([^"]+)"', self.page(name)[0].read_text())
             self.assertEqual(len(ids), len(set(ids)))
 
@@ -186,6 +218,33 @@ class Report(unittest.TestCase):
         self.assertIn(light["before"], used)
         self.assertNotIn(dark["ink"], used)
         self.assertNotIn(dark["paper"], used)
+
+    def test_fits_a_phone(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("effects", "no-reference", "left-over"):
+                with self.subTest(name):
+                    seen = probed(self.page(name)[0], folder, 390)
+                    self.assertLessEqual(seen["width"], seen["edge"])
+                    self.assertEqual(seen["out"], [])
+                    self.assertGreaterEqual(seen["text"], 9.0)
+
+    def test_text_of_pictures_is_legible_on_a_screen(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("effects", "left-over"):
+                self.assertGreaterEqual(probed(self.page(name)[0], folder, 1100)["text"], 10.0, name)
+
+    @unittest.skipIf(shutil.which("pdftoppm") is None, "no pdftoppm here (Debian: poppler-utils)")
+    def test_no_printed_page_is_half_blank(self):
+        for name in ("effects", "left-over"):
+            with self.subTest(name), tempfile.TemporaryDirectory() as folder:
+                pdf = pathlib.Path(folder, "page.pdf")
+                browse(self.page(name)[0], f"--print-to-pdf={pdf}", "--no-pdf-header-footer")
+                subprocess.run(["pdftoppm", "-r", "20", "-png", pdf, pathlib.Path(folder, "p")],
+                               check=True)
+                sheets = sorted(pathlib.Path(folder).glob("p-*.png"))
+                self.assertGreater(len(sheets), 2)
+                for sheet in sheets[:-1]:
+                    self.assertLess(blank_below(sheet), 0.4, sheet.name)
 
 
 if __name__ == "__main__":

@@ -54,12 +54,13 @@ int run(const Options &options) {
     const auto model = make<Model>(ada4571_diagnosis_model, diagnosis.get());
     check(ada4571_model_save(model.get(), options.extend.c_str()));
   }
-  if (!options.report.empty())
-    check(ada4571_diagnosis_report(diagnosis.get(), options.report.c_str()));
   const std::string_view result = options.json ? ada4571_diagnosis_json(diagnosis.get())
                                                : ada4571_diagnosis_text(diagnosis.get());
   print("{}{}", result, result.ends_with('\n') ? "" : "\n");
   warn_of_faults(capture, options.capture);
+  // Last: whatever becomes of the page, the result is out.
+  if (!options.report.empty())
+    check(ada4571_diagnosis_report(diagnosis.get(), options.report.c_str()));
   return kDone;
 }
 
