@@ -40,7 +40,7 @@ border-bottom:1px solid var(--line)}
 .what b{display:block}.what span{color:var(--muted);font-size:13px}
 .bar{position:relative;display:flex;align-items:center;gap:3px;min-height:24px}
 .bar::after{content:"";position:absolute;top:0;bottom:0;left:calc(var(--noise)*.74%);
-border-left:1.5px dashed var(--floor)}
+border-left:2px dashed var(--floor)}
 .bar>span{position:relative;z-index:1;background:var(--paper);padding:0 6px;font-size:14px;
 white-space:nowrap}
 .fill{display:flex;flex:none;gap:1px;height:18px;min-width:2px;width:calc(var(--w)*.74%);
@@ -89,7 +89,7 @@ vertical-align:middle}
 .legend i.thick{border-top-width:8px}
 .legend i.box{height:11px;border:0}
 .legend i.box.before,.legend i.box.after{background:currentColor;opacity:.6}
-.legend i.tick{width:0;height:14px;border:0;border-left:1.5px dashed var(--floor)}
+.legend i.tick{width:0;height:14px;border:0;border-left:2px dashed var(--floor)}
 .before{color:var(--before)}.after{color:var(--after)}.measured{color:var(--measured)}
 .muted{color:var(--muted)}.floor{color:var(--floor)}.pale{color:var(--pale)}.second{color:var(--second)}
 .finding{border:1px solid var(--line);border-radius:8px;padding:14px 18px 16px;margin:14px 0}
