@@ -20,7 +20,7 @@ constexpr char kMark = '\x01', kNotice = '\x02';
 constexpr std::string_view kMarks = "\x01\x02";
 
 /// For one picture, and for all of them where they are drawn one by one: some take 20 ms.
-constexpr int kOneMs = 5000, kAllMs = 30000;
+constexpr int kOneMs = 20000, kAllMs = 60000;
 
 std::string notice_of(std::size_t failed, std::size_t all, const std::string &why) {
   if (failed == 0)
