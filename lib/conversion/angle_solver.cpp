@@ -186,12 +186,15 @@ void AngleSolver::solve(const Conditions &at, std::span<const double> vsin,
       here.alpha = moved.data();
       forward_.evaluate(here, s1.data(), c1.data());
       for (std::size_t i = 0; i < n; ++i) {
+        // The direction of the vector decides, not its length: an amplitude that is not the model's
+        // (another temperature, an aged magnet) must not turn the angle.
+        const double ms = s0[i] - centre_sin_v_, mc = c0[i] - centre_cos_v_;
+        const double rs = vsin[first + i] - centre_sin_v_, rc = vcos[first + i] - centre_cos_v_;
         const double ds = (s1[i] - s0[i]) / step_rad_, dc = (c1[i] - c0[i]) / step_rad_;
-        const double slope2 = ds * ds + dc * dc;
-        const double step =
-            slope2 > 0.0
-                ? (ds * (vsin[first + i] - s0[i]) + dc * (vcos[first + i] - c0[i])) / slope2
-                : 0.0;
+        const double length2 = ms * ms + mc * mc;
+        const double slope = length2 > 0.0 ? (ds * mc - dc * ms) / length2 : 0.0;
+        const double turned = std::atan2(rs * mc - rc * ms, rs * ms + rc * mc);
+        const double step = slope != 0.0 ? turned / slope : 0.0;
         const double limit = 0.3 / periods_;
         alpha[first + i] += std::clamp(step, -limit, limit);
         longest = std::max(longest, std::abs(step)); // a step that is no number does not count

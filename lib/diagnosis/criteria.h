@@ -66,8 +66,8 @@ inline constexpr double kWorthAWord = 0.12;
 inline constexpr double kRidge = 1e-9;
 /// Mean square below which nothing is resolved, V^2: a nanovolt.
 inline constexpr double kLeastMeanSquare = 1e-18;
-/// Share of an order's own power, of its neighbours' and of theirs in the variance of an order.
-inline constexpr double kNeighbourWeight[3] = {1.0, 0.5, 0.25};
+/// Weights of the next orders and of those beyond them in the variance of an order.
+inline constexpr double kNeighbourWeight[2] = {1.0, 0.5};
 /// The variance of a coefficient that nothing is seen of, as a part of what the data resolve.
 inline constexpr double kLeastOfResolution = 0.01;
 

@@ -502,7 +502,9 @@ private:
     for (RandomCause &c : noise_causes(unnamed_, white, named, stated, even_clock()))
       if (!given(c.effect))
         name_process(c);
-    const double left = std::sqrt(unnamed_.selection.noise_v2);
+    // Without a reference the motion has taken in what lies along the circle.
+    const double left = std::max(std::sqrt(unnamed_.selection.noise_v2),
+                                 scene_.has_reference ? 0.0 : out_.noise.along_v);
     if (!random_.empty())
       explained_noise_ = std::max(noise_, left);
   }

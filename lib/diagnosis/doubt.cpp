@@ -32,7 +32,7 @@ Sizes sizes_at_rest(const Scene &scene, const Observations &data, const Model &m
     Model less = model;
     less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(k));
     const double square =
-        std::max(0.0, sum_of_squares(data, less) - sum_of_squares(data, model)) / n;
+        std::max(0.0, white_sum_of_squares(data, less) - white_sum_of_squares(data, model)) / n;
     out.each.push_back(std::sqrt(square));
     // A converter that keeps a part of the channel before keeps a part of what that had kept, or
     // not.

@@ -416,9 +416,10 @@ bool in_range(const EffectInstance &e) {
   return true;
 }
 
-bool in_range(const Model &model) {
+bool in_range(const Model &model, std::size_t first) {
   return model.baseline.amplitude_v > 0.0 &&
-         std::all_of(model.effects.begin(), model.effects.end(),
+         std::all_of(model.effects.begin() + static_cast<std::ptrdiff_t>(first),
+                     model.effects.end(),
                      [](const EffectInstance &e) { return in_range(e); });
 }
 

@@ -64,8 +64,9 @@ ResidualColumns residuals_alone(const Observations &data, const Model &model);
 /// motion.
 Observations at_own_angle(Observations data, const Model &model);
 
-/// Whether every parameter lies in its range: a value that physics forbids rules its cause out.
-bool in_range(const Model &model);
+/// Whether every parameter of the effects from `first` on lies in its range: a value that physics
+/// forbids rules its cause out.
+bool in_range(const Model &model, std::size_t first = 0);
 bool in_range(const EffectInstance &instance);
 
 } // namespace ada

@@ -7,6 +7,7 @@
 
 #include "base/angle.h"
 #include "conversion/angle_solver.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 #include "model/forward.h"
 
@@ -16,16 +17,36 @@ namespace {
 
 /// RMS error of the corrected angle on these samples against the magnet's angle: the reference,
 /// with what the model knows to be wrong with the reference and the drive.
+/// Takes out of the outputs what the model knows of this capture alone, such as a step at a moment or
+/// a tone: no correction of other captures could.
+void take_out_what_no_file_corrects(const Observations &data, const Model &model,
+                                    std::vector<double> &vsin, std::vector<double> &vcos) {
+  Model rest = model;
+  std::erase_if(rest.effects, [](const EffectInstance &e) {
+    return !e.effect->info().correctable && e.effect->info().stage != Stage::record &&
+           e.effect->info().stage != Stage::motion;
+  });
+  if (rest.effects.size() == model.effects.size())
+    return;
+  const ResidualColumns with = residual_columns(data, model), less = residual_columns(data, rest);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    vsin[i] -= with.model_sin[i] - less.model_sin[i];
+    vcos[i] -= with.model_cos[i] - less.model_cos[i];
+  }
+}
+
 double angle_error(const Observations &data, const Model &model) {
   const AngleSolver solver(model);
   Conditions at = data.conditions();
+  std::vector<double> vsin = data.vsin, vcos = data.vcos;
+  take_out_what_no_file_corrects(data, model, vsin, vcos);
   std::vector<double> alpha = data.alpha, radius(data.size()), magnet(data.size());
   ForwardModel(model, AlphaIs::reference).magnet_angle(at, magnet.data());
-  solver.start(data.vsin, data.vcos, alpha);
+  solver.start(vsin, vcos, alpha);
   const double period = kTwoPi / model.periods_per_turn;
   for (std::size_t i = 0; i < alpha.size(); ++i)
     alpha[i] += period * std::round((magnet[i] - alpha[i]) / period);
-  solver.solve(at, data.vsin, data.vcos, alpha, radius);
+  solver.solve(at, vsin, vcos, alpha, radius);
   double sum = 0.0;
   for (std::size_t i = 0; i < alpha.size(); ++i) {
     const double e = wrap_centred(alpha[i] - magnet[i], period);
@@ -35,17 +56,17 @@ double angle_error(const Observations &data, const Model &model) {
 }
 
 /// `sigma` 0: the residual's own.
-Quality quality(const Observations &data, const Model &model, double sigma, bool with_angle) {
+/// The noise is taken from the data that judge: one number, which they can spare. That of the
+/// training data is too small for a model of many terms, and would then condemn the better one.
+Quality quality(const Observations &data, const Model &model, bool with_angle) {
   Quality q;
   const double n = static_cast<double>(data.size());
   if (n == 0.0)
     return q;
   const double rss = white_sum_of_squares(data, model);
   q.residual_rms_v = std::sqrt(rss / (2.0 * n));
-  if (sigma <= 0.0)
-    sigma = q.residual_rms_v;
-  q.log_likelihood = std::log(data.weight_along) - std::log(kTwoPi * sigma * sigma) -
-                     0.5 * rss / (n * sigma * sigma);
+  const double variance = std::max(0.5 * rss / n, criteria::kLeastMeanSquare);
+  q.log_likelihood = std::log(data.weight_along) - std::log(kTwoPi * variance) - 1.0;
   if (with_angle)
     q.angle_error_rms_deg = angle_error(data, model);
   return q;
@@ -62,9 +83,8 @@ void Parts::weigh(Direction direction, double weight) {
 
 Rung Parts::rung(const Model &model) const {
   Rung r;
-  r.in_sample = quality(train, model, 0.0, has_reference);
-  r.heldout = quality(heldout, second_capture ? as_seen_by(heldout, model) : model,
-                      r.in_sample.residual_rms_v, has_reference);
+  r.in_sample = quality(train, model, has_reference);
+  r.heldout = quality(heldout, second_capture ? as_seen_by(heldout, model) : model, has_reference);
   return r;
 }
 

@@ -174,6 +174,23 @@ Growth growth_of(const Shape &shape, double along, int periods) {
   return {constant, slope, grows - fixed};
 }
 
+/// Takes out what lies along the circle: without a reference the motion is the pair's own, smoothed,
+/// and what the smoothing leaves of it is as slow as flicker noise.
+void keep_radial(const Observations &data, ResidualColumns &rest) {
+  for (std::size_t i = 0; i < rest.sin.size(); ++i) {
+    const double s = rest.model_sin[i] - data.centre_sin_v;
+    const double c = rest.model_cos[i] - data.centre_cos_v;
+    const double radial = (rest.sin[i] * s + rest.cos[i] * c) / std::max(s * s + c * c, 1e-12);
+    rest.sin[i] = radial * s;
+    rest.cos[i] = radial * c;
+  }
+}
+
+/// Part of a channel's noise that the radial direction keeps in that channel, of a vector that
+/// turns: of slow noise its amplitude times the mean of cos^2, the rest going to twice the rate of
+/// turning; of white noise its power times the mean of cos^4 + (sin cos)^2.
+constexpr double kRadialSlow = 0.25, kRadialWhite = 0.5;
+
 /// Whittle's likelihood of a spectrum w (1 + corner/f) against a white one, by octaves.
 struct Flicker {
   double corner_hz = 0.0, rms_v = 0.0, nats = 0.0;
@@ -186,6 +203,8 @@ Flicker flicker_of(const Parts &parts, const Model &model, const Anonymous &left
   data.coloured.reset();
   ResidualColumns rest = residual_columns(data, model);
   subtract(left.basis, left.selection, data, rest);
+  if (!parts.has_reference)
+    keep_radial(data, rest);
   const double span = data.time.back() - data.time.front();
   if (!(data.frame_period_s > 0.0) || span <= 0.0)
     return out;
@@ -236,13 +255,15 @@ Flicker flicker_of(const Parts &parts, const Model &model, const Anonymous &left
       out.corner_hz * 1.09 > criteria::kHighestCorner * top)
     return {};
   // Density of the white part from its share of the whole mean square.
+  const double of_white = parts.has_reference ? 1.0 : kRadialWhite;
+  out.corner_hz *= parts.has_reference ? 1.0 : kRadialWhite / kRadialSlow;
   double sum = 0.0;
   for (int c = 0; c < 2; ++c) {
     double all = 0.0, count = 0.0;
     for (std::size_t k = stride; k < lines; k += stride, count += 1.0)
       all += power[static_cast<std::size_t>(c)][k];
     const double variance = mean_square(c == 0 ? rest.sin : rest.cos);
-    const double density = variance * white[c] / (all / count) / top;
+    const double density = variance * white[c] / (all / count) / top / of_white;
     sum += 0.5 * density * out.corner_hz * std::log(std::max(out.corner_hz * span, std::exp(1.0)));
   }
   out.rms_v = std::sqrt(sum);
@@ -267,20 +288,19 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
            w.share_v2 > criteria::kWorthAWord * criteria::kWorthAWord * noise2;
   };
   const Worth offset = worth_of(left, [](int m, int) { return m == 0; });
+  const double word_v = criteria::kWorthAWord * std::sqrt(noise2);
   const Effect *offset_effect =
       effect_of(Evidence::process, "time", Pattern::offset, Character::process);
-  if (offset_effect && clear(offset)) {
-    const auto course = course_of(left, 0);
-    const double sin = rms(course, true), cos = rms(course, false);
+  const auto offset_course = course_of(left, 0);
+  const double sin = rms(offset_course, true), cos = rms(offset_course, false);
+  if (offset_effect && clear(offset) && std::max(sin, cos) > word_v) {
     out.push_back({offset_effect, {sin, cos}, {relative * sin, relative * cos}, {}, offset.nats});
   }
   const Worth gain = worth_of(left, [](int m, int p) { return m == p; });
   const Effect *gain_effect = effect_of(Evidence::process, "time", Pattern::gain, Character::process);
-  if (gain_effect && clear(gain)) {
-    const double fraction = rms(course_of(left, parts.has_reference ? model.periods_per_turn
-                                                                    : model.periods_per_turn),
-                                false) /
-                            std::abs(model.baseline.amplitude_v);
+  const double grown_v = rms(course_of(left, model.periods_per_turn), false);
+  if (gain_effect && clear(gain) && grown_v > word_v) {
+    const double fraction = grown_v / std::abs(model.baseline.amplitude_v);
     out.push_back({gain_effect, {fraction}, {relative * fraction}, {}, gain.nats});
   }
   // A supply that nobody recorded moves the offsets and the gain by one and the same wave.

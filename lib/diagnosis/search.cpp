@@ -11,6 +11,7 @@
 #include "base/angle.h"
 #include "base/robust.h"
 #include "diagnosis/candidates.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/doubt.h"
 #include "diagnosis/moments.h"
 #include "diagnosis/onset.h"
@@ -70,6 +71,12 @@ double least_of_noise(const Effect &effect) {
     if (p.name == "order" || p.name == "frequency_hz")
       return 2.5 * kLeastOfNoise;
   return kLeastOfNoise;
+}
+
+/// Whether it is a function of the angle alone. A ripple of the motion is one, too, and what that is
+/// to second order nobody knows.
+bool of_the_angle(const Effect &effect) {
+  return is_static(effect) || effect.info().stage == Stage::motion;
 }
 
 /// Whether it lets VTEMP follow VCOS.
@@ -136,11 +143,9 @@ Search::Search(SearchData data, Model baseline, double noise_v, Report report)
 
 double Search::log_likelihood(const FitResult &fit, double heldout) const {
   const double n = static_cast<double>(data_.heldout.size());
-  // A second capture may differ in more than noise: its own variance then says what a gain is
-  // worth.
-  const double variance = data_.judge == data_.scene
-                              ? fit.rss / (2.0 * static_cast<double>(data_.train.size()))
-                              : heldout / (2.0 * n);
+  // The variance is that of the data that judge, as everywhere: they may differ from the training
+  // data in more than noise, and a fit makes those look quieter than they are.
+  const double variance = std::max(heldout / (2.0 * n), criteria::kLeastMeanSquare);
   return n * (std::log(data_.heldout.weight_along) - std::log(kTwoPi * variance)) -
          0.5 * heldout / variance + side_evidence(data_, fit.model);
 }
@@ -149,7 +154,9 @@ Search::State Search::evaluate(const Model &start, int iterations) const {
   // A thin part brings the fit near the end; what is not converged would look like a gain of
   // whatever is tried next.
   State out;
-  out.fit = fit(data_.train, fit(coarse_, start, iterations).model, 5);
+  out.fit = fit(data_.train,
+                data_.train.coloured ? start : fit(coarse_, start, iterations).model,
+                data_.train.coloured ? iterations : 5);
   out.judged =
       data_.judge == data_.scene ? out.fit.model : as_seen_by(data_.heldout, out.fit.model);
   out.heldout = sum_of_squares(data_.heldout, out.judged);
@@ -277,7 +284,7 @@ bool Search::forward(State &now) {
       continue;
     ++count;
     State state = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
-    if (!state.fit.determined || !in_range(state.fit.model))
+    if (!state.fit.determined || !in_range(state.fit.model, given_))
       continue;
     const std::size_t last = state.fit.model.effects.size() - 1;
     if (refuted(state, last))
@@ -374,8 +381,8 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
       continue;
     State rival = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
     choose(rival, rival.fit.model.effects.size() - 1);
-    const bool at_rest = is_static(*self) && is_static(*c.effect);
-    if (!rival.fit.determined || !in_range(rival.fit.model) ||
+    const bool at_rest = of_the_angle(*self) && of_the_angle(*c.effect);
+    if (!rival.fit.determined || !in_range(rival.fit.model, given_) ||
         refuted(rival, rival.fit.model.effects.size() - 1))
       continue;
     const double side = side_evidence(data_, rival.fit.model) - my_side;
@@ -391,7 +398,7 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
         price(now.fit.model.effects[effect]) - price(rival.fit.model.effects.back());
     const bool yields = self->info().yields_to == c.effect->info().id;
     const double needed = yields ? -kRivalNats : kRivalNats;
-    if (better && c.visible && in_range(rival.fit.model) && saved >= 0.0 &&
+    if (better && c.visible && saved >= 0.0 &&
         (rival.score + saved > now.score + needed ||
          c.effect->info().prior_rank < self->info().prior_rank ||
          (yields && left <= std::min({blurred, kSlight * part, kHidden * noise}))) &&
@@ -507,18 +514,16 @@ SearchResult Search::run(bool thorough, const Model *found, double unnamed_v2) {
 
 void Search::colour(const Discrepancy &discrepancy) {
   // Beside a discrepancy the number of samples is not what limits the errors.
-  constexpr std::size_t kEnough = 8000;
+  constexpr std::size_t kEnough = 4000;
   for (Observations *o : {&data_.train, &data_.heldout}) {
     std::vector<std::uint32_t> indices(o->size());
     std::iota(indices.begin(), indices.end(), 0u);
     o->keep(thin(indices, kEnough, 100));
   }
-  std::vector<std::uint32_t> indices(data_.train.size());
-  std::iota(indices.begin(), indices.end(), 0u);
   quick_ = data_.train;
-  coarse_ = data_.train.select(thin(indices, kEnough / 2, 100));
-  for (Observations *o : {&data_.train, &data_.heldout, &quick_, &coarse_})
+  for (Observations *o : {&data_.train, &data_.heldout})
     o->coloured = std::make_shared<Coloured>(discrepancy, *o);
+  quick_.coloured = data_.train.coloured;
 }
 
 SearchResult Search::run_against(const Discrepancy &discrepancy, double unnamed_v2,

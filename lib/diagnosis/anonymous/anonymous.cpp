@@ -105,9 +105,8 @@ Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &mode
 Quality quality_with(const Anonymous &left, const Parts &parts, const Model &model) {
   Quality out;
   out.residual_rms_v = std::sqrt(left.selection.noise_v2);
-  const double variance = std::max(left.selection.train_v2, criteria::kLeastMeanSquare);
-  out.log_likelihood = std::log(parts.heldout.weight_along) - std::log(kTwoPi * variance) -
-                       left.selection.noise_v2 / variance;
+  const double variance = std::max(left.selection.noise_v2, criteria::kLeastMeanSquare);
+  out.log_likelihood = std::log(parts.heldout.weight_along) - std::log(kTwoPi * variance) - 1.0;
   if (!parts.has_reference)
     return out;
   Halves halves = halves_of(parts, model);

@@ -64,12 +64,17 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   for (Eigen::Index k = 0; k < n; ++k) {
     const Group &g = group_of(k);
     if (g.axis == Axis::angle)
-      for (int d = -2; d <= 2; ++d)
-        of_order[g.order + d].add(power(k), criteria::kNeighbourWeight[static_cast<std::size_t>(std::abs(d))]);
+      for (int d : {-2, -1, 1, 2})
+        of_order[g.order + d].add(power(k), criteria::kNeighbourWeight[static_cast<std::size_t>(std::abs(d)) - 1]);
     else
       of_function[{g.axis, term_of(k).exponent}].add(power(k), 1.0);
   }
   out.variance_v2.resize(n);
+  // Orders above the highest that held-out data admit hold nothing.
+  const int highest = selection.orders[static_cast<std::size_t>(Axis::angle)];
+  for (int d : {1, 2})
+    for (int e = 0; e <= d - 1; ++e)
+      of_order[highest + 1 + e - d].add(0.0, 4.0 * criteria::kNeighbourWeight[static_cast<std::size_t>(d) - 1]);
   for (Eigen::Index k = 0; k < n; ++k) {
     const Group &g = group_of(k);
     const double local = g.axis == Axis::angle ? of_order[g.order].mean()

@@ -25,8 +25,8 @@ struct Discrepancy {
 };
 
 /// From the coefficients that a named model leaves over. On the angle axis the variance of an order
-/// is the mean power of its coefficients and those of its neighbours: a harmonic that stands alone
-/// stands out, one among others of its size does not. On the other axes it is the mean over all
+/// is the mean power of its neighbours, without its own: a harmonic that stands alone stands out, one
+/// among others of its size does not. On the other axes it is the mean over all
 /// functions of the axis that act on the pair in the same way.
 Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const Products &from);
 

@@ -10,7 +10,7 @@ namespace ada {
 namespace {
 
 constexpr std::array<ParameterInfo, 1> kParameters{
-    ParameterInfo{"m", "1", 0.005, -0.5, 0.5, Role::fitted, 1e-4}};
+    ParameterInfo{"m", "1", 0.005, 0.0, 0.5, Role::fitted, 1e-4}};
 
 constexpr std::array<Separation, 2> kSeparations{
     {{"quadrature-error", "record VTEMP in the same scan: with a multiplexer memory it carries the "

@@ -9,7 +9,7 @@ namespace ada {
 namespace {
 
 constexpr std::array<ParameterInfo, 1> kParameters{
-    ParameterInfo{"tau_s", "s", 50e-6, -1.0, 1.0, Role::fitted, 1e-6}};
+    ParameterInfo{"tau_s", "s", 50e-6, 0.0, 1.0, Role::fitted, 1e-6}};
 
 constexpr std::array<Separation, 3> kSeparations{
     {{"hysteresis", "capture a second speed: a delay grows with it, hysteresis does not"},
