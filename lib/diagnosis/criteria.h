@@ -75,6 +75,16 @@ inline constexpr double kLeastOfResolution = 0.01;
 /// tells it to 2 %.
 inline constexpr double kNoWorse = 1.02;
 
+/// A cause that helps in one part of the record and harms in another: the harm may be this part of the
+/// help. The stretches that tell are each worth so many nats, of which chance makes none negative
+/// (their standard deviation is the root of twice as many), and hold so many turns.
+inline constexpr double kMostHarm = 0.25, kNatsOfStretch = 20.0, kTurnsOfStretch = 1.0;
+inline constexpr double kMostStretchesOfGain = 20.0;
+inline constexpr std::size_t kFewestStretchesOfGain = 4;
+/// A cause must be this part of what nobody knows of the residual: of an unknown structure the
+/// likeliest of some fifty shapes takes a tenth of the power, or a third of the rms.
+inline constexpr double kOfUnknown = 0.3;
+
 // --- random causes
 
 /// What one cause may leave over of what several explain, as a part of the mean square.

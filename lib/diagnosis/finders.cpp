@@ -47,7 +47,8 @@ struct Line {
 template <class Phase> Line line_along(const Residual &r, Phase phase) {
   std::array<double, 4> sum{};
   for (std::size_t i = 0; i < r.time.size(); ++i) {
-    const double s = std::sin(phase(i)), c = std::cos(phase(i));
+    double s, c;
+    sincos(phase(i), &s, &c);
     sum[0] += r.sin_v[i] * s;
     sum[1] += r.sin_v[i] * c;
     sum[2] += r.cos_v[i] * s;
@@ -279,6 +280,12 @@ std::vector<std::vector<double>> find_tones(const Residual &r) {
     // The bin is coarse for a fit over the whole span: climb to the top of the line.
     double centre = static_cast<double>(k) * bin, step = 0.25 * bin;
     Line best = line_at(r, centre);
+    const auto no_tone = [&] {
+      return turns_with_shaft(r, order_near(r, centre, resolution), best) ||
+             (rotates(best) && one_sided(r, most, centre)) || has_fellow(r, most, centre);
+    };
+    if (no_tone()) // most are; that shows at the bin already
+      continue;
     for (int pass = 0; pass < 3; ++pass, step *= 0.25) {
       const double from = centre;
       for (int d = -4; d <= 4; ++d) {
@@ -289,8 +296,7 @@ std::vector<std::vector<double>> find_tones(const Residual &r) {
         }
       }
     }
-    if ((rotates(best) && one_sided(r, most, centre)) || has_fellow(r, most, centre) ||
-        turns_with_shaft(r, order_near(r, centre, resolution), best))
+    if (no_tone())
       continue;
     const auto &a = best.amplitudes;
     tones.push_back({centre, std::hypot(a[0], a[1]), std::hypot(a[2], a[3]),

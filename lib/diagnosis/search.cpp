@@ -239,6 +239,44 @@ bool Search::worth_keeping(double worth, const Effect &effect) const {
   return worth > (expected ? kExpectedNats : kLeastNats);
 }
 
+/// A true cause makes no part of the record worse: one that helps here at the cost of there stands
+/// for something that comes and goes. Judged in stretches that each are worth so much that chance
+/// makes none of them worse, and hold whole turns.
+bool Search::helps_everywhere(const State &with, const State &less) const {
+  const Observations &data = data_.heldout;
+  if (data.coloured)
+    return true;
+  const double turns = static_cast<double>(data.size()) /
+                       static_cast<double>(std::max<std::size_t>(1, data_.scene->all.size())) *
+                       data_.scene->turns;
+  const double worth = with.score - less.score;
+  const auto stretches = static_cast<std::size_t>(
+      std::min({criteria::kMostStretchesOfGain, worth / criteria::kNatsOfStretch,
+                turns / criteria::kTurnsOfStretch}));
+  if (stretches < criteria::kFewestStretchesOfGain)
+    return true;
+  const ResidualColumns a = residual_columns(data, with.judged), b = residual_columns(data, less.judged);
+  std::vector<double> gain(stretches, 0.0);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    double as = a.sin[i], ac = a.cos[i], bs = b.sin[i], bc = b.cos[i];
+    data.whiten(i, a.model_sin[i], a.model_cos[i], as, ac);
+    data.whiten(i, b.model_sin[i], b.model_cos[i], bs, bc);
+    gain[i * stretches / data.size()] += bs * bs + bc * bc - as * as - ac * ac;
+  }
+  double better = 0.0, worse = 0.0;
+  for (double g : gain)
+    (g > 0.0 ? better : worse) += std::abs(g);
+  return worse < criteria::kMostHarm * better;
+}
+
+/// What nobody knows of the residual, V rms of a channel.
+double Search::unknown_v(const State &now) const {
+  const double rss = white_sum_of_squares(data_.train, now.fit.model);
+  const double noise = std::max(noise_v_, data_.scene->white_noise_v);
+  return std::sqrt(
+      std::max(0.0, rss / (2.0 * static_cast<double>(data_.train.size())) - noise * noise));
+}
+
 /// Whether what was measured rules an effect out as it was fitted.
 bool Search::refuted(const State &state, std::size_t effect) const {
   const Model &model = state.fit.model;
@@ -299,7 +337,8 @@ bool Search::forward(State &now) {
     const double size = size_of(state, now, last);
     if (c.effect->info().signature && !dominates(size, last, state.fit.model))
       continue;
-    if (size < least_of_noise(*c.effect) * noise_v_ || size < allowance)
+    if (size < least_of_noise(*c.effect) * noise_v_ || size < allowance ||
+        !helps_everywhere(state, now))
       continue;
     options.push_back({std::move(state), c.effect, worth});
   }
@@ -340,7 +379,9 @@ bool Search::backward(State &now) {
     const bool possible = in_range(now.fit.model.effects[k]) && !refuted(now, k);
     const bool worth_it = possible && worth_keeping(worth, effect) &&
                           (!effect.info().signature || dominates(size, k, now.fit.model)) && size > least_of_noise(effect) * noise_v_ &&
-                          size > doubt_v(less.fit.model);
+                          size > doubt_v(less.fit.model) &&
+                          size > criteria::kOfUnknown * unknown_v(now) &&
+                          helps_everywhere(now, less);
     if (worth_it)
       continue;
     now = std::move(less);
@@ -412,7 +453,7 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
 bool Search::sideways(State &now) {
   for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k) {
     State better{};
-    rivals(now, k, &better);
+    known_rivals_[{now.score, k}] = rivals(now, k, &better);
     if (better.score != 0.0) {
       now = std::move(better);
       return true;
@@ -559,7 +600,10 @@ SearchResult Search::result(State &now, bool thorough) {
   for (const auto &[part, k] : size) {
     out.order.push_back(k);
     out.contribution.push_back(part);
-    out.alternatives.push_back(thorough ? rivals(now, k, nullptr) : std::vector<std::string>{});
+    const auto known = known_rivals_.find({now.score, k});
+    out.alternatives.push_back(!thorough                     ? std::vector<std::string>{}
+                               : known != known_rivals_.end() ? known->second
+                                                              : rivals(now, k, nullptr));
   }
   out.residual_rms_v = std::sqrt(now.fit.rss / (2.0 * static_cast<double>(data_.train.size())));
   out.fit = std::move(now.fit);

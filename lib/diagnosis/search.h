@@ -6,7 +6,9 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/anonymous/discrepancy.h"
@@ -66,6 +68,8 @@ private:
   Model with_expected(Model model) const;
   bool dominates(double size_v, std::size_t effect, const Model &model) const;
   bool worth_keeping(double worth, const Effect &effect) const;
+  bool helps_everywhere(const State &with, const State &less) const;
+  double unknown_v(const State &now) const;
   State evaluate(const Model &start, int iterations = 6) const;
   double log_likelihood(const FitResult &fit, double heldout) const;
   void progress(const char *what);
@@ -112,6 +116,9 @@ private:
   /// Effects of the model in which no supply was seen last; one more may bring it out.
   std::size_t looked_at_with_ = static_cast<std::size_t>(-1);
   int steps_ = 0;
+  /// Alternatives found so far, by the score of the state and the effect: what is compared on the way
+  /// is asked for again at the end.
+  std::map<std::pair<double, std::size_t>, std::vector<std::string>> known_rivals_;
 };
 
 } // namespace ada
