@@ -2,10 +2,12 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 
 #include <memory>
+#include <vector>
 
 #include "capi/guard.h"
 #include "capi/handles.h"
 #include "diagnosis/diagnose.h"
+#include "recording/join.h"
 #include "report/report.h"
 
 using namespace ada;
@@ -16,6 +18,22 @@ struct ada4571_diagnosis {
   std::shared_ptr<const Capture> capture;
   std::string json, text;
 };
+
+namespace {
+
+using CapturePtr = std::shared_ptr<const Capture>;
+
+CapturePtr joined(const ada4571_recording *const *recordings, std::size_t count, const char *name) {
+  require(recordings, name);
+  std::vector<CapturePtr> captures;
+  for (std::size_t k = 0; k < count; ++k) {
+    require(recordings[k], name);
+    captures.push_back(recordings[k]->impl);
+  }
+  return join(captures);
+}
+
+} // namespace
 
 extern "C" {
 
@@ -29,18 +47,33 @@ void ada4571_diagnosis_options_init(ada4571_diagnosis_options *options) {
 ada4571_status ada4571_diagnose(const ada4571_recording *recording,
                                 const ada4571_diagnosis_options *options,
                                 ada4571_diagnosis **diagnosis) {
+  return ada4571_diagnose_captures(recording ? &recording : nullptr, 1, options, diagnosis);
+}
+
+ada4571_status ada4571_diagnose_captures(const ada4571_recording *const *recordings, size_t count,
+                                         const ada4571_diagnosis_options *options,
+                                         ada4571_diagnosis **diagnosis) {
   return guard([&] {
-    require(recording, "recording");
+    require(recordings, count == 1 ? "recording" : "recordings");
     require(diagnosis, "diagnosis");
     DiagnosisOptions o;
+    CapturePtr heldout;
     if (options) {
       require_struct(options, "options");
       if (options->baseline)
         o.baseline = &options->baseline->impl;
       if (options->baseline_name)
         o.baseline_name = options->baseline_name;
+      std::vector<const ada4571_recording *> judges;
       if (options->heldout)
-        o.heldout = options->heldout->impl.get();
+        judges.push_back(options->heldout);
+      if (options->more_heldout_count > 0)
+        require(options->more_heldout, "options.more_heldout");
+      for (std::size_t k = 0; k < options->more_heldout_count; ++k)
+        judges.push_back(options->more_heldout[k]);
+      if (!judges.empty())
+        heldout = joined(judges.data(), judges.size(), "options.heldout");
+      o.heldout = heldout.get();
       if (options->progress)
         o.progress = [options](double fraction, const char *what) {
           if (options->progress(fraction, what, options->user) != 0)
@@ -48,8 +81,8 @@ ada4571_status ada4571_diagnose(const ada4571_recording *recording,
         };
     }
     auto out = std::make_unique<ada4571_diagnosis>();
-    out->impl = diagnose(*recording->impl, o);
-    out->capture = recording->impl;
+    out->capture = joined(recordings, count, "recordings");
+    out->impl = diagnose(*out->capture, o);
     out->json = to_json(out->impl);
     out->text = to_text(out->impl);
     *diagnosis = out.release();

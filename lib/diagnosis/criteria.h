@@ -32,6 +32,8 @@ inline constexpr std::size_t kArcs = 240;
 /// A stop: neighbours further apart than this many times the noise at rest, and than this, rad, have
 /// moved. Eight standard deviations come by chance once in 1e15.
 inline constexpr double kStopMovesNoise = 8.0, kStopMovesRad = 0.1 * kRadPerDeg;
+/// Records of one sensor from which on every third judges as a whole.
+inline constexpr std::size_t kFewestRecords = 3;
 /// Stops from which on every third one judges, and readings a stop.
 inline constexpr std::size_t kFewestStops = 6;
 inline constexpr double kFewestReadings = 3.0;

@@ -13,6 +13,7 @@
 #include "base/angle.h"
 #include "base/robust.h"
 #include "diagnosis/conditions/holdout.h"
+#include "diagnosis/conditions/several.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/looks.h"
@@ -43,7 +44,8 @@ std::vector<T> pick(const std::vector<T> &from, const std::vector<std::uint32_t>
   return out;
 }
 
-/// Says whether the capture shows a range of temperatures.
+} // namespace
+
 void describe_temperature(const Capture &capture, Scene &scene) {
   if (!capture.has_vtemp()) {
     scene.why_no_temperature = "no VTEMP channel";
@@ -56,6 +58,8 @@ void describe_temperature(const Capture &capture, Scene &scene) {
     scene.why_no_temperature = "one temperature only";
   scene.all.vtemp_scanned = true;
 }
+
+namespace {
 
 /// Order-1 ripple of the reference against a smooth motion, with an error from its scatter between
 /// parts of the capture: a rough motion makes it large, which says that it proves nothing.
@@ -144,6 +148,8 @@ double coverage(const Observations &all, int periods) {
   return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / kSectors;
 }
 
+} // namespace
+
 void describe_motion(Scene &scene) {
   const Observations &all = scene.all;
   struct Way {
@@ -167,6 +173,8 @@ void describe_motion(Scene &scene) {
   scene.fastest_omega = quantile(speed, 0.98);
   scene.several_speeds = quantile(speed, 0.05) < 0.8 * scene.fastest_omega;
 }
+
+namespace {
 
 /// Whether the samples about a spike are of use: in a stretch that is left out the angle is not
 /// known well enough to say what the spike stands out of.
@@ -405,7 +413,7 @@ void judge_radius_only(Scene &scene) {
   scene.all.weight_along = kWeightOfOwnAngle;
 }
 
-Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
+Scene prepare_record(const Capture &capture, bool needs_split, const Model *known) {
   Scene scene;
   scene.capture = &capture;
   scene.periods = capture.meta.periods_per_turn;
@@ -489,6 +497,15 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
     scene.train.resize(all.size());
     std::iota(scene.train.begin(), scene.train.end(), 0u);
   }
+  return scene;
+}
+
+Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
+  Scene scene = capture.starts.empty() ? prepare_record(capture, needs_split, known)
+                                       : prepare_several(capture, needs_split, known);
+  const Observations &all = scene.all;
+  if (!scene.insufficient.empty())
+    return scene;
   if (const double seen = coverage(all, scene.periods); seen < criteria::kLeastCoverage)
     scene.insufficient = fmt::format("the record shows {:.0f} of 360 electrical degrees; at least "
                                      "{:.0f} are needed to tell centre and axes apart",

@@ -97,12 +97,17 @@ struct Scene {
 };
 
 void judge_radius_only(Scene &scene);
+/// What the motion of the usable samples can show, and the temperature of the whole capture.
+void describe_motion(Scene &scene);
+void describe_temperature(const Capture &capture, Scene &scene);
 
 /// Screens a capture and prepares it. `needs_split` false: everything trains (a second capture
 /// judges). `known`: what is known of the sensor already, which then no longer bends the motion
 /// that is taken from the pair; only for captures without reference. Throws nothing for poor data:
 /// that is `insufficient`.
 Scene prepare(const Capture &capture, bool needs_split, const Model *known = nullptr);
+/// The same of one record, whatever part of the circle it shows.
+Scene prepare_record(const Capture &capture, bool needs_split, const Model *known);
 
 /// Keeps runs of `run` samples spread over the whole, at most about `most` in all.
 std::vector<std::uint32_t> thin(const std::vector<std::uint32_t> &indices, std::size_t most,

@@ -584,12 +584,23 @@ typedef struct ada4571_diagnosis_options {
   const ada4571_recording *heldout; /* NULL: whole revolutions of the capture are held out */
   ada4571_progress progress;        /* NULL: none */
   void *user;
+  /* More captures to hold out, beside `heldout`; NULL and 0: none. */
+  const ada4571_recording *const *more_heldout;
+  size_t more_heldout_count;
 } ada4571_diagnosis_options;
 
 ADA4571_API void ada4571_diagnosis_options_init(ada4571_diagnosis_options *options);
 ADA4571_API ada4571_status ada4571_diagnose(const ada4571_recording *recording,
                                             const ada4571_diagnosis_options *options,
                                             ada4571_diagnosis **diagnosis);
+/* Several captures of one sensor together, `count` of them, 1 or more. Each may have another zero of
+ * its reference. From three on every third is held out as a whole; of two, each is split by itself.
+ * ADA4571_ERROR_INVALID_ARGUMENT where they do not go together: another supply, another number of
+ * periods per turn, other channels. Times in the result go on from one capture to the next. */
+ADA4571_API ada4571_status ada4571_diagnose_captures(const ada4571_recording *const *recordings,
+                                                     size_t count,
+                                                     const ada4571_diagnosis_options *options,
+                                                     ada4571_diagnosis **diagnosis);
 ADA4571_API ada4571_verdict ada4571_diagnosis_verdict(const ada4571_diagnosis *diagnosis);
 /* "ada4571-diagnosis/1" */
 ADA4571_API const char *ada4571_diagnosis_json(const ada4571_diagnosis *diagnosis);

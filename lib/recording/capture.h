@@ -31,6 +31,7 @@ struct Capture {
   CaptureMetadata meta;
   std::vector<double> time_s, vsin_v, vcos_v;        ///< always of one length
   std::vector<double> vtemp_v, vdd_v, reference_deg; ///< that length, or empty when absent
+  std::vector<std::size_t> starts; ///< first sample of each record, where several were joined
   std::vector<std::size_t> gaps; ///< first sample after each gap that the source reported
   std::string identity;          ///< checksum of the content, names the capture in provenance
   std::string data_file;         ///< of a SigMF recording: where its samples were read

@@ -559,6 +559,20 @@ const std::map<std::string, Case> &pins_and_simulation_cases() {
 const std::map<std::string, Case> &diagnosis_cases() {
   static const std::map<std::string, Case> cases{
       {"ada4571_diagnosis_options_init", init_takes_null(ada4571_diagnosis_options_init)},
+      {"ada4571_diagnose_captures",
+       [](const Handles &h) {
+         ada4571_diagnosis *diagnosis = nullptr;
+         const ada4571_recording *one[] = {nullptr};
+         REFUSED(ada4571_diagnose_captures(nullptr, 1, nullptr, &diagnosis));
+         REFUSED(ada4571_diagnose_captures(one, 1, nullptr, &diagnosis));
+         one[0] = h.recording;
+         REFUSED(ada4571_diagnose_captures(one, 0, nullptr, &diagnosis));
+         REFUSED(ada4571_diagnose_captures(one, 1, nullptr, nullptr));
+         ada4571_diagnosis_options options;
+         ada4571_diagnosis_options_init(&options);
+         options.more_heldout_count = 1; // and no pointer
+         REFUSED(ada4571_diagnose_captures(one, 1, &options, &diagnosis));
+       }},
       {"ada4571_diagnose",
        [](const Handles &h) {
          Untouched<ada4571_diagnosis> diagnosis;

@@ -15,6 +15,7 @@ namespace ada {
 enum class HoldoutUnit {
   turns,   ///< whole turns, where there are many
   periods, ///< whole electrical periods: a ring of many poles turned a few times
+  records, ///< whole captures of several
   stops,   ///< whole stops of a shaft that stands while it is read
   arcs,    ///< runs of a few samples: a part of a turn, a single one, a few by hand
 };

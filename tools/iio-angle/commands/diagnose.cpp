@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "common/file_roles.h"
 #include "common/handles.h"
@@ -14,7 +16,8 @@ namespace cli {
 namespace {
 
 struct Options {
-  std::string model, heldout, extend, report, capture;
+  std::string model, extend, report;
+  std::vector<std::string> heldout, captures;
   bool json = false;
 };
 
@@ -23,7 +26,19 @@ int on_progress(double fraction, const char *what, void *user) {
   return 0;
 }
 
-Diagnosis diagnose(const Options &options, const Recording &capture, const Recording &heldout) {
+/// Recordings of all paths, and their bare pointers for the library.
+struct Recordings {
+  std::vector<Recording> own;
+  std::vector<const ada4571_recording *> bare;
+  explicit Recordings(const std::vector<std::string> &paths) {
+    for (const std::string &path : paths) {
+      own.push_back(make<Recording>(ada4571_recording_open, path.c_str()));
+      bare.push_back(own.back().get());
+    }
+  }
+};
+
+Diagnosis diagnose(const Options &options, const Recordings &captures, const Recordings &heldout) {
   Model baseline;
   if (!options.model.empty())
     baseline = make<Model>(ada4571_model_load, options.model.c_str());
@@ -32,24 +47,23 @@ Diagnosis diagnose(const Options &options, const Recording &capture, const Recor
   wanted.baseline = baseline.get();
   if (baseline)
     wanted.baseline_name = options.model.c_str();
-  wanted.heldout = heldout.get();
+  wanted.more_heldout = heldout.bare.data();
+  wanted.more_heldout_count = heldout.bare.size();
   wanted.progress = on_progress;
   wanted.user = &progress;
-  return make<Diagnosis>(ada4571_diagnose, capture.get(),
+  return make<Diagnosis>(ada4571_diagnose_captures, captures.bare.data(), captures.bare.size(),
                          static_cast<const ada4571_diagnosis_options *>(&wanted));
 }
 
 int run(const Options &options) {
-  const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
-  const Recording heldout = options.heldout.empty()
-                                ? Recording()
-                                : make<Recording>(ada4571_recording_open, options.heldout.c_str());
+  const Recordings captures(options.captures), heldout(options.heldout);
   FileRoles roles;
-  roles.reads(options.capture, capture);
-  if (heldout)
-    roles.reads(options.heldout, heldout);
+  for (std::size_t k = 0; k < captures.own.size(); ++k)
+    roles.reads(options.captures[k], captures.own[k]);
+  for (std::size_t k = 0; k < heldout.own.size(); ++k)
+    roles.reads(options.heldout[k], heldout.own[k]);
   roles.reads(options.model).writes(options.extend).writes(options.report);
-  const Diagnosis diagnosis = diagnose(options, capture, heldout);
+  const Diagnosis diagnosis = diagnose(options, captures, heldout);
   if (!options.extend.empty()) {
     const auto model = make<Model>(ada4571_diagnosis_model, diagnosis.get());
     check(ada4571_model_save(model.get(), options.extend.c_str()));
@@ -74,15 +88,19 @@ void add_diagnose(CLI::App &app, Action &action) {
                    "model to test (default: the application note's, fitted to the capture)")
       ->type_name("FILE");
   verb->add_option("--heldout", options->heldout,
-                   "capture to measure the gain on (default: whole turns of CAPTURE)")
-      ->type_name("CAPTURE");
+                   "capture to measure the gain on, may be given again (default: whole turns of "
+                   "CAPTURE, or every third of several)")
+      ->type_name("CAPTURE")
+      ->allow_extra_args(false);
   verb->add_option("--extend", options->extend, "write the extended model, ready for convert")
       ->type_name("FILE");
   verb->add_flag("--json", options->json, "print JSON (ada4571-diagnosis/1) instead of text");
   verb->add_option("--report", options->report, "write one self-contained HTML page")
       ->type_name("FILE.html");
-  verb->add_option("CAPTURE", options->capture, "capture file, or - for standard input")
-      ->type_name("")
+  verb->add_option("CAPTURE", options->captures,
+                   "capture file, or - for standard input; several of one sensor are diagnosed "
+                   "together, each with a zero angle of its own")
+      ->type_name("...")
       ->required();
   example(*verb, "  iio-angle diagnose --report report.html capture.csv\n"
                  "  iio-angle diagnose --json --extend sensor.toml capture.csv\n"
