@@ -100,6 +100,17 @@ inline constexpr double kUneven = 1.2;
 /// Highest corner of flicker noise, as a part of half the sample rate: above it no white noise is
 /// seen that it could meet.
 inline constexpr double kHighestCorner = 0.25;
+/// Structure of up to this part of what random causes leave over is of their kind; more of it says
+/// that they are no noise.
+inline constexpr double kOfRandom = 0.5, kOfProcess = 1.2;
+/// Mean square of the steps of a reference over that of an even spread, which it may reach where the
+/// shaft dwells.
+inline constexpr double kOfSteps = 1.5;
+/// Mean square of white noise over what its differences from sample to sample give: with 8000 samples
+/// that is one to 3 %, and a tenth is worth a word.
+inline constexpr double kAlmostWhite = 1.1;
+/// Lines of an octave that tell its power to a quarter, and the factor by which it may be off.
+inline constexpr double kFewestOfOctave = 16.0, kOctaveOff = 2.0;
 /// Samples that tell the shape of the noise: a variance to 14 %.
 inline constexpr double kFewestForNoise = 100.0;
 /// Correlation of two courses that may be one and the same wave.

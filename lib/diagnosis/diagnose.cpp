@@ -484,6 +484,7 @@ private:
           name_process(c);
       if (!random_.empty()) {
         unnamed_ = std::move(slow);
+        slow_waves_ = unnamed_.selection.orders[static_cast<std::size_t>(Axis::time)];
         take_out_courses();
         white.train = parts_.train;
         white.heldout = parts_.heldout;
@@ -499,7 +500,7 @@ private:
     // A converter's steps are no noise.
     if (scene_.coarse_step_v > 0.0)
       return;
-    for (RandomCause &c : noise_causes(unnamed_, white, named, stated, even_clock()))
+    for (RandomCause &c : noise_causes(unnamed_, white, named, stated, reference_step_rad(), even_clock()))
       if (!given(c.effect))
         name_process(c);
     // Without a reference the motion has taken in what lies along the circle.
@@ -592,6 +593,7 @@ private:
     note_unnamed();
     LeftOver left = left_over(scene_, parts_, out_.extended, explained, last_, angle_left_);
     std::move(left.structure.begin(), left.structure.end(), std::back_inserter(out_.structure));
+    drop_what_is_random();
     std::stable_sort(out_.structure.begin(), out_.structure.end(),
                      [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
     double unnamed2 = left.unexplained_rms_v * left.unexplained_rms_v;
@@ -600,6 +602,56 @@ private:
         unnamed2 += line.unnamed_rms_v * line.unnamed_rms_v;
     out_.unexplained_rms_v = std::sqrt(unnamed2);
     in_bursts_ = left.bursts;
+  }
+
+  /// V rms of a channel that the named random causes and the steps of a reference leave over: what is
+  /// smaller is of their kind. Noise that was named was shown to be no more than noise; a process goes
+  /// on above the half waves that its course was taken out by.
+  double random_v() const {
+    const double amplitude = std::abs(out_.extended.baseline.amplitude_v) / std::sqrt(2.0);
+    const double waves = std::max(1, slow_waves_);
+    double sum = 0.0;
+    for (const Finding &f : random_) {
+      const EffectInfo &info = f.effect->info();
+      if (info.evidence == Evidence::noise)
+        sum += std::max(0.0, std::pow(last_.heldout.residual_rms_v, 2) - noise_ * noise_);
+      else
+        sum += std::pow(info.pattern == Pattern::gain ? f.values[0] * amplitude
+                                                      : std::max(f.values[0], f.values[1]), 2) / waves;
+    }
+    sum += std::pow(reference_step_rad() * scene_.periods * amplitude, 2) / 12.0;
+    return std::sqrt(sum);
+  }
+
+  /// Takes out what the named random causes account for. White noise is what has no structure: where
+  /// much of it has, it is no cause of its own.
+  void drop_what_is_random() {
+    const auto is_white = [](const auto &named) {
+      return named.effect->info().evidence == Evidence::noise &&
+             named.effect->info().character != Character::process;
+    };
+    const double accounted = random_v();
+    const bool noise_only = std::any_of(random_.begin(), random_.end(), is_white);
+    const auto too_much = [&](const Structure &s) {
+      return (s.along == "angle" || s.along == "frequency") &&
+             s.rms_v > criteria::kOfRandom * accounted;
+    };
+    if (noise_only && std::any_of(out_.structure.begin(), out_.structure.end(), too_much)) {
+      std::erase_if(recorded_, is_white);
+      std::erase_if(random_, is_white);
+    }
+    if (const double left = random_v(); left > 0.0)
+      std::erase_if(out_.structure, [&](const Structure &s) {
+        return s.rms_v < criteria::kOfProcess * left;
+      });
+  }
+
+  /// Step of the reference, rad; 0: none was seen.
+  double reference_step_rad() const {
+    for (const ScreenFinding &f : scene_.screened)
+      if (f.effect->info().parameters[0].name == "step_deg")
+        return f.values[0] * kRadPerDeg;
+    return 0.0;
   }
 
   /// What the named model leaves of the axes, where held-out data confirm it and it is worth a word.
@@ -732,6 +784,7 @@ private:
   std::vector<Structure> angle_left_; ///< what the last look kept of the angle
   double noise_ = 0.0, explained_noise_ = 0.0;
   bool noise_stated_ = false, free_lag_ = false;
+  int slow_waves_ = 0;     ///< half waves by which the course of a slow process was taken out
   bool in_bursts_ = false; ///< samples in a row are left over
 };
 

@@ -196,10 +196,31 @@ struct Flicker {
   double corner_hz = 0.0, rms_v = 0.0, nats = 0.0;
 };
 
+/// Training and held-out samples of one capture as they follow one another: a spectrum over time
+/// suffers from every gap.
+Observations in_one(const Parts &parts) {
+  const Observations &a = parts.train, &b = parts.heldout;
+  if (parts.second_capture || b.size() == 0)
+    return a;
+  Observations both = a;
+  for (auto column : {&Observations::time, &Observations::vsin, &Observations::vcos,
+                      &Observations::alpha, &Observations::omega, &Observations::temp})
+    (both.*column).insert((both.*column).end(), (b.*column).begin(), (b.*column).end());
+  for (auto column : {&Observations::accel, &Observations::temp_rate, &Observations::supply,
+                      &Observations::supply_rate, &Observations::supply_bend})
+    (both.*column).insert((both.*column).end(), (b.*column).begin(), (b.*column).end());
+  both.direction.insert(both.direction.end(), b.direction.begin(), b.direction.end());
+  std::vector<std::uint32_t> order(both.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t i, std::uint32_t k) { return both.time[i] < both.time[k]; });
+  return both.select(order);
+}
+
 Flicker flicker_of(const Parts &parts, const Model &model, const Anonymous &left) {
   // What is smooth in time is taken out: flicker noise goes on above it, a wander does not.
   Flicker out;
-  Observations data = parts.train;
+  Observations data = in_one(parts);
   data.coloured.reset();
   ResidualColumns rest = residual_columns(data, model);
   subtract(left.basis, left.selection, data, rest);
@@ -223,14 +244,18 @@ Flicker flicker_of(const Parts &parts, const Model &model, const Anonymous &left
     return out;
   // Lines of the grid closer than the record resolves are no news: every so many.
   const auto stride = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (span * bin))));
+  // Below these what is slow in time, or steps with the speed, has been taken out.
+  const auto first = stride * static_cast<std::size_t>(criteria::kMostTrends);
+  if (first >= lines / 4)
+    return out;
   const auto likelihood = [&](int channel, double corner, double &white) {
     const auto &p = power[static_cast<std::size_t>(channel)];
     double sum = 0.0, n = 0.0;
-    for (std::size_t k = stride; k < lines; k += stride, n += 1.0)
+    for (std::size_t k = first; k < lines; k += stride, n += 1.0)
       sum += p[k] / (1.0 + corner / (static_cast<double>(k) * bin));
     white = sum / n;
     double log_likelihood = -n * std::log(white) - n;
-    for (std::size_t k = stride; k < lines; k += stride)
+    for (std::size_t k = first; k < lines; k += stride)
       log_likelihood -= std::log(1.0 + corner / (static_cast<double>(k) * bin));
     return log_likelihood;
   };
@@ -254,13 +279,24 @@ Flicker flicker_of(const Parts &parts, const Model &model, const Anonymous &left
   if (least < criteria::kNatsOfNoise || out.corner_hz == 0.0 ||
       out.corner_hz * 1.09 > criteria::kHighestCorner * top)
     return {};
+  // Flicker noise and nothing else: every octave must be as this spectrum has it.
+  for (int c = 0; c < 2; ++c)
+    for (std::size_t from = first; from < lines; from *= 2) {
+      double ratio = 0.0, n = 0.0;
+      for (std::size_t k = from; k < std::min(2 * from, lines); k += stride, n += 1.0)
+        ratio += power[static_cast<std::size_t>(c)][k] /
+                 (white[c] * (1.0 + out.corner_hz / (static_cast<double>(k) * bin)));
+      if (n >= criteria::kFewestOfOctave &&
+          std::abs(std::log(ratio / n)) > std::log(criteria::kOctaveOff))
+        return {};
+    }
   // Density of the white part from its share of the whole mean square.
   const double of_white = parts.has_reference ? 1.0 : kRadialWhite;
   out.corner_hz *= parts.has_reference ? 1.0 : kRadialWhite / kRadialSlow;
   double sum = 0.0;
   for (int c = 0; c < 2; ++c) {
     double all = 0.0, count = 0.0;
-    for (std::size_t k = stride; k < lines; k += stride, count += 1.0)
+    for (std::size_t k = first; k < lines; k += stride, count += 1.0)
       all += power[static_cast<std::size_t>(c)][k];
     const double variance = mean_square(c == 0 ? rest.sin : rest.cos);
     const double density = variance * white[c] / (all / count) / top / of_white;
@@ -321,19 +357,31 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
 }
 
 std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts, const Model &model,
-                                      double stated_v, bool even_clock) {
+                                      double stated_v, double step_rad, bool even_clock) {
   std::vector<RandomCause> out;
   const Shape shape = shape_of(left, parts, model);
   const double n = static_cast<double>(shape.along.size());
   if (n < criteria::kFewestForNoise)
     return out;
+  // What goes on from sample to sample is no noise of these kinds.
+  const auto white = [](const std::vector<double> &x) {
+    double steps = 0.0;
+    for (std::size_t i = 1; i < x.size(); ++i)
+      steps += (x[i] - x[i - 1]) * (x[i] - x[i - 1]);
+    return mean_square(x) <
+           criteria::kAlmostWhite * 0.5 * steps / static_cast<double>(x.size() - 1);
+  };
   const double along = std::max(white_variance(shape.along), criteria::kLeastMeanSquare);
-  const double across = std::max(white_variance(shape.across), criteria::kLeastMeanSquare);
   const double amplitude = model.baseline.amplitude_v;
+  // The steps of a reference lie across the vector, too.
+  const double of_steps =
+      std::pow(step_rad * model.periods_per_turn * amplitude, 2) / 12.0 * criteria::kOfSteps;
+  const double all_across = white_variance(shape.across);
+  const double across = std::max(std::min(all_across, along), all_across - of_steps);
   const bool differ = nats_of_two(along, across, n / 2.0) > criteria::kNatsOfNoise &&
                       std::max(along, across) > criteria::kMoreVariance * std::min(along, across);
   // Without a reference what lies across the vector may be the motion's.
-  if (differ && along > across && parts.has_reference) {
+  if (differ && along > across && parts.has_reference && white(shape.along)) {
     const double f = std::sqrt(along - across) / amplitude;
     const double error = along * std::sqrt(2.0 / n) / (2.0 * f * amplitude * amplitude);
     std::vector<std::string> others;
@@ -342,7 +390,7 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
     if (const Effect *e = effect_of(Evidence::noise, "noise", Pattern::gain, Character::white))
       out.push_back({e, {f}, {error}, others, nats_of_two(along, across, n / 2.0)});
   }
-  if (differ && across > along && parts.has_reference) {
+  if (differ && across > along && parts.has_reference && white(shape.across)) {
     const Effect *jitter = effect_of(Evidence::noise, "noise", Pattern::turn, Character::dynamic);
     const Effect *noise = effect_of(Evidence::noise, "noise", Pattern::turn, Character::white);
     const int p = model.periods_per_turn;
@@ -374,7 +422,7 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   // White noise shows in both directions alike; what is more along one of them has been named.
   const double white2 = parts.has_reference ? std::min(along, across) : along;
   const Effect *excess = effect_of(Evidence::noise, "noise", Pattern::offset, Character::white);
-  if (excess && stated_v > 0.0 && white2 > criteria::kMoreVariance * stated_v * stated_v) {
+  if (excess && stated_v > 0.0 && white(along > across ? shape.across : shape.along) && white2 > criteria::kMoreVariance * stated_v * stated_v) {
     const double more = std::sqrt(white2 - stated_v * stated_v);
     const double ratio = white2 / (stated_v * stated_v);
     out.push_back({excess,

@@ -27,6 +27,6 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
 /// The noise along and across the vector and over frequency, against `stated_v` where the capture
 /// states it (0: it does not).
 std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts, const Model &model,
-                                      double stated_v, bool even_clock);
+                                      double stated_v, double step_rad, bool even_clock);
 
 } // namespace ada
