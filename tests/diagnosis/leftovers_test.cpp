@@ -66,7 +66,7 @@ TEST_F(Leftovers, a_burst_of_hum_is_no_rough_motion) {
   }
   const Diagnosis d = diagnose(c, {});
   EXPECT_EQ(d.verdict, Verdict::unexplained);
-  EXPECT_TRUE(says(d, "the radius moves"));
+  EXPECT_TRUE(says(d, "the noise is not constant"));
 }
 
 TEST_F(Leftovers, an_angle_that_jitters_from_sample_to_sample_is_neither_noise_nor_motion) {
@@ -126,8 +126,11 @@ TEST_F(Leftovers, uneven_steps_of_a_converter_live_along_the_level) {
     }
   const Diagnosis d = diagnose(c, {});
   EXPECT_TRUE(says(d, "errs with its own level"));
-  EXPECT_TRUE(d.findings.empty());
-  EXPECT_EQ(d.verdict, Verdict::unexplained);
+  EXPECT_NE(d.verdict, Verdict::explained);
+  // What of it repeats with the angle may pass for a small cause, never for much.
+  for (const Finding &f : d.findings)
+    EXPECT_GT(f.after.heldout.residual_rms_v, 0.95 * f.before.heldout.residual_rms_v)
+        << f.explanation;
 }
 
 TEST_F(Leftovers, an_even_converter_is_no_structure) {
