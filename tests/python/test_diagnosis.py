@@ -72,6 +72,24 @@ def test_progress_is_told_and_its_exceptions_end_the_work(mismatched):
         ada4571.diagnose(mismatched, progress=stop)
 
 
+def test_several_recordings_are_diagnosed_together(mismatched, seed):
+    """The amplitudes of one sensor at two more motions; a recording may judge itself."""
+    model = ada4571.Simulation({"amplitude-mismatch": {"k": 0.01}}, seed=seed).model
+    other, third = (ada4571.Simulation(model=model, motion=f"constant:rpm={rpm}", seed=seed + rpm)
+                    .record(3.0) for rpm in (240, 300))
+    for heldout in ([third], [third, third], None):
+        said = ada4571.diagnose([mismatched, other], heldout=heldout)
+        k = next(f for f in said.findings if f.cause == "amplitude-mismatch").parameters["k"]
+        assert abs(k.value - 0.01) < 5 * k.std_error
+        assert said.capture.samples == len(mismatched) + len(other)
+
+
+def test_recordings_that_do_not_go_together_are_refused(mismatched):
+    other = ada4571.Simulation(model=ada4571.Model(periods_per_turn=1)).record(2.0)
+    with pytest.raises(ValueError, match="per"):
+        ada4571.diagnose([mismatched, other])
+
+
 def test_no_recording_is_refused():
     with pytest.raises(ValueError, match="no recording"):
         ada4571.diagnose([])

@@ -93,7 +93,8 @@ class Diagnosis:
 def diagnose(recordings, *, heldout=None, model=None, name=None, progress=None):
     """What the simulation gets wrong about a capture, why, and what is gained.
 
-    recordings, heldout: a Recording, or a list of them, of one sensor. model: the Model to test
+    recordings: a Recording, or a list of them, of one sensor; each may have a zero angle of its own.
+    heldout: what the gain is measured on, likewise (None: a part of the recordings). model: the Model to test
     (None: the application note's), printed as `name`. progress(fraction, what) is called meanwhile;
     its exceptions, and Ctrl-C, end the work.
     """
@@ -101,11 +102,8 @@ def diagnose(recordings, *, heldout=None, model=None, name=None, progress=None):
     measured = [heldout] if isinstance(heldout, Recording) else list(heldout or [])
     if not captures:
         raise ValueError("there is no recording to diagnose")
-    if len(captures) > 1 or len(measured) > 1:
-        raise NotImplementedError("this libada4571 diagnoses one recording, and one to measure the "
-                                  "gain on, at a time")
-    return Diagnosis(_core.diagnose(captures[0]._handle,
-                                    measured[0]._handle if measured else None,
+    return Diagnosis(_core.diagnose([capture._handle for capture in captures],
+                                    [capture._handle for capture in measured],
                                     model._handle if model else None, name, progress))
 
 
