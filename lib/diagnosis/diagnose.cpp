@@ -47,7 +47,7 @@ std::string now_utc() {
 void describe_capture(const Capture &capture, const Scene &scene, Diagnosis &d) {
   d.samples = capture.size();
   d.duration_s = capture.size() > 1 ? capture.time_s.back() - capture.time_s.front() : 0.0;
-  d.turns = scene.turns;
+  d.turns = std::isfinite(scene.turns) ? scene.turns : 0.0; // equal times have no speed
   d.periods_per_turn = scene.periods;
   d.channels = {"vsin_v", "vcos_v"};
   if (capture.has_vtemp())
@@ -392,7 +392,28 @@ private:
       return;
     out_.extended = with_remainder(scene_, unnamed_, everything(), out_.extended);
     out_.remainder_rms_v = judged.remainder->rms() * judged.baseline.amplitude_v;
+    if (parts_.has_reference)
+      out_.remainder_angle_rms_deg = remainder_angle_rms_deg();
     last_ = after;
+  }
+
+  /// What the remainder turns the vector by over a turn, rms, mechanical degrees.
+  double remainder_angle_rms_deg() const {
+    Model without = out_.extended;
+    without.remainder.reset();
+    const ResidualColumns all = residual_columns(parts_.heldout, out_.extended);
+    const ResidualColumns rest = residual_columns(parts_.heldout, without);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < all.sin.size(); ++i) {
+      const double s = rest.model_sin[i] - parts_.heldout.centre_sin_v;
+      const double c = rest.model_cos[i] - parts_.heldout.centre_cos_v;
+      const double ds = all.model_sin[i] - rest.model_sin[i];
+      const double dc = all.model_cos[i] - rest.model_cos[i];
+      const double turn = (ds * c - dc * s) / std::max(s * s + c * c, 1e-12);
+      sum += turn * turn;
+    }
+    const double n = static_cast<double>(std::max<std::size_t>(1, all.sin.size()));
+    return std::sqrt(sum / n) * kDegPerRad / scene_.periods;
   }
 
   /// All usable samples: the numbers of a remainder that held-out data have confirmed are taken from

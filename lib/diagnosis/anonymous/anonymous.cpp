@@ -168,7 +168,8 @@ NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &m
 Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data,
                      Model model) {
   const int orders = left.selection.orders[static_cast<std::size_t>(Axis::angle)];
-  if (orders == 0)
+  // Where the angle is the pair's own, nothing tells the part of it along the circle.
+  if (orders == 0 || scene.radius_only)
     return model;
   const Observations some = some_of(data, criteria::kRemainderSamples);
   // What the other axes hold is fitted beside it, and so cannot leak into it; the baseline moves
