@@ -226,7 +226,8 @@ Version version_of(const std::string &path) {
 
 Capture read_sigmf_capture(const std::string &path) {
   const std::string meta_path = sigmf_meta_path(path);
-  constexpr int kTries = 5; // another program may replace the recording between its two files
+  // Another program may replace the recording between its two files, again and again.
+  constexpr int kTries = 64, kTriesOfOne = 4;
   for (int i = 1;; ++i) {
     const Version before = version_of(meta_path);
     const SigmfMeta meta = read_sigmf_meta(meta_path);
@@ -237,7 +238,8 @@ Capture read_sigmf_capture(const std::string &path) {
       capture.data_file = data_path;
       return capture;
     } catch (const Error &) {
-      if (i == kTries || version_of(meta_path) == before)
+      // A meta file of the same moment may look like the one before it: a few tries all the same.
+      if (i == kTries || (i >= kTriesOfOne && version_of(meta_path) == before))
         throw;
     }
   }

@@ -156,7 +156,7 @@ TEST_F(GrowingWriterTest, APairIsReplacedAsAUnit) {
     for (int i = 0; i < kRounds; ++i)
       write_capture(with, meta_path_);
   };
-  std::thread first(replace, capture_), second(replace, other);
+  std::jthread first(replace, capture_), second(replace, other); // joined whatever is thrown below
   int seen = 0;
   for (int i = 0; i < kRounds; ++i) {
     const std::string found = read_capture(meta_path_).identity;
