@@ -669,10 +669,10 @@ private:
 
   /// Step of the reference, rad; 0: none was seen.
   double reference_step_rad() const {
+    double step = 0.0;
     for (const ScreenFinding &f : scene_.screened)
-      if (f.effect->info().parameters[0].name == "step_deg")
-        return f.values[0] * kRadPerDeg;
-    return 0.0;
+      step = std::max(step, f.effect->reference_step_rad(f.values));
+    return step;
   }
 
   /// What the named model leaves of the axes, where held-out data confirm it and it is worth a word.

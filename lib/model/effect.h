@@ -129,6 +129,8 @@ public:
   virtual double vtemp_on_vcos(Values) const { return 0.0; }
   /// Order-1 error that the reference itself shows against smooth time: cos and sin part, rad.
   virtual std::array<double, 2> reference_ripple(Values) const { return {0.0, 0.0}; }
+  /// Step in which the reference counts, rad; 0: none.
+  virtual double reference_step_rad(Values) const { return 0.0; }
   /// Acts on a simulated capture: lost rows, spikes, wander, the reference column.
   virtual void record(Values, Take &) const {}
 

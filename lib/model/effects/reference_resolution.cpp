@@ -37,6 +37,7 @@ public:
       r += v[0] * std::round(in_turn / v[0]) - in_turn;
     }
   }
+  double reference_step_rad(Values v) const override { return v[0] * kRadPerDeg; }
   std::string invisible(const Residual &r) const override {
     return r.has_reference ? "" : "there is no reference";
   }
