@@ -46,6 +46,12 @@ inline constexpr std::size_t kRemainderSamples = 30000;
 /// Orders of the turn that are looked at first, and where half of them are not enough; each takes
 /// this many samples, four numbers from two values each.
 inline constexpr int kFirstOrders = 32, kMostOrders = 96;
+/// The same in electrical periods, where the turn holds many: causes reach to four of them.
+inline constexpr int kFirstPeriods = 3, kMostPeriods = 5;
+/// Turns that show what repeats in each: every angle is seen twice. Rings of more poles
+/// than this would need more orders than a capture tells.
+inline constexpr double kFewestTurnsToRepeat = 2.0;
+inline constexpr int kMostPeriodsInTurns = 32;
 /// Training samples up to which the highest orders cost nothing and are tried at once.
 inline constexpr std::size_t kFew = 3000;
 inline constexpr double kSamplesPerOrder = 6.0;
@@ -62,6 +68,8 @@ inline constexpr double kAdmittedNats = 6.0, kNatsPerOrder = 1.0;
 inline constexpr double kMostColumns = 0.4;
 /// Orders among which causes are named: the highest of the catalogue is a clipping's, two of them.
 inline constexpr int kNamedOrders = 16;
+/// The same in electrical periods: a third harmonic turns back and lies four of them off.
+inline constexpr int kNamedPeriods = 4;
 /// Structure is worth a word from this part of the noise on: it then adds 0.7 % to the whole.
 inline constexpr double kWorthAWord = 0.12;
 /// Relative ridge of the normal equations: of double precision's 1e-16 after squaring.
@@ -86,6 +94,16 @@ inline constexpr std::size_t kFewestStretchesOfGain = 4;
 /// A cause must be this part of what nobody knows of the residual: of an unknown structure the
 /// likeliest of some fifty shapes takes a tenth of the power, or a third of the rms.
 inline constexpr double kOfUnknown = 0.3;
+
+/// A cause may move the signal by this much of what there is to explain. What is larger stands only
+/// because others cancel it: two true causes of one size leave two thirds of it unless three quarters
+/// of their shapes are the same and of opposite sign.
+inline constexpr double kMostOfDiscrepancy = 1.5;
+/// For the same reason two causes together must move it by half of what the larger one does alone.
+inline constexpr double kLeastOfPair = 0.5;
+/// Square of the standard errors, a mean over its coordinates, by which a finding must differ from
+/// none: three of them, which chance makes once in 400.
+inline constexpr double kClear = 9.0;
 
 // --- random causes
 

@@ -117,7 +117,7 @@ public:
     found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
     name_against_anonymous();
     take(build_ladder(parts_, found_));
-    while (drop_what_harms())
+    while (drop_what_harms() || drop_what_is_unclear())
       take(build_ladder(parts_, found_));
     first_ = ladder_.first;
     compare_with_anonymous();
@@ -371,6 +371,16 @@ private:
       }
     }
     found_.forget(worst);
+    return true;
+  }
+
+  /// A cause whose own standard error does not exclude that it is absent is no finding, whatever the
+  /// held-out data gained by it: something else is there that it stands for.
+  bool drop_what_is_unclear() {
+    const auto least = std::min_element(ladder_.clearness.begin(), ladder_.clearness.end());
+    if (least == ladder_.clearness.end() || *least >= criteria::kClear)
+      return false;
+    found_.forget(static_cast<std::size_t>(least - ladder_.clearness.begin()));
     return true;
   }
 
@@ -691,7 +701,7 @@ private:
     case Axis::angle:
       return fmt::format("{:.3g} mV rms repeat with the angle, up to order {} of the {}, and no named "
                          "cause explains them", mv, order,
-                         scene_.has_reference ? "turn" : "electrical period");
+                         in_turns(scene_) ? "turn" : "electrical period");
     case Axis::speed:
       return fmt::format("{:.3g} mV rms change with speed or direction, and no named cause explains "
                          "them", mv);

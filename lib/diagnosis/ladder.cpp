@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "diagnosis/explain.h"
 #include "model/effect_text.h"
@@ -47,6 +48,26 @@ void put_in_words(Finding &finding) {
   finding.explanation = explanation(finding);
 }
 
+namespace {
+
+/// Wald's statistic of each effect of a fit over the number of its coordinates.
+std::vector<double> clearness_of(const FitResult &fit) {
+  std::vector<double> out;
+  Eigen::Index first = static_cast<Eigen::Index>(coordinates_of(Model{}).size());
+  for (const EffectInstance &e : fit.model.effects) {
+    const std::vector<double> x = e.effect->to_coordinates(e.values);
+    const auto n = static_cast<Eigen::Index>(x.size());
+    const Eigen::Map<const Eigen::VectorXd> value(x.data(), n);
+    const Eigen::MatrixXd c = fit.covariance.block(first, first, n, n);
+    const double z2 = n == 0 ? std::numeric_limits<double>::infinity() : value.dot(c.ldlt().solve(value)) / static_cast<double>(n);
+    out.push_back(fit.determined && std::isfinite(z2) ? z2 : std::numeric_limits<double>::infinity());
+    first += n;
+  }
+  return out;
+}
+
+} // namespace
+
 Ladder build_ladder(Parts &parts, const SearchResult &found) {
   // A supply that is not recorded counts as a finding, and so from its own rung on.
   const bool supply = found.disturbed == Direction::supply;
@@ -66,6 +87,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
   FitResult whole = fit(parts.train, found.fit.model, 5);
   widen_by_scatter(parts.train, whole);
   attach_errors(whole);
+  const std::vector<double> clear = clearness_of(whole);
   out.extended = std::move(whole.model);
   const Model &model = out.extended;
   for (std::size_t i = 0; i < found.order.size(); ++i) {
@@ -89,6 +111,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
                             after,
                             e.effect->info().correctable});
     put_in_words(out.findings.back());
+    out.clearness.push_back(clear[found.order[i]]);
     out.last = after;
   }
   if (out.supply && supply) {

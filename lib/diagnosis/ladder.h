@@ -17,6 +17,9 @@ struct Ladder {
   std::vector<Model> models;     ///< the baseline first, then the model after each finding
   std::optional<Finding> supply; ///< one that is not recorded: it weighs every later rung
   std::vector<Finding> findings; ///< in the order of `found`
+  /// How clearly each finding differs from none, in the square of standard errors (Wald's test over
+  /// its coordinates, a mean of them).
+  std::vector<double> clearness;
   Rung first, last;
 };
 

@@ -194,6 +194,61 @@ double Search::reach(const Model &model, std::size_t effect) const {
   return std::sqrt(sum / (2.0 * static_cast<double>(a.sin.size())));
 }
 
+/// What each effect moves beyond the baseline's own freedom (offsets, amplitude and zero), V^2:
+/// products of each with each, means of a channel.
+Eigen::MatrixXd Search::own_moves(const Model &model) const {
+  const auto n = static_cast<Eigen::Index>(model.effects.size());
+  const ResidualColumns all = residual_columns(coarse_, model);
+  const auto samples = static_cast<Eigen::Index>(coarse_.size());
+  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(2 * samples, n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (model.effects[static_cast<std::size_t>(k)].effect->info().evidence != Evidence::signal)
+      continue;
+    Model less = model;
+    less.effects.erase(less.effects.begin() + k);
+    const ResidualColumns rest = residuals_alone(coarse_, less);
+    for (Eigen::Index i = 0; i < samples; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      moved(2 * i, k) = rest.sin[at] - all.sin[at];
+      moved(2 * i + 1, k) = rest.cos[at] - all.cos[at];
+    }
+  }
+  Eigen::MatrixXd free(2 * samples, 4);
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double y = all.model_sin[at] - coarse_.centre_sin_v;
+    const double x = all.model_cos[at] - coarse_.centre_cos_v;
+    free.row(2 * i) << 1.0, 0.0, y, x;
+    free.row(2 * i + 1) << 0.0, 1.0, x, -y;
+  }
+  const Eigen::MatrixXd onto = free.transpose() * moved;
+  const Eigen::Matrix4d within = free.transpose() * free;
+  return (moved.transpose() * moved - onto.transpose() * within.ldlt().solve(onto)) /
+         (2.0 * static_cast<double>(samples));
+}
+
+/// Whether an effect stands by itself: it is no larger than what there is to explain, and no other
+/// cancels it.
+bool Search::stands_alone(const Eigen::MatrixXd &own, std::size_t effect) const {
+  const auto k = static_cast<Eigen::Index>(effect);
+  const auto square = [](double v) { return v * v; };
+  if (own(k, k) > square(criteria::kMostOfDiscrepancy * discrepancy_v_))
+    return false;
+  for (Eigen::Index j = 0; j < own.rows(); ++j)
+    if (j != k && own(k, k) + own(j, j) + 2.0 * own(j, k) <
+                      square(criteria::kLeastOfPair) * std::max(own(j, j), own(k, k)))
+      return false;
+  return true;
+}
+
+bool Search::all_stand_alone(const Model &model) const {
+  const Eigen::MatrixXd own = own_moves(model);
+  for (std::size_t k = given_; k < model.effects.size(); ++k)
+    if (!stands_alone(own, k))
+      return false;
+  return true;
+}
+
 /// What an effect explains, V rms: no more than it moves, and where the evidence stands beside the
 /// pair all of that.
 double Search::size_of(const State &with, const State &less, std::size_t effect) const {
@@ -325,7 +380,7 @@ bool Search::forward(State &now) {
     if (!state.fit.determined || !in_range(state.fit.model, given_))
       continue;
     const std::size_t last = state.fit.model.effects.size() - 1;
-    if (refuted(state, last))
+    if (refuted(state, last) || !all_stand_alone(state.fit.model))
       continue;
     if (has_moment(*c.effect) && !begins_at_once(*data_.scene, state.fit.model, last))
       continue;
@@ -376,7 +431,8 @@ bool Search::backward(State &now) {
     const double worth = now.score - less.score - price(now.fit.model.effects[k]);
     const Effect &effect = *now.fit.model.effects[k].effect;
     const double size = size_of(now, less, k);
-    const bool possible = in_range(now.fit.model.effects[k]) && !refuted(now, k);
+    const bool possible = in_range(now.fit.model.effects[k]) && !refuted(now, k) &&
+                          stands_alone(own_moves(now.fit.model), k);
     const bool worth_it = possible && worth_keeping(worth, effect) &&
                           (!effect.info().signature || dominates(size, k, now.fit.model)) && size > least_of_noise(effect) * noise_v_ &&
                           size > doubt_v(less.fit.model) &&
@@ -424,11 +480,13 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
     choose(rival, rival.fit.model.effects.size() - 1);
     const bool at_rest = of_the_angle(*self) && of_the_angle(*c.effect);
     if (!rival.fit.determined || !in_range(rival.fit.model, given_) ||
+        !all_stand_alone(rival.fit.model) ||
         refuted(rival, rival.fit.model.effects.size() - 1))
       continue;
     const double side = side_evidence(data_, rival.fit.model) - my_side;
+    // Beside what has no name the variance of that covers what is not known to second order.
     const double blurred =
-        at_rest ? std::max({std::min(4.0 * part * (part + offset) / base.amplitude_v, 0.3 * part),
+        at_rest && !data_.train.coloured ? std::max({std::min(4.0 * part * (part + offset) / base.amplitude_v, 0.3 * part),
                             in_transfer, 4.0 * part * others / base.amplitude_v})
                 : 0.0;
     const double left = std::sqrt(std::max(0.0, rival.heldout - now.heldout) / (2.0 * n));
@@ -532,6 +590,7 @@ SearchResult Search::run(bool thorough, const Model *found, double unnamed_v2) {
   unnamed_v2_ = unnamed_v2;
   // A signature is named only where no physical cause explains as much: those come first.
   signatures_ = found != nullptr;
+  measure_discrepancy();
   State now = evaluate(found ? *found : baseline_, 12);
   weigh_motion(now);
   bool swapped = false;
@@ -553,6 +612,13 @@ SearchResult Search::run(bool thorough, const Model *found, double unnamed_v2) {
   return result(now, thorough);
 }
 
+/// What the baseline leaves over, V rms of a channel.
+void Search::measure_discrepancy() {
+  const Model model = fit(coarse_, baseline_, 12).model;
+  discrepancy_v_ = std::sqrt(white_sum_of_squares(coarse_, model) /
+                             (2.0 * static_cast<double>(coarse_.size())));
+}
+
 void Search::colour(const Discrepancy &discrepancy) {
   // Beside a discrepancy the number of samples is not what limits the errors.
   constexpr std::size_t kEnough = 4000;
@@ -569,6 +635,7 @@ void Search::colour(const Discrepancy &discrepancy) {
 
 SearchResult Search::run_against(const Discrepancy &discrepancy, double unnamed_v2,
                                  const Model &found) {
+  measure_discrepancy();
   colour(discrepancy);
   supply_rejected_ = shaken_ = true;
   signatures_ = true;

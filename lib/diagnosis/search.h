@@ -70,6 +70,10 @@ private:
   bool worth_keeping(double worth, const Effect &effect) const;
   bool helps_everywhere(const State &with, const State &less) const;
   double unknown_v(const State &now) const;
+  void measure_discrepancy();
+  Eigen::MatrixXd own_moves(const Model &model) const;
+  bool stands_alone(const Eigen::MatrixXd &own, std::size_t effect) const;
+  bool all_stand_alone(const Model &model) const;
   State evaluate(const Model &start, int iterations = 6) const;
   double log_likelihood(const FitResult &fit, double heldout) const;
   void progress(const char *what);
@@ -108,6 +112,7 @@ private:
   Model baseline_;
   std::size_t given_; ///< effects that the baseline brought along
   double noise_v_;
+  double discrepancy_v_ = 0.0; ///< what the baseline leaves over, V rms of a channel
   Report report_;
   double supply_rms_fraction_ = 0.0;
   double unnamed_v2_ = 0.0; ///< mean square of what repeats with the angle without a name

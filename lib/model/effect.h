@@ -122,8 +122,8 @@ public:
   virtual void apply(Values, Wave &) const {}
   /// Linear dynamics before the sampler.
   virtual void dynamics(Values, Taps &) const {}
-  /// From what the reference reads to the shaft's angle, rad, in place; `at` as the reference shows
-  /// it.
+  /// From what the reference reads to the shaft's angle, rad, in place, for at most kWaveBlock
+  /// samples; `at` as the reference shows it.
   virtual void shaft_from_reference(Values, const Conditions &, std::span<double>) const {}
   /// The part of VCOS that VTEMP carries over, where VTEMP is in the scan.
   virtual double vtemp_on_vcos(Values) const { return 0.0; }

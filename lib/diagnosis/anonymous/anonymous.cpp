@@ -28,6 +28,21 @@ Observations at_zero_of(const Model &model, Observations data) {
   return data;
 }
 
+/// The data at the angle of the shaft, which the reference reads with its errors. What repeats with
+/// the angle repeats with the shaft's.
+Observations at_shaft(const Model &model, Observations data) {
+  const Conditions at = data.conditions();
+  std::vector<double> shaft = data.alpha;
+  for (std::size_t first = 0; first < shaft.size(); first += kWaveBlock) {
+    const std::size_t n = std::min(kWaveBlock, shaft.size() - first);
+    for (std::size_t k = model.effects.size(); k-- > 0;) // undone in the reverse of their order
+      model.effects[k].effect->shaft_from_reference(model.effects[k].values, at.slice(first, n),
+                                                    std::span(shaft).subspan(first, n));
+  }
+  data.alpha = std::move(shaft);
+  return data;
+}
+
 Observations some_of(const Observations &data, std::size_t most) {
   std::vector<std::uint32_t> all(data.size());
   std::iota(all.begin(), all.end(), 0u);
@@ -48,6 +63,8 @@ Halves halves_of(const Parts &parts, const Model &model) {
     out.heldout = at_zero_of(model, std::move(out.heldout));
   out.train_left = residual_columns(out.train, model);
   out.heldout_left = residual_columns(out.heldout, model);
+  out.train = at_shaft(model, std::move(out.train));
+  out.heldout = at_shaft(model, std::move(out.heldout));
   return out;
 }
 
@@ -93,9 +110,12 @@ Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &mode
     return fitted(scene, halves, zero_of(model), orders, lines, {over_time, conditions});
   };
   const bool few = halves.train.size() <= criteria::kFew;
-  Anonymous out = with(few ? criteria::kMostOrders : criteria::kFirstOrders, {});
-  if (!few && out.selection.orders[0] > criteria::kFirstOrders / 2)
-    out = with(criteria::kMostOrders, {});
+  const int unit = in_turns(scene) ? scene.periods : 1;
+  const int first = std::max(criteria::kFirstOrders, criteria::kFirstPeriods * unit);
+  const int most = std::max(criteria::kMostOrders, criteria::kMostPeriods * unit);
+  Anonymous out = with(few ? most : first, {});
+  if (!few && out.selection.orders[0] > first / 2)
+    out = with(most, {});
   if (!over_time || !conditions)
     return out;
   const std::vector<double> lines = lines_of(scene, halves, out, model);
@@ -171,7 +191,9 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
   // Where the angle is the pair's own, nothing tells the part of it along the circle.
   if (orders == 0 || scene.radius_only)
     return model;
-  const Observations some = some_of(data, criteria::kRemainderSamples);
+  Observations some = some_of(data, criteria::kRemainderSamples);
+  const ResidualColumns r = residual_columns(some, model);
+  some = at_shaft(model, std::move(some));
   // What the other axes hold is fitted beside it, and so cannot leak into it; the baseline moves
   // along.
   const int p = scene.periods;
@@ -188,11 +210,10 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
       basis.add(groups[k].axis, groups[k].order, left.basis.terms()[k].exponent,
                 left.basis.terms()[k].modulation);
   }
-  const ResidualColumns r = residual_columns(some, model);
   const Eigen::MatrixXd gram = gram_of(basis, some, r);
   const Eigen::Index m = gram.rows() - 1;
-  Eigen::MatrixXd a = gram.topLeftCorner(m, m);
-  a.diagonal().array() += criteria::kRidge * 2.0 * static_cast<double>(some.size());
+  const Eigen::MatrixXd a = ridged(gram.topLeftCorner(m, m), left.selection.ridge,
+                                   2.0 * static_cast<double>(some.size()));
   const Eigen::VectorXd values = a.ldlt().solve(gram.topRightCorner(m, 1));
   if (!values.allFinite())
     return model;
@@ -202,8 +223,12 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
   remainder.electrical = !scene.has_reference;
   int highest = 0;
   const int unit = remainder.electrical ? p : 1;
+  // Without a reference nobody knows in which electrical period of the turn a reading lies.
+  const auto carried = [&](std::size_t k) {
+    return basis.groups()[k].axis == Axis::angle && basis.terms()[k].exponent % unit == 0;
+  };
   for (std::size_t k = 2; k < basis.terms().size(); ++k)
-    if (basis.groups()[k].axis == Axis::angle)
+    if (carried(k))
       highest = std::max(highest, std::abs(basis.terms()[k].exponent) / unit);
   highest = std::min<int>(highest, PeriodicRemainder::kHighestOrder);
   for (auto *v : {&remainder.sin_cos, &remainder.sin_sin, &remainder.cos_cos, &remainder.cos_sin})
@@ -211,7 +236,7 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
   for (std::size_t k = 2; k < basis.terms().size(); ++k) {
     const int exponent = basis.terms()[k].exponent;
     const std::size_t n = static_cast<std::size_t>(std::abs(exponent) / unit);
-    if (basis.groups()[k].axis != Axis::angle || n == 0 || n > remainder.orders())
+    if (!carried(k) || n == 0 || n > remainder.orders())
       continue;
     const double re = values[static_cast<Eigen::Index>(2 * k)] / amplitude;
     const double im = values[static_cast<Eigen::Index>(2 * k + 1)] / amplitude;
@@ -221,11 +246,12 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
     remainder.sin_sin[n - 1] += sign * re; // re sin(m x) + im cos(m x)
     remainder.sin_cos[n - 1] += im;
   }
+  if (highest > 0)
+    model.remainder = std::move(remainder);
   model.baseline.offset_cos_v += values[0];
   model.baseline.offset_sin_v += values[1];
   model.baseline.amplitude_v += values[2];
   model.baseline.angle_zero_deg += values[3] / (amplitude * p) * kDegPerRad;
-  model.remainder = std::move(remainder);
   return model;
 }
 

@@ -96,14 +96,20 @@ void Basis::evaluate(const Observations &data, std::size_t first, std::size_t n,
   }
 }
 
+bool in_turns(const Scene &scene) {
+  return scene.has_reference || scene.periods == 1 ||
+         (scene.periods <= criteria::kMostPeriodsInTurns &&
+          scene.turns >= criteria::kFewestTurnsToRepeat);
+}
+
 Basis generic_basis(const Scene &scene, const Observations &data, double zero_rad, int orders,
                     const std::vector<double> &lines_hz, Asked asked) {
   const int p = scene.periods;
   Basis out(p, zero_rad);
   out.scale_to(data);
-  // What turns with the angle: orders of the turn against a reference, of the electrical period
-  // without. The terms of m = 0 and m = p are the baseline's own offsets, amplitude and zero.
-  const int step = scene.has_reference ? 1 : p;
+  // What turns with the angle: orders of the turn, or of the electrical period where turns cannot be
+  // compared. The terms of m = 0 and m = p are the baseline's own offsets, amplitude and zero.
+  const int step = in_turns(scene) ? 1 : p;
   for (int n = step; n <= orders * step; n += step)
     for (int m : {p - n, p + n})
       if (m != 0)
@@ -131,7 +137,7 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
   // Slow in time: half waves that each last two electrical periods or more, so that none of them
   // follows the shaft.
   // Where hardly an angle comes twice, time and angle are one.
-  const double rounds = scene.has_reference ? scene.turns : scene.turns * p;
+  const double rounds = scene.turns * step;
   const int waves =
       !asked.over_time || rounds < criteria::kFewestUnits ? 0
                  : static_cast<int>(std::min(

@@ -84,6 +84,11 @@ struct Asked {
   bool conditions = true; ///< speed, temperature and supply
 };
 
+/// Whether what repeats with the angle is told in orders of the turn: with a reference, and without
+/// one where whole turns follow one another, though nobody knows where the turn begins. A ring of
+/// many poles has no two alike.
+bool in_turns(const Scene &scene);
+
 /// What the capture lets each axis show. `orders`: highest order of the turn on the angle axis;
 /// `lines_hz`: frequencies of lines of the spectrum.
 Basis generic_basis(const Scene &scene, const Observations &data, double zero_rad, int orders,

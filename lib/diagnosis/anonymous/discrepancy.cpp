@@ -31,11 +31,12 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   out.basis = basis;
   // Causes live at low orders; what lies above counts as noise.
   double above = 0.0;
+  const int named = std::max(criteria::kNamedOrders, criteria::kNamedPeriods * basis.periods());
   std::vector<Eigen::Index> place;
   for (std::size_t k = 0; k < selection.columns.size(); ++k) {
     const Group &g = basis.groups()[static_cast<std::size_t>(selection.columns[k] / 2)];
     const double value = selection.values[static_cast<Eigen::Index>(k)];
-    if (g.axis == Axis::angle && g.order > criteria::kNamedOrders)
+    if (g.axis == Axis::angle && g.order > named)
       above += 0.5 * value * value;
     else
       place.push_back(static_cast<Eigen::Index>(k));
@@ -44,8 +45,7 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
     out.columns.push_back(selection.columns[static_cast<std::size_t>(k)]);
   out.noise_v2 = std::max(selection.train_v2 + above, criteria::kLeastMeanSquare);
   const auto n = static_cast<Eigen::Index>(out.columns.size());
-  Eigen::MatrixXd a = from.train(out.columns, out.columns);
-  a.diagonal().array() += criteria::kRidge * from.n_train;
+  const Eigen::MatrixXd a = ridged(from.train(out.columns, out.columns), selection.ridge, from.n_train);
   const Eigen::VectorXd variance =
       a.ldlt().solve(Eigen::MatrixXd::Identity(n, n)).diagonal() * out.noise_v2;
   const Eigen::VectorXd values = selection.values(place);

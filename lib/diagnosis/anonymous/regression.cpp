@@ -33,35 +33,73 @@ Eigen::MatrixXd gram_of(const Basis &basis, const Observations &data, const Resi
   return out;
 }
 
+Eigen::MatrixXd ridged(Eigen::MatrixXd gram, double ridge, double n) {
+  gram.diagonal().array() = gram.diagonal().array() * (1.0 + ridge) + criteria::kRidge * n;
+  return gram;
+}
+
 namespace {
 
-struct Fitted {
-  Eigen::VectorXd values;
-  double train = 0.0, heldout = 0.0; ///< sums of squares
-};
+/// Least squares with nested sets of columns: the first k of one order, for every k. One Cholesky
+/// decomposition of the whole holds those of all leading parts.
+class Nested {
+public:
+  Nested(const Products &from, std::vector<Eigen::Index> columns)
+      : from_(from), columns_(std::move(columns)) {
+    const double n = std::max(1.0, from.n_train), k = static_cast<double>(columns_.size());
+    const Eigen::Index last = from.train.rows() - 1;
+    const double all = std::max(from.train(last, last), 1e-300);
+    // What is to be explained is taken as spread over all columns alike: that is the variance which
+    // each coefficient may have before any data (empirical Bayes). It matters only where the data
+    // tell little. What is left, the noise, is known once the fit is: four passes settle it.
+    double left = 1.0;
+    for (int pass = 0; pass < 4; ++pass) {
+      decompose(std::max(criteria::kRidge, left * k / n));
+      left = std::min(1.0, train(columns_.size()) / all / (1.0 - criteria::kMostColumns));
+    }
+  }
 
-/// Least squares on the training part, judged on the other. A trace of ridge keeps columns that the
-/// data cannot tell apart from running away.
-Fitted fit_columns(const Products &from, const std::vector<Eigen::Index> &columns) {
-  const Eigen::Index last = from.train.rows() - 1;
-  Fitted out;
-  out.train = from.train(last, last);
-  out.heldout = from.heldout(last, last);
-  if (columns.empty())
-    return out;
-  Eigen::MatrixXd a = from.train(columns, columns);
-  a.diagonal().array() *= 1.0 + criteria::kRidge;
-  a.diagonal().array() += criteria::kRidge * std::max(1.0, from.n_train);
-  const Eigen::VectorXd b = from.train(columns, last);
-  out.values = a.ldlt().solve(b);
-  out.train -= 2.0 * out.values.dot(b) - out.values.dot(from.train(columns, columns) * out.values);
-  const Eigen::VectorXd c = from.heldout(columns, last);
-  out.heldout -=
-      2.0 * out.values.dot(c) - out.values.dot(from.heldout(columns, columns) * out.values);
-  out.train = std::max(out.train, 0.0);
-  out.heldout = std::max(out.heldout, 0.0);
-  return out;
-}
+  double ridge() const { return ridge_; }
+  /// Sum of squares of the training part with the first `k` columns.
+  double train(std::size_t k) const {
+    const Eigen::Index last = from_.train.rows() - 1;
+    const auto m = static_cast<Eigen::Index>(k);
+    return std::max(0.0, from_.train(last, last) - forward_.head(m).squaredNorm());
+  }
+  Eigen::VectorXd values(std::size_t k) const {
+    const auto m = static_cast<Eigen::Index>(k);
+    return factor_.topLeftCorner(m, m).transpose().triangularView<Eigen::Upper>().solve(
+        forward_.head(m));
+  }
+  /// The same of the held-out part.
+  double heldout(const Eigen::VectorXd &values) const {
+    const Eigen::Index last = from_.heldout.rows() - 1;
+    const auto m = static_cast<std::size_t>(values.size());
+    const std::vector<Eigen::Index> of(columns_.begin(),
+                                       columns_.begin() + static_cast<std::ptrdiff_t>(m));
+    const Eigen::VectorXd onto = from_.heldout(of, last);
+    return std::max(0.0, from_.heldout(last, last) - 2.0 * values.dot(onto) +
+                             values.dot(from_.heldout(of, of) * values));
+  }
+  std::vector<Eigen::Index> first(std::size_t k) const {
+    return {columns_.begin(), columns_.begin() + static_cast<std::ptrdiff_t>(k)};
+  }
+
+private:
+  void decompose(double ridge) {
+    ridge_ = ridge;
+    const auto m = static_cast<Eigen::Index>(columns_.size());
+    factor_ = ridged(from_.train(columns_, columns_), ridge, from_.n_train).llt().matrixL();
+    const Eigen::VectorXd onto = from_.train(columns_, from_.train.rows() - 1);
+    forward_ = m == 0 ? onto : Eigen::VectorXd(factor_.triangularView<Eigen::Lower>().solve(onto));
+  }
+
+  const Products &from_;
+  std::vector<Eigen::Index> columns_;
+  double ridge_ = 0.0;
+  Eigen::MatrixXd factor_;  ///< lower triangle
+  Eigen::VectorXd forward_; ///< its inverse times the products with the residual
+};
 
 } // namespace
 
@@ -73,52 +111,67 @@ Products products(const Basis &basis, const Observations &train, const ResidualC
 
 Selection select(const Basis &basis, const Products &from) {
   Selection out;
-  Fitted now = fit_columns(from, {});
+  const Eigen::Index last = from.train.rows() - 1;
   const double least = criteria::kLeastMeanSquare;
-  const auto nats = [&](const Fitted &less, const Fitted &more) {
+  double now = from.heldout(last, last);
+  out.train_v2 = from.train(last, last);
+  const auto nats = [&](double less, double more) {
     return 0.5 * from.n_heldout *
-           std::log((less.heldout / from.n_heldout + least) / (more.heldout / from.n_heldout + least));
+           std::log((less / from.n_heldout + least) / (more / from.n_heldout + least));
   };
   for (std::size_t axis = 0; axis + 1 < kAxes; ++axis) {
-    int highest = 0;
+    std::vector<const Group *> groups;
     for (const Group &g : basis.groups())
       if (static_cast<std::size_t>(g.axis) == axis)
-        highest = std::max(highest, g.order);
-    Fitted best = now;
-    std::vector<Eigen::Index> best_columns = out.columns;
-    int best_order = 0;
-    double best_gain = 0.0;
-    for (int order = 1; order <= highest; ++order) {
-      // Every order up to eight, then in steps of a quarter: finer makes no difference.
-      if (order > 8 && order != highest && order % std::max(1, order / 8) != 0)
-        continue;
-      std::vector<Eigen::Index> columns = out.columns;
-      for (const Group &g : basis.groups())
-        if (static_cast<std::size_t>(g.axis) == axis && g.order <= order)
-          for (std::size_t k = 0; k < g.count; ++k)
-            columns.push_back(static_cast<Eigen::Index>(g.first + k));
-      if (static_cast<double>(columns.size()) > criteria::kMostColumns * from.n_train)
+        groups.push_back(&g);
+    if (groups.empty())
+      continue;
+    std::stable_sort(groups.begin(), groups.end(),
+                     [](const Group *a, const Group *b) { return a->order < b->order; });
+    std::vector<Eigen::Index> columns = out.columns;
+    std::vector<std::pair<int, std::size_t>> ends; // order, columns up to and with it
+    for (const Group *g : groups) {
+      if (static_cast<double>(columns.size() + g->count) > criteria::kMostColumns * from.n_train)
         break;
-      Fitted trial = fit_columns(from, columns);
-      const double gain = nats(now, trial);
+      for (std::size_t k = 0; k < g->count; ++k)
+        columns.push_back(static_cast<Eigen::Index>(g->first + k));
+      if (ends.empty() || ends.back().first != g->order)
+        ends.emplace_back(g->order, 0);
+      ends.back().second = columns.size();
+    }
+    const Nested nested(from, std::move(columns));
+    std::size_t best = 0;
+    int best_order = 0;
+    double best_gain = 0.0, best_heldout = now;
+    Eigen::VectorXd best_values;
+    for (const auto &[order, end] : ends) {
+      // Every order up to eight, then in steps of an eighth: finer makes no difference.
+      if (order > 8 && order != ends.back().first && order % std::max(1, order / 8) != 0)
+        continue;
+      Eigen::VectorXd values = nested.values(end);
+      const double heldout = nested.heldout(values);
+      const double gain = nats(now, heldout);
       if (gain > best_gain + criteria::kNatsPerOrder * (best_order > 0 ? 1.0 : 0.0)) {
         best_gain = gain;
-        best = std::move(trial);
-        best_columns = std::move(columns);
+        best = end;
         best_order = order;
+        best_heldout = heldout;
+        best_values = std::move(values);
       }
     }
     if (best_gain < criteria::kAdmittedNats)
       continue;
-    out.share_v2[axis] = (now.heldout - best.heldout) / from.n_heldout;
+    out.share_v2[axis] = (now - best_heldout) / from.n_heldout;
     out.gain_nats[axis] = best_gain;
     out.orders[axis] = best_order;
-    out.columns = std::move(best_columns);
-    now = std::move(best);
+    out.columns = nested.first(best);
+    out.values = std::move(best_values);
+    out.ridge = nested.ridge();
+    out.train_v2 = nested.train(best);
+    now = best_heldout;
   }
-  out.values = now.values;
-  out.noise_v2 = now.heldout / std::max(1.0, from.n_heldout);
-  out.train_v2 = now.train / std::max(1.0, from.n_train - static_cast<double>(out.columns.size()));
+  out.noise_v2 = now / std::max(1.0, from.n_heldout);
+  out.train_v2 /= std::max(1.0, from.n_train - static_cast<double>(out.columns.size()));
   return out;
 }
 

@@ -25,6 +25,10 @@ Eigen::MatrixXd gram_of(const Basis &basis, const Observations &data, const Resi
 Products products(const Basis &basis, const Observations &train, const ResidualColumns &train_left,
                   const Observations &heldout, const ResidualColumns &heldout_left);
 
+/// Normal equations with a relative ridge; one of `n` values keeps a column that is zero throughout
+/// from taking part.
+Eigen::MatrixXd ridged(Eigen::MatrixXd gram, double ridge, double n);
+
 /// Which columns take part.
 struct Selection {
   std::vector<Eigen::Index> columns;
@@ -32,6 +36,7 @@ struct Selection {
   std::array<int, kAxes> orders{};         ///< highest order that is in, by axis; 0: none
   std::array<double, kAxes> share_v2{};    ///< fall of the held-out mean square by axis, V^2
   std::array<double, kAxes> gain_nats{};   ///< of the held-out likelihood by axis
+  double ridge = 0.0;                      ///< relative, of the normal equations
   double noise_v2 = 0.0;                   ///< held-out mean square that is left
   double train_v2 = 0.0;                   ///< and of the training part
 };

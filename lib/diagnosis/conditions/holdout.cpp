@@ -59,7 +59,11 @@ Holdout split(std::span<const double> alpha, int periods, const Stops &stops) {
     const std::size_t number = out.unit == HoldoutUnit::stops  ? stops.of[i]
                                : out.unit == HoldoutUnit::arcs ? i / run
                                                                : static_cast<std::size_t>(travel / unit_rad);
-    (number % 3 == 1 ? out.heldout : out.train).push_back(static_cast<std::uint32_t>(i));
+    // Another third of the periods in each turn, so that each of them is in either part.
+    const std::size_t shift = out.unit == HoldoutUnit::periods && periods % 3 == 0
+                                  ? static_cast<std::size_t>(travel / kTwoPi)
+                                  : 0;
+    ((number + shift) % 3 == 1 ? out.heldout : out.train).push_back(static_cast<std::uint32_t>(i));
   }
   return out;
 }
