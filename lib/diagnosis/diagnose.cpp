@@ -566,6 +566,10 @@ private:
   }
 
   void name_process(const RandomCause &c) {
+    // What is faster than the functions of a larger process passes for a smaller one.
+    if (c.slow_v2 > 0.0 && c.slow_v2 < criteria::kLittle * slow_v2_)
+      return;
+    slow_v2_ = std::max(slow_v2_, c.slow_v2);
     Rung before = last_;
     const double samples = static_cast<double>(std::max<std::size_t>(1, parts_.heldout.size()));
     before.heldout.log_likelihood = last_.heldout.log_likelihood - c.nats / samples;
@@ -815,6 +819,7 @@ private:
   std::vector<Structure> angle_left_; ///< what the last look kept of the angle
   double noise_ = 0.0, explained_noise_ = 0.0;
   bool noise_stated_ = false, free_lag_ = false;
+  double slow_v2_ = 0.0;   ///< of the largest slow process that has a name, V^2
   int slow_waves_ = 0;     ///< half waves by which the course of a slow process was taken out
   bool in_bursts_ = false; ///< samples in a row are left over
 };

@@ -319,25 +319,29 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
     return out;
   const double waves = left.selection.orders[static_cast<std::size_t>(Axis::time)];
   const double relative = 1.0 / std::sqrt(2.0 * std::max(1.0, waves)); // of an rms of so many terms
+  const Worth offset = worth_of(left, [](int m, int) { return m == 0; });
+  const Worth gain = worth_of(left, [](int m, int p) { return m == p; });
+  // What is faster than these functions, of the larger one, lies in the smaller one as well.
+  const double both_v2 = offset.share_v2 + gain.share_v2;
   const auto clear = [&](const Worth &w) {
     return w.nats > criteria::kNatsOfNoise &&
-           w.share_v2 > criteria::kWorthAWord * criteria::kWorthAWord * noise2;
+           w.share_v2 > criteria::kWorthAWord * criteria::kWorthAWord * noise2 &&
+           w.share_v2 > criteria::kLittle * both_v2;
   };
-  const Worth offset = worth_of(left, [](int m, int) { return m == 0; });
   const double word_v = criteria::kWorthAWord * std::sqrt(noise2);
   const Effect *offset_effect =
       effect_of(Evidence::process, "time", Pattern::offset, Character::process);
   const auto offset_course = course_of(left, 0);
   const double sin = rms(offset_course, true), cos = rms(offset_course, false);
   if (offset_effect && clear(offset) && std::max(sin, cos) > word_v) {
-    out.push_back({offset_effect, {sin, cos}, {relative * sin, relative * cos}, {}, offset.nats});
+    out.push_back({offset_effect, {sin, cos}, {relative * sin, relative * cos}, {}, offset.nats,
+                   0.5 * (sin * sin + cos * cos)});
   }
-  const Worth gain = worth_of(left, [](int m, int p) { return m == p; });
   const Effect *gain_effect = effect_of(Evidence::process, "time", Pattern::gain, Character::process);
   const double grown_v = rms(course_of(left, model.periods_per_turn), false);
   if (gain_effect && clear(gain) && grown_v > word_v) {
     const double fraction = grown_v / std::abs(model.baseline.amplitude_v);
-    out.push_back({gain_effect, {fraction}, {relative * fraction}, {}, gain.nats});
+    out.push_back({gain_effect, {fraction}, {relative * fraction}, {}, gain.nats, 0.5 * grown_v * grown_v});
   }
   // A supply that nobody recorded moves the offsets and the gain by one and the same wave.
   if (out.size() == 2 && parts.train.supply.empty()) {
@@ -388,7 +392,7 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
     if (parts.train.supply.empty())
       others.push_back("supply-variation");
     if (const Effect *e = effect_of(Evidence::noise, "noise", Pattern::gain, Character::white))
-      out.push_back({e, {f}, {error}, others, nats_of_two(along, across, n / 2.0)});
+      out.push_back({e, {f}, {error}, others, nats_of_two(along, across, n / 2.0), 0.0});
   }
   if (differ && across > along && parts.has_reference && white(shape.across)) {
     const Effect *jitter = effect_of(Evidence::noise, "noise", Pattern::turn, Character::dynamic);
@@ -400,13 +404,13 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
     const double nats = nats_of_two(along, across, n / 2.0);
     if (jitter && growth.nats > criteria::kNatsOfNoise) {
       const double s = std::sqrt(growth.per_speed2);
-      out.push_back({jitter, {s}, {relative * s}, {}, nats});
+      out.push_back({jitter, {s}, {relative * s}, {}, nats, 0.0});
     } else if (noise) {
       std::vector<std::string> others;
       if (jitter && growth.nats > -criteria::kNatsOfNoise)
         others.push_back(id_of(jitter));
       const double deg = turn * kDegPerRad;
-      out.push_back({noise, {deg}, {relative * deg}, others, nats});
+      out.push_back({noise, {deg}, {relative * deg}, others, nats, 0.0});
     }
   }
   const Flicker flicker = even_clock ? flicker_of(parts, model, left) : Flicker{};
@@ -417,7 +421,8 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
                      {flicker.rms_v, flicker.corner_hz},
                      {kOfRms * flicker.rms_v, kOfCorner * flicker.corner_hz},
                      {},
-                     flicker.nats});
+                     flicker.nats,
+                     flicker.rms_v * flicker.rms_v});
     }
   // White noise shows in both directions alike; what is more along one of them has been named.
   const double white2 = parts.has_reference ? std::min(along, across) : along;
@@ -429,7 +434,8 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
                    {more},
                    {white2 / more / std::sqrt(4.0 * n)},
                    {},
-                   n * (ratio - 1.0 - std::log(ratio))});
+                   n * (ratio - 1.0 - std::log(ratio)),
+                   0.0});
   }
   return out;
 }

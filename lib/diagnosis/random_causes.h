@@ -17,7 +17,8 @@ struct RandomCause {
   const Effect *effect;
   std::vector<double> values, std_errors;
   std::vector<std::string> alternatives;
-  double nats = 0.0; ///< by which it raises the log likelihood of held-out data
+  double nats = 0.0;   ///< by which it raises the log likelihood of held-out data
+  double slow_v2 = 0.0; ///< what it moves slowly, V^2, mean of a channel; 0: it is white
 };
 
 /// Offsets and a gain that move slowly with time, where nothing that is recorded explains them.

@@ -299,27 +299,31 @@ bool Search::worth_keeping(double worth, const Effect &effect) const {
 /// makes none of them worse, and hold whole turns.
 bool Search::helps_everywhere(const State &with, const State &less) const {
   const Observations &data = data_.heldout;
-  if (data.coloured)
-    return true;
-  const double turns = static_cast<double>(data.size()) /
-                       static_cast<double>(std::max<std::size_t>(1, data_.scene->all.size())) *
-                       data_.scene->turns;
-  const double worth = with.score - less.score;
-  const auto stretches = static_cast<std::size_t>(
-      std::min({criteria::kMostStretchesOfGain, worth / criteria::kNatsOfStretch,
-                turns / criteria::kTurnsOfStretch}));
-  if (stretches < criteria::kFewestStretchesOfGain)
-    return true;
   const ResidualColumns a = residual_columns(data, with.judged), b = residual_columns(data, less.judged);
-  std::vector<double> gain(stretches, 0.0);
+  std::vector<double> gain(data.size());
+  double left = 0.0;
   for (std::size_t i = 0; i < data.size(); ++i) {
     double as = a.sin[i], ac = a.cos[i], bs = b.sin[i], bc = b.cos[i];
     data.whiten(i, a.model_sin[i], a.model_cos[i], as, ac);
     data.whiten(i, b.model_sin[i], b.model_cos[i], bs, bc);
-    gain[i * stretches / data.size()] += bs * bs + bc * bc - as * as - ac * ac;
+    left += as * as + ac * ac;
+    gain[i] = bs * bs + bc * bc - as * as - ac * ac;
   }
+  const double n = static_cast<double>(data.size());
+  const double nats = std::accumulate(gain.begin(), gain.end(), 0.0) * n /
+                      std::max(left, criteria::kLeastMeanSquare * n);
+  const double turns = n / static_cast<double>(std::max<std::size_t>(1, data_.scene->all.size())) *
+                       data_.scene->turns;
+  const auto stretches = static_cast<std::size_t>(std::max(
+      0.0, std::min({criteria::kMostStretchesOfGain, nats / criteria::kNatsOfStretch,
+                     turns / criteria::kTurnsOfStretch})));
+  if (stretches < criteria::kFewestStretchesOfGain)
+    return true;
+  std::vector<double> of_stretch(stretches, 0.0);
+  for (std::size_t i = 0; i < data.size(); ++i)
+    of_stretch[i * stretches / data.size()] += gain[i];
   double better = 0.0, worse = 0.0;
-  for (double g : gain)
+  for (double g : of_stretch)
     (g > 0.0 ? better : worse) += std::abs(g);
   return worse < criteria::kMostHarm * better;
 }
@@ -401,10 +405,14 @@ bool Search::forward(State &now) {
     return false;
   std::stable_sort(options.begin(), options.end(),
                    [](const Option &a, const Option &b) { return a.worth > b.worth; });
-  // Of those that do about as well the one goes first that is likelier before any data.
+  // Of those that do about as well the one goes first that is likelier before any data. While much
+  // else is left over, a small part of what they explain tells nothing.
   const Option *chosen = &options.front();
+  const double noise = std::max(noise_v_, data_.scene->white_noise_v);
+  const double as_well =
+      unknown_v(options.front().state) > criteria::kOfUnknown * noise ? kAsWell : 1.0;
   for (const Option &o : options)
-    if (o.worth > kAsWell * options.front().worth - kRivalNats &&
+    if (o.worth > as_well * options.front().worth - kRivalNats &&
         o.effect->info().prior_rank < chosen->effect->info().prior_rank)
       chosen = &o;
   now = chosen->state;
@@ -431,12 +439,15 @@ bool Search::backward(State &now) {
     const double worth = now.score - less.score - price(now.fit.model.effects[k]);
     const Effect &effect = *now.fit.model.effects[k].effect;
     const double size = size_of(now, less, k);
-    const bool possible = in_range(now.fit.model.effects[k]) && !refuted(now, k) &&
-                          stands_alone(own_moves(now.fit.model), k);
+    const Eigen::MatrixXd own = own_moves(now.fit.model);
+    const auto at = static_cast<Eigen::Index>(k);
+    const double own_v = std::sqrt(std::max(0.0, own(at, at)));
+    const bool possible =
+        in_range(now.fit.model.effects[k]) && !refuted(now, k) && stands_alone(own, k);
     const bool worth_it = possible && worth_keeping(worth, effect) &&
                           (!effect.info().signature || dominates(size, k, now.fit.model)) && size > least_of_noise(effect) * noise_v_ &&
                           size > doubt_v(less.fit.model) &&
-                          size > criteria::kOfUnknown * unknown_v(now) &&
+                          std::min(size, own_v) > criteria::kOfUnknown * unknown_v(now) &&
                           helps_everywhere(now, less);
     if (worth_it)
       continue;

@@ -65,7 +65,10 @@ TEST_F(Leftovers, a_burst_of_hum_is_no_rough_motion) {
     c.vcos_v[i] += 0.007 * std::sin(kTwoPi * 50.0 * c.time_s[i] + 0.5);
   }
   const Diagnosis d = diagnose(c, {});
-  EXPECT_EQ(d.verdict, Verdict::unexplained);
+  // 50 Hz is the sixth order of the turn here: a little of it may pass for a cause, never for much.
+  EXPECT_TRUE(d.verdict == Verdict::unexplained || d.verdict == Verdict::partly_explained);
+  EXPECT_GT(d.extended_quality.heldout.residual_rms_v,
+            0.8 * d.baseline_quality.heldout.residual_rms_v);
   EXPECT_TRUE(says(d, "the noise is not constant"));
 }
 

@@ -213,7 +213,7 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
   const Eigen::MatrixXd gram = gram_of(basis, some, r);
   const Eigen::Index m = gram.rows() - 1;
   const Eigen::MatrixXd a = ridged(gram.topLeftCorner(m, m), left.selection.ridge,
-                                   2.0 * static_cast<double>(some.size()));
+                                   basis.stiffness(), 2.0 * static_cast<double>(some.size()));
   const Eigen::VectorXd values = a.ldlt().solve(gram.topRightCorner(m, 1));
   if (!values.allFinite())
     return model;

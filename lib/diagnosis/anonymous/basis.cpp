@@ -25,6 +25,15 @@ void Basis::add(Axis axis, int order, int exponent, Modulation modulation) {
   terms_.push_back({exponent, modulation});
 }
 
+Eigen::VectorXd Basis::stiffness() const {
+  Eigen::VectorXd out = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(columns()));
+  for (const Group &g : groups_)
+    if (g.axis == Axis::time)
+      out.segment(static_cast<Eigen::Index>(g.first), static_cast<Eigen::Index>(g.count))
+          .setConstant(static_cast<double>(g.order) * g.order);
+  return out;
+}
+
 void Basis::scale_to(const Observations &data) {
   std::vector<double> speed;
   for (double w : data.omega)

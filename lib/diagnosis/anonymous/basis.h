@@ -54,6 +54,10 @@ public:
   std::size_t columns() const { return 2 * terms_.size(); }
   const std::vector<Group> &groups() const { return groups_; }
   int periods() const { return periods_; }
+  /// Of each column the inverse of the variance that its coefficient may have before any data,
+  /// relative: what is slow in time wanders, with a power that falls as the square of the frequency;
+  /// about the others nothing is known.
+  Eigen::VectorXd stiffness() const;
 
   /// Ranges that the functions are scaled to; the same for training and held-out data.
   void scale_to(const Observations &data);

@@ -45,7 +45,9 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
     out.columns.push_back(selection.columns[static_cast<std::size_t>(k)]);
   out.noise_v2 = std::max(selection.train_v2 + above, criteria::kLeastMeanSquare);
   const auto n = static_cast<Eigen::Index>(out.columns.size());
-  const Eigen::MatrixXd a = ridged(from.train(out.columns, out.columns), selection.ridge, from.n_train);
+  const Eigen::VectorXd stiffness = basis.stiffness();
+  const Eigen::MatrixXd a = ridged(from.train(out.columns, out.columns), selection.ridge,
+                                   stiffness(out.columns), from.n_train);
   const Eigen::VectorXd variance =
       a.ldlt().solve(Eigen::MatrixXd::Identity(n, n)).diagonal() * out.noise_v2;
   const Eigen::VectorXd values = selection.values(place);

@@ -33,8 +33,10 @@ Eigen::MatrixXd gram_of(const Basis &basis, const Observations &data, const Resi
   return out;
 }
 
-Eigen::MatrixXd ridged(Eigen::MatrixXd gram, double ridge, double n) {
-  gram.diagonal().array() = gram.diagonal().array() * (1.0 + ridge) + criteria::kRidge * n;
+Eigen::MatrixXd ridged(Eigen::MatrixXd gram, double ridge, const Eigen::VectorXd &stiffness,
+                       double n) {
+  gram.diagonal().array() =
+      gram.diagonal().array() * (1.0 + ridge * stiffness.array()) + criteria::kRidge * n;
   return gram;
 }
 
@@ -44,13 +46,13 @@ namespace {
 /// decomposition of the whole holds those of all leading parts.
 class Nested {
 public:
-  Nested(const Products &from, std::vector<Eigen::Index> columns)
-      : from_(from), columns_(std::move(columns)) {
-    const double n = std::max(1.0, from.n_train), k = static_cast<double>(columns_.size());
+  Nested(const Products &from, std::vector<Eigen::Index> columns, const Eigen::VectorXd &stiffness)
+      : from_(from), columns_(std::move(columns)), stiffness_(stiffness(columns_)) {
+    const double n = std::max(1.0, from.n_train), k = stiffness_.cwiseInverse().sum();
     const Eigen::Index last = from.train.rows() - 1;
     const double all = std::max(from.train(last, last), 1e-300);
-    // What is to be explained is taken as spread over all columns alike: that is the variance which
-    // each coefficient may have before any data (empirical Bayes). It matters only where the data
+    // What is to be explained is taken as spread over all columns by their stiffness: that is the
+    // variance which each coefficient may have before any data (empirical Bayes). It matters only where the data
     // tell little. What is left, the noise, is known once the fit is: four passes settle it.
     double left = 1.0;
     for (int pass = 0; pass < 4; ++pass) {
@@ -89,13 +91,14 @@ private:
   void decompose(double ridge) {
     ridge_ = ridge;
     const auto m = static_cast<Eigen::Index>(columns_.size());
-    factor_ = ridged(from_.train(columns_, columns_), ridge, from_.n_train).llt().matrixL();
+    factor_ = ridged(from_.train(columns_, columns_), ridge, stiffness_, from_.n_train).llt().matrixL();
     const Eigen::VectorXd onto = from_.train(columns_, from_.train.rows() - 1);
     forward_ = m == 0 ? onto : Eigen::VectorXd(factor_.triangularView<Eigen::Lower>().solve(onto));
   }
 
   const Products &from_;
   std::vector<Eigen::Index> columns_;
+  Eigen::VectorXd stiffness_;
   double ridge_ = 0.0;
   Eigen::MatrixXd factor_;  ///< lower triangle
   Eigen::VectorXd forward_; ///< its inverse times the products with the residual
@@ -113,6 +116,7 @@ Selection select(const Basis &basis, const Products &from) {
   Selection out;
   const Eigen::Index last = from.train.rows() - 1;
   const double least = criteria::kLeastMeanSquare;
+  const Eigen::VectorXd stiffness = basis.stiffness();
   double now = from.heldout(last, last);
   out.train_v2 = from.train(last, last);
   const auto nats = [&](double less, double more) {
@@ -139,7 +143,7 @@ Selection select(const Basis &basis, const Products &from) {
         ends.emplace_back(g->order, 0);
       ends.back().second = columns.size();
     }
-    const Nested nested(from, std::move(columns));
+    const Nested nested(from, std::move(columns), stiffness);
     std::size_t best = 0;
     int best_order = 0;
     double best_gain = 0.0, best_heldout = now;

@@ -25,9 +25,10 @@ Eigen::MatrixXd gram_of(const Basis &basis, const Observations &data, const Resi
 Products products(const Basis &basis, const Observations &train, const ResidualColumns &train_left,
                   const Observations &heldout, const ResidualColumns &heldout_left);
 
-/// Normal equations with a relative ridge; one of `n` values keeps a column that is zero throughout
+/// Normal equations with a relative ridge for each column; one of `n` values keeps a column that is zero throughout
 /// from taking part.
-Eigen::MatrixXd ridged(Eigen::MatrixXd gram, double ridge, double n);
+Eigen::MatrixXd ridged(Eigen::MatrixXd gram, double ridge, const Eigen::VectorXd &stiffness,
+                       double n);
 
 /// Which columns take part.
 struct Selection {
