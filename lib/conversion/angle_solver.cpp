@@ -34,7 +34,7 @@ bool needs_motion(const Model &model) {
   Taps taps;
   for (const EffectInstance &e : model.effects) {
     e.effect->dynamics(e.values, taps);
-    if (e.effect->info().id == "hysteresis" || e.effect->info().id == "multiplexer-memory")
+    if (e.effect->info().remembers)
       return true;
   }
   return !taps.trivial();
@@ -108,7 +108,7 @@ AngleSolver::AngleSolver(const Model &model)
       zero_rad_(model.baseline.angle_zero_deg * kRadPerDeg), periods_(model.periods_per_turn),
       supply_fraction_(0.0), step_rad_(kStep), iterations_(kIterations) {
   for (const EffectInstance &e : model_.effects)
-    if (e.effect->info().id == "supply-variation")
+    if (follows_supply(e.effect->info()))
       supply_fraction_ = e.values[0];
   if (model_.remainder) {
     const double highest = static_cast<double>(model_.remainder->orders()) *

@@ -133,7 +133,7 @@ public:
   /// Whether a supply was read off the radius that the search then did not confirm.
   bool guessed_in_vain() const {
     return freed_ && freed_->has_vdd() && !given_.has_vdd() &&
-           !has(out_.extended, "supply-variation");
+           !has(out_.extended, follows_supply);
   }
 
 private:
@@ -167,9 +167,9 @@ private:
     // Without a reference the angle is the pair's own, lag and all: a common delay is free.
     free_lag_ = !scene_.has_reference && !scene_.radius_only &&
                 (scene_.several_speeds || scene_.both_directions) &&
-                !has(start, "propagation-delay");
+                !has(start, is_common_delay);
     if (free_lag_)
-      start.effects.push_back({find_effect("propagation-delay"), {0.0}, {}});
+      start.effects.push_back({&the_effect(is_common_delay), {0.0}, {}});
     const auto search = [&] {
       return Search({&scene_, scene_.all.select(thin(scene_.train, kSearchTrain)),
                      options_.heldout ? judge.all
@@ -233,7 +233,7 @@ private:
   /// A channel that died leaves little to judge; that it died is known all the same.
   void name_dead_channel() {
     for (Finding &f : screened_findings())
-      if (f.effect == find_effect("stuck-channel")) {
+      if (f.effect->info().spoils == Spoils::channel) {
         out_.reason = f.explanation + " Beyond that: " + out_.reason;
         out_.findings.push_back(std::move(f));
       }
@@ -250,11 +250,11 @@ private:
     std::vector<Finding> out;
     for (const ScreenFinding &f : scene_.screened) {
       // Spikes are measured against the final model.
-      if (f.effect == find_effect("impulse-noise") || given(f.effect))
+      if (f.effect->info().spoils == Spoils::readings || given(f.effect))
         continue;
       // Without a reference the ends of a burst jump as well.
       if (in_bursts_ && !scene_.has_reference &&
-          (f.effect == find_effect("sample-loss") || f.effect == find_effect("angle-slip")))
+          is_jump(f.effect->info()))
         continue;
       const bool correctable = f.effect->info().correctable;
       out.push_back(
@@ -345,7 +345,7 @@ private:
   Model found_baseline() const {
     Model out = first_model(scene_, options_.baseline);
     if (free_lag_)
-      out.effects.push_back({find_effect("propagation-delay"), {0.0}, {}});
+      out.effects.push_back({&the_effect(is_common_delay), {0.0}, {}});
     return out;
   }
 
@@ -448,9 +448,9 @@ private:
     const Rung with = ladder_.first;
     leave_out(spikes.hit);
     take(build_ladder(parts_, found_));
-    if (given(find_effect("impulse-noise")))
+    if (given(&the_effect_that_spoils(Spoils::readings)))
       return true;
-    Finding finding{find_effect("impulse-noise"),
+    Finding finding{&the_effect_that_spoils(Spoils::readings),
                     {spikes.rate, spikes.amplitude_v},
                     {spikes.rate_error, spikes.amplitude_error_v},
                     {},
@@ -491,9 +491,9 @@ private:
       parts_.heldout = select(parts_.heldout, rest(thin(scene_.heldout, kFitHeldout)));
   }
 
-  static bool has(const Model &model, std::string_view id) {
+  static bool has(const Model &model, bool (*is)(const EffectInfo &)) {
     return std::any_of(model.effects.begin(), model.effects.end(),
-                       [&](const EffectInstance &e) { return e.effect->info().id == id; });
+                       [&](const EffectInstance &e) { return is(e.effect->info()); });
   }
 
   /// Slow processes and the shape of the noise, read off what everything else leaves over.
@@ -732,7 +732,7 @@ private:
 
   bool supply_is_inferred() const {
     return found_.supply_rms_fraction > 0.0 || (freed_ && freed_->has_vdd() && !given_.has_vdd() &&
-                                                has(out_.extended, "supply-variation"));
+                                                has(out_.extended, follows_supply));
   }
 
   void note_invisible(const Effect &effect) {
@@ -762,7 +762,7 @@ private:
     if (free_lag_)
       for (Model *m : {&out_.baseline, &out_.extended})
         std::erase_if(m->effects, [](const EffectInstance &e) {
-          return e.effect->info().id == "propagation-delay";
+          return is_common_delay(e.effect->info());
         });
     for (EffectInstance &e : recorded_)
       out_.extended.effects.push_back(std::move(e));

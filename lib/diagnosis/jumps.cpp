@@ -290,6 +290,15 @@ void mark(Screened &look, std::size_t centre, std::size_t half) {
     look.usable[i] = 0;
 }
 
+/// What makes the angle jump as well.
+std::vector<std::string> other_jumps(const Effect &effect) {
+  std::vector<std::string> out;
+  for (const Effect *e : catalogue())
+    if (e != &effect && is_jump(e->info()))
+      out.emplace_back(e->info().id);
+  return out;
+}
+
 } // namespace
 
 bool screen_losses(Screened &look, const Effect &effect) {
@@ -321,7 +330,7 @@ bool screen_losses(Screened &look, const Effect &effect) {
     return false;
   std::vector<std::string> alternatives;
   if (!look.capture.has_reference() && events == 1.0)
-    alternatives.push_back("angle-slip");
+    alternatives = other_jumps(effect);
   look.findings.push_back({&effect, {events, samples}, {0.0, std::sqrt(events)}, alternatives, {}});
   return true;
 }
@@ -352,7 +361,7 @@ bool screen_slip(Screened &look, const Effect &effect) {
   look.findings.push_back({&effect,
                            {look.capture.time_s[largest->at], largest->gap * kDegPerRad},
                            {median_step(look.capture.time_s), largest->error * kDegPerRad},
-                           {"sample-loss"},
+                           other_jumps(effect),
                            {}});
   return true;
 }

@@ -36,7 +36,7 @@ Finding supply_finding(const Parts &parts, double rms_fraction, const Rung &befo
                        const Rung &after) {
   const double error = rms_fraction / std::sqrt(2.0 * static_cast<double>(parts.train.size()));
   Finding out{
-      find_effect("supply-variation"), {rms_fraction}, {error}, {}, {}, {}, before, after, false};
+      &the_effect(follows_supply), {rms_fraction}, {error}, {}, {}, {}, before, after, false};
   put_in_words(out);
   return out;
 }

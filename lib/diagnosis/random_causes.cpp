@@ -355,7 +355,7 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
     }
     if (og > criteria::kSameWave * std::sqrt(oo * gg))
       for (RandomCause &c : out)
-        c.alternatives.push_back("supply-variation");
+        c.alternatives.push_back(std::string(the_effect(follows_supply).info().id));
   }
   return out;
 }
@@ -390,7 +390,7 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
     const double error = along * std::sqrt(2.0 / n) / (2.0 * f * amplitude * amplitude);
     std::vector<std::string> others;
     if (parts.train.supply.empty())
-      others.push_back("supply-variation");
+      others.push_back(std::string(the_effect(follows_supply).info().id));
     if (const Effect *e = effect_of(Evidence::noise, "noise", Pattern::gain, Character::white))
       out.push_back({e, {f}, {error}, others, nats_of_two(along, across, n / 2.0), 0.0});
   }

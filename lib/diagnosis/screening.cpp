@@ -185,6 +185,14 @@ std::vector<double> against_neighbours(const std::vector<double> &v) {
   return peaks;
 }
 
+/// What no single capture tells from an effect.
+std::vector<std::string> rivals_of(const Effect &effect) {
+  std::vector<std::string> out;
+  for (const Separation &s : effect.info().separations)
+    out.emplace_back(s.rival);
+  return out;
+}
+
 } // namespace
 
 std::vector<double> reference_angle(const Capture &c) {
@@ -250,7 +258,7 @@ bool screen_orientation(Screened &look, const Effect &effect) {
   }
   if (count == 0.0 || std::abs(against) < 0.5 * count || std::abs(against) < std::abs(along))
     return false;
-  look.findings.push_back({&effect, {}, {}, {"channel-inverted"}, {}});
+  look.findings.push_back({&effect, {}, {}, rivals_of(effect), {}});
   return true;
 }
 
@@ -317,20 +325,20 @@ Screened first_look(const Capture &capture) {
   for (std::size_t i = 0; i < capture.size(); ++i)
     look.usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
   // A dead channel would spoil every other look, spikes those for jumps: they go first.
-  find_effect("stuck-channel")->screen(look);
+  the_effect_that_spoils(Spoils::channel).screen(look);
   rough_angle(look);
   look.white_noise_v = white_noise(look);
   const bool few = look.turns() < criteria::kFewestUnits;
   look.smooth = capture.has_reference() || !few;
   if (few)
     angle_of_ellipse(look);
-  find_effect("impulse-noise")->screen(look);
+  the_effect_that_spoils(Spoils::readings).screen(look);
   return look;
 }
 
 void look_at_record(Screened &look) {
   for (const Effect *effect : look.smooth ? catalogue() : std::span<const Effect *const>())
-    if (effect->info().id != "stuck-channel" && effect->info().id != "impulse-noise")
+    if (effect->info().spoils != Spoils::channel && effect->info().spoils != Spoils::readings)
       effect->screen(look);
   look.white_noise_v = white_noise(look);
 }

@@ -5,8 +5,10 @@
 // file in effects/ and a row here.
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "model/effect.h"
 
 #define ADA4571_EFFECTS(X)                                                                         \
@@ -80,6 +82,33 @@ const Effect *find_effect(std::string_view id) {
     if (effect->info().id == id)
       return effect;
   return nullptr;
+}
+
+namespace {
+
+template <class Is>
+const Effect &only_effect(Is is) {
+  const Effect *found = nullptr;
+  for (const Effect *effect : catalogue())
+    if (is(effect->info())) {
+      if (found)
+        throw Error(ADA4571_ERROR_STATE, "the catalogue has two effects of one kind: " + std::string(found->info().id) +
+                    " and " + std::string(effect->info().id));
+      found = effect;
+    }
+  if (!found)
+    throw Error(ADA4571_ERROR_STATE, "the catalogue has no effect of a kind that is needed");
+  return *found;
+}
+
+} // namespace
+
+const Effect &the_effect(bool (*is)(const EffectInfo &)) {
+  return only_effect(is);
+}
+
+const Effect &the_effect_that_spoils(Spoils what) {
+  return only_effect([what](const EffectInfo &e) { return e.spoils == what; });
 }
 
 } // namespace ada

@@ -74,6 +74,9 @@ enum class Character {
   white,    ///< random, each sample by itself
 };
 
+/// What of the record it makes useless.
+enum class Spoils { nothing, readings, rows, channel };
+
 struct EffectInfo {
   std::string_view id;    ///< identifier of the catalogue
   std::string_view cause; ///< one sentence for a person
@@ -94,6 +97,8 @@ struct EffectInfo {
   /// Which of several causes that data cannot tell apart leads, the least first: 0 what every pair
   /// has; 1 drift, delay, skew, field errors; 2 transfer errors, memory and the rest; 3 signatures.
   int prior_rank = 2;
+  Spoils spoils = Spoils::nothing;
+  bool remembers = false; ///< a reading depends on those before it
   bool repeats = false; ///< may be there several times: at other orders, frequencies, moments
 };
 
@@ -166,6 +171,26 @@ std::vector<EffectInstance> in_physical_order(std::vector<EffectInstance> effect
 
 /// The effect with this identifier, or nullptr.
 const Effect *find_effect(std::string_view id);
+
+// --- effects by what they are: whoever needs one asks for its kind
+
+/// Scales the pair with the recorded supply.
+inline bool follows_supply(const EffectInfo &e) {
+  return e.recorded && e.axis == "supply";
+}
+/// Both channels late by one time.
+inline bool is_common_delay(const EffectInfo &e) {
+  return e.evidence == Evidence::signal && e.stage == Stage::chain && e.pattern == Pattern::turn &&
+         e.character == Character::dynamic;
+}
+/// The angle jumps at one moment.
+inline bool is_jump(const EffectInfo &e) {
+  return e.pattern == Pattern::turn && e.character == Character::event;
+}
+
+/// The one effect of the catalogue of this kind. Throws Error where there is none or several.
+const Effect &the_effect(bool (*is)(const EffectInfo &));
+const Effect &the_effect_that_spoils(Spoils what);
 
 inline const EffectInfo &effect_info(const Effect &effect) {
   return effect.info();

@@ -24,7 +24,8 @@ constexpr EffectInfo kInfo{.id = "hysteresis",
                            .correctable = true,
                            .separations = kSeparations,
                            .axis = "speed",
-                           .pattern = Pattern::turn};
+                           .pattern = Pattern::turn,
+                           .remembers = true};
 
 class Hysteresis final : public Effect {
 public:

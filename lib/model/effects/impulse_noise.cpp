@@ -20,7 +20,8 @@ constexpr EffectInfo kInfo{.id = "impulse-noise",
                            .evidence = Evidence::screening,
                            .axis = "noise",
                            .pattern = Pattern::offset,
-                           .character = Character::white};
+                           .character = Character::white,
+                           .spoils = Spoils::readings};
 
 class ImpulseNoise final : public Effect {
 public:

@@ -24,7 +24,8 @@ constexpr EffectInfo kInfo{
     .stage = Stage::converter,
     .parameters = kParameters,
     .correctable = true,
-    .separations = kSeparations};
+    .separations = kSeparations,
+    .remembers = true};
 
 class MultiplexerMemory final : public Effect {
 public:

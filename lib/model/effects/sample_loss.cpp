@@ -25,7 +25,8 @@ constexpr EffectInfo kInfo{.id = "sample-loss",
                            .separations = kSeparations,
                            .axis = "time",
                            .pattern = Pattern::turn,
-                           .character = Character::event};
+                           .character = Character::event,
+                           .spoils = Spoils::rows};
 
 class SampleLoss final : public Effect {
 public:

@@ -21,6 +21,7 @@ constexpr EffectInfo kInfo{
     .evidence = Evidence::screening,
     .axis = "time",
     .character = Character::event,
+    .spoils = Spoils::channel,
     .repeats = true};
 
 class StuckChannel final : public Effect {
