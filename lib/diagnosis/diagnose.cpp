@@ -510,10 +510,11 @@ private:
                          slow.from.n_heldout;
     if (slow.selection.noise_v2 - unnamed_.selection.noise_v2 <
         criteria::kLittle * (whole - unnamed_.selection.noise_v2)) {
-      for (RandomCause &c : slow_causes(slow, white, named))
+      const std::vector<RandomCause> causes = slow_causes(slow, white, named);
+      for (const RandomCause &c : causes)
         if (!given(c.effect))
           name_process(c);
-      if (!random_.empty()) {
+      if (!causes.empty()) {
         unnamed_ = std::move(slow);
         slow_waves_ = unnamed_.selection.orders[static_cast<std::size_t>(Axis::time)];
         take_out_courses();
@@ -531,13 +532,15 @@ private:
     // A converter's steps are no noise.
     if (scene_.coarse_step_v > 0.0)
       return;
-    for (RandomCause &c : noise_causes(unnamed_, white, named, stated, reference_step_rad(), even_clock()))
+    const std::vector<RandomCause> causes =
+        noise_causes(unnamed_, white, named, stated, reference_step_rad(), even_clock());
+    for (const RandomCause &c : causes)
       if (!given(c.effect))
         name_process(c);
     // Without a reference the motion has taken in what lies along the circle.
     const double left = std::max(std::sqrt(unnamed_.selection.noise_v2),
                                  scene_.has_reference ? 0.0 : out_.noise.along_v);
-    if (!random_.empty())
+    if (!random_.empty() || !causes.empty())
       explained_noise_ = std::max(noise_, left);
   }
 

@@ -447,7 +447,8 @@ bool Search::backward(State &now) {
     const bool worth_it = possible && worth_keeping(worth, effect) &&
                           (!effect.info().signature || dominates(size, k, now.fit.model)) && size > least_of_noise(effect) * noise_v_ &&
                           size > doubt_v(less.fit.model) &&
-                          std::min(size, own_v) > criteria::kOfUnknown * unknown_v(now) &&
+                          (effect.info().prior_rank == 0 || // expected, and not the likeliest of many
+                           std::min(size, own_v) > criteria::kOfUnknown * unknown_v(now)) &&
                           helps_everywhere(now, less);
     if (worth_it)
       continue;
@@ -619,7 +620,8 @@ SearchResult Search::run(bool thorough, const Model *found, double unnamed_v2) {
   settle_supply(now);
   // What followed a supply, or what a last step sideways left behind, loses its ground.
   if (swapped || data_.train.disturbed == Direction::supply)
-    backward(now);
+    while (backward(now)) {
+    }
   return result(now, thorough);
 }
 
@@ -648,7 +650,8 @@ SearchResult Search::run_against(const Discrepancy &discrepancy, double unnamed_
                                  const Model &found) {
   measure_discrepancy();
   colour(discrepancy);
-  supply_rejected_ = shaken_ = true;
+  supply_rejected_ = true;
+  shaken_ = false;
   signatures_ = true;
   unnamed_v2_ = unnamed_v2;
   State now = evaluate(with_expected(found), 12);
@@ -658,10 +661,16 @@ SearchResult Search::run_against(const Discrepancy &discrepancy, double unnamed_
     const std::size_t before = now.fit.model.effects.size();
     climb(now);
     const bool swapped = sideways(now);
-    if (!dropped && !swapped && now.fit.model.effects.size() == before)
+    if (!dropped && !swapped && now.fit.model.effects.size() == before && !shake(now))
       break;
   }
-  backward(now);
+  // Each time with one cause less: what is left is judged without those gone, and what every pair has
+  // is asked for again.
+  while (backward(now)) {
+  }
+  now = evaluate(with_expected(now.fit.model), 12);
+  while (backward(now)) {
+  }
   return result(now, true);
 }
 

@@ -221,30 +221,44 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
   const double amplitude = model.baseline.amplitude_v;
   PeriodicRemainder remainder;
   remainder.electrical = !scene.has_reference;
-  int highest = 0;
-  const int unit = remainder.electrical ? p : 1;
-  // Without a reference nobody knows in which electrical period of the turn a reading lies.
-  const auto carried = [&](std::size_t k) {
-    return basis.groups()[k].axis == Axis::angle && basis.terms()[k].exponent % unit == 0;
+  // Exponentials of each term on the angle axis: a modulation has one on either side.
+  struct Exponential {
+    int exponent;
+    std::complex<double> value;
   };
+  const auto exponentials = [&](std::size_t k) -> std::vector<Exponential> {
+    const Basis::Term &t = basis.terms()[k];
+    const std::complex<double> c(values[static_cast<Eigen::Index>(2 * k)] / amplitude,
+                                 values[static_cast<Eigen::Index>(2 * k + 1)] / amplitude);
+    const std::complex<double> j(0.0, 1.0);
+    const int up = t.exponent + t.modulation.order, down = t.exponent - t.modulation.order;
+    if (t.modulation.kind == Modulation::angle_cos)
+      return {{up, 0.5 * c}, {down, 0.5 * c}};
+    if (t.modulation.kind == Modulation::angle_sin)
+      return {{up, -0.5 * j * c}, {down, 0.5 * j * c}};
+    return {{t.exponent, c}};
+  };
+  // Without a reference nobody knows in which electrical period of the turn a reading lies.
+  const int unit = remainder.electrical ? p : 1;
+  std::vector<Exponential> carried;
+  int highest = 0;
   for (std::size_t k = 2; k < basis.terms().size(); ++k)
-    if (carried(k))
-      highest = std::max(highest, std::abs(basis.terms()[k].exponent) / unit);
-  highest = std::min<int>(highest, PeriodicRemainder::kHighestOrder);
+    if (basis.groups()[k].axis == Axis::angle)
+      for (const Exponential &e : exponentials(k))
+        if (e.exponent != 0 && e.exponent % unit == 0 &&
+            std::abs(e.exponent) / unit <= static_cast<int>(PeriodicRemainder::kHighestOrder)) {
+          carried.push_back(e);
+          highest = std::max(highest, std::abs(e.exponent) / unit);
+        }
   for (auto *v : {&remainder.sin_cos, &remainder.sin_sin, &remainder.cos_cos, &remainder.cos_sin})
     v->assign(static_cast<std::size_t>(highest), 0.0);
-  for (std::size_t k = 2; k < basis.terms().size(); ++k) {
-    const int exponent = basis.terms()[k].exponent;
-    const std::size_t n = static_cast<std::size_t>(std::abs(exponent) / unit);
-    if (!carried(k) || n == 0 || n > remainder.orders())
-      continue;
-    const double re = values[static_cast<Eigen::Index>(2 * k)] / amplitude;
-    const double im = values[static_cast<Eigen::Index>(2 * k + 1)] / amplitude;
-    const double sign = exponent > 0 ? 1.0 : -1.0;
-    remainder.cos_cos[n - 1] += re; // re cos(m x) - im sin(m x)
-    remainder.cos_sin[n - 1] -= sign * im;
-    remainder.sin_sin[n - 1] += sign * re; // re sin(m x) + im cos(m x)
-    remainder.sin_cos[n - 1] += im;
+  for (const Exponential &e : carried) {
+    const std::size_t n = static_cast<std::size_t>(std::abs(e.exponent) / unit);
+    const double sign = e.exponent > 0 ? 1.0 : -1.0;
+    remainder.cos_cos[n - 1] += e.value.real(); // re cos(m x) - im sin(m x)
+    remainder.cos_sin[n - 1] -= sign * e.value.imag();
+    remainder.sin_sin[n - 1] += sign * e.value.real(); // re sin(m x) + im cos(m x)
+    remainder.sin_cos[n - 1] += e.value.imag();
   }
   if (highest > 0)
     model.remainder = std::move(remainder);

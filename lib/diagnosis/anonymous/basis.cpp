@@ -52,7 +52,11 @@ void Basis::evaluate(const Observations &data, std::size_t first, std::size_t n,
                      Eigen::Ref<Eigen::MatrixXd> out) const {
   int top = 0;
   for (const Term &t : terms_)
-    top = std::max(top, std::abs(t.exponent));
+    top = std::max({top, std::abs(t.exponent),
+                    t.modulation.kind == Modulation::angle_cos ||
+                            t.modulation.kind == Modulation::angle_sin
+                        ? t.modulation.order
+                        : 0});
   std::vector<std::complex<double>> power(static_cast<std::size_t>(top) + 1);
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t i = first + k;
@@ -69,6 +73,10 @@ void Basis::evaluate(const Observations &data, std::size_t first, std::size_t n,
       switch (g.kind) {
       case Modulation::none:
         return 1.0;
+      case Modulation::angle_cos:
+        return power[static_cast<std::size_t>(g.order)].real();
+      case Modulation::angle_sin:
+        return power[static_cast<std::size_t>(g.order)].imag();
       case Modulation::sense:
         return static_cast<double>(data.direction[i]);
       case Modulation::velocity:
@@ -119,10 +127,14 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
   // What turns with the angle: orders of the turn, or of the electrical period where turns cannot be
   // compared. The terms of m = 0 and m = p are the baseline's own offsets, amplitude and zero.
   const int step = in_turns(scene) ? 1 : p;
+  // An order n is a modulation of the vector e^(jpx): along it (real coefficients) and across it
+  // (imaginary ones). At n = p one side is the offset, and only the other is left.
   for (int n = step; n <= orders * step; n += step)
-    for (int m : {p - n, p + n})
-      if (m != 0)
-        out.add(Axis::angle, n / step, m);
+    if (n == p)
+      out.add(Axis::angle, n / step, 2 * p);
+    else
+      for (auto kind : {Modulation::angle_cos, Modulation::angle_sin})
+        out.add(Axis::angle, n / step, p, {kind, n});
   const std::array<int, 3> pair{0, p, -p}; // offsets; gain and angle; mismatch and quadrature
   if (asked.conditions && scene.both_directions)
     for (int m : pair)

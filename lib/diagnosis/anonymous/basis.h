@@ -19,6 +19,8 @@ namespace ada {
 struct Modulation {
   enum Kind {
     none,
+    angle_cos,   ///< cosine of `order` times the angle of the turn
+    angle_sin,
     sense,       ///< sense of rotation, -1 or +1
     velocity,    ///< signed speed over the fastest
     speed,       ///< its absolute value

@@ -4,6 +4,7 @@
 #include "diagnosis/anonymous/discrepancy.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -55,7 +56,9 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   const auto power = [&](Eigen::Index k) {
     return values[k] * values[k] - variance[k];
   };
-  std::map<int, Power> of_order;                     // angle, by order
+  // Angle, by order, along the vector and across it: flaws of a magnet turn the vector and leave its
+  // length, so that what changes the length stands out of them.
+  std::array<std::map<int, Power>, 2> of_order;
   std::map<std::pair<Axis, int>, Power> of_function; // others, by axis and exponent
   const auto term_of = [&](Eigen::Index k) -> const Basis::Term & {
     return basis.terms()[static_cast<std::size_t>(out.columns[static_cast<std::size_t>(k)] / 2)];
@@ -63,11 +66,19 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   const auto group_of = [&](Eigen::Index k) -> const Group & {
     return basis.groups()[static_cast<std::size_t>(out.columns[static_cast<std::size_t>(k)] / 2)];
   };
+  // Real coefficients of a modulated vector lie along it, imaginary ones across; others are both.
+  const auto parts_of = [&](Eigen::Index k) -> std::vector<std::size_t> {
+    if (term_of(k).modulation.kind == Modulation::none)
+      return {0, 1};
+    return {static_cast<std::size_t>(out.columns[static_cast<std::size_t>(k)] % 2)};
+  };
   for (Eigen::Index k = 0; k < n; ++k) {
     const Group &g = group_of(k);
     if (g.axis == Axis::angle)
       for (int d : {-2, -1, 1, 2})
-        of_order[g.order + d].add(power(k), criteria::kNeighbourWeight[static_cast<std::size_t>(std::abs(d)) - 1]);
+        for (std::size_t part : parts_of(k))
+          of_order[part][g.order + d].add(
+              power(k), criteria::kNeighbourWeight[static_cast<std::size_t>(std::abs(d)) - 1]);
     else
       of_function[{g.axis, term_of(k).exponent}].add(power(k), 1.0);
   }
@@ -76,11 +87,16 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   const int highest = selection.orders[static_cast<std::size_t>(Axis::angle)];
   for (int d : {1, 2})
     for (int e = 0; e <= d - 1; ++e)
-      of_order[highest + 1 + e - d].add(0.0, 4.0 * criteria::kNeighbourWeight[static_cast<std::size_t>(d) - 1]);
+      for (auto &of_part : of_order)
+        of_part[highest + 1 + e - d].add(0.0, 2.0 * criteria::kNeighbourWeight[static_cast<std::size_t>(d) - 1]);
   for (Eigen::Index k = 0; k < n; ++k) {
     const Group &g = group_of(k);
-    const double local = g.axis == Axis::angle ? of_order[g.order].mean()
-                                               : of_function[{g.axis, term_of(k).exponent}].mean();
+    double local = 0.0;
+    if (g.axis == Axis::angle)
+      for (std::size_t part : parts_of(k))
+        local += of_order[part][g.order].mean() / static_cast<double>(parts_of(k).size());
+    else
+      local = of_function[{g.axis, term_of(k).exponent}].mean();
     out.variance_v2[k] = std::max(local, criteria::kLeastOfResolution * variance[k]);
   }
   return out;
