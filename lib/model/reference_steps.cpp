@@ -106,8 +106,10 @@ double find_reference_step(const Screened &look) {
     count += 1.0;
   }
   scatter -= 2.0 * noise * count;
-  // At whole multiples of the step, and at rest, a counter shows nothing of its width.
-  const bool shows = expected > 0.02 * step * step * count;
+  // At whole multiples of the step, and at rest, a counter shows nothing of its width. There the noise
+  // of the speed alone lets f(1 - f) seem as large as its mean deviation, 0.8 sigma.
+  const double sigma = std::sqrt(2.0 * noise) / (2.0 * kWindow + 1.0) / step;
+  const bool shows = expected > (0.02 + 1.5 * sigma) * step * step * count;
   return shows && scatter > 0.5 * expected && scatter < 2.0 * expected ? step * kDegPerRad : 0.0;
 }
 
