@@ -3,6 +3,7 @@
 
 #include "base/robust.h"
 
+#include <algorithm>
 #include <iterator>
 
 namespace ada {

@@ -3,6 +3,7 @@
 
 #include "recording/growing_writer.h"
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <random>

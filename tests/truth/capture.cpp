@@ -4,6 +4,7 @@
 #include "capture.h"
 #include "random.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>

@@ -8,6 +8,7 @@
 #include "random.h"
 #include "scenario.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
