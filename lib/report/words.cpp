@@ -74,7 +74,7 @@ std::string meaning(Axis axis, bool has_reference) {
   switch (axis) {
   case Axis::angle:
     return has_reference ? "comes again at the same angle of the shaft"
-                         : "comes again at the same electrical angle";
+                         : "comes again at the same angle, of the shaft or of the electrical period";
   case Axis::speed:
     return "changes with the speed or the sense of rotation";
   case Axis::temperature:
