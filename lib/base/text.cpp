@@ -57,6 +57,20 @@ std::string shortest(double value) {
   return {text.data(), end};
 }
 
+std::string moment_text(double time_s) {
+  std::array<char, 400> text; // the longest double and six places
+  const char *const first = text.data();
+  const char *end =
+      std::to_chars(text.data(), text.data() + text.size(), time_s, std::chars_format::fixed, 6)
+          .ptr;
+  if (std::isfinite(time_s)) {
+    while (end[-1] == '0')
+      --end;
+    end -= end[-1] == '.';
+  }
+  return std::string(first, end) + " s";
+}
+
 std::optional<double> parse_number(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

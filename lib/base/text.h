@@ -23,6 +23,9 @@ std::string printable(std::string_view text);
 /// Decimal text with no more digits than it takes to read back the same double.
 std::string shortest(double value);
 
+/// A moment of a recording, "0.5 s" or "1760000000.25 s": to the microsecond, whatever the origin.
+std::string moment_text(double time_s);
+
 /// The whole text as a finite number, or nothing.
 std::optional<double> parse_number(std::string_view text);
 

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/robust.h"
+#include "base/text.h"
 #include "calibration/dead_channel.h"
 
 namespace ada {
@@ -141,7 +142,7 @@ void refuse_dead_channels(const Capture &capture) {
   const auto partly = [&](const char *name, const std::optional<Stuck> &found) {
     if (found && static_cast<double>(found->samples) > most)
       refuse(std::string(name) + " is stuck for a part of the capture, from " +
-             number("%.6g", capture.time_s[found->first]) + " s");
+             moment_text(capture.time_s[found->first]));
   };
   partly("VSIN", stuck_stretches(capture.vsin_v, sin_travel, capture.vcos_v, cos_travel));
   partly("VCOS", stuck_stretches(capture.vcos_v, cos_travel, capture.vsin_v, sin_travel));
@@ -169,7 +170,7 @@ void refuse_scattered(const Capture &capture, const EllipseFit &fit) {
     return;
   refuse(number("%.0f", 100 * fraction) +
          " % of the samples do not lie on the ellipse of the others, the longest stretch from " +
-         number("%.6g", capture.time_s[longest_rejected_run(fit)]) + " s");
+         moment_text(capture.time_s[longest_rejected_run(fit)]));
 }
 
 std::string why_clipped(const Capture &capture, const EllipseFit &fit) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/frame.h"
+#include "base/text.h"
 #include "health/criteria.h"
 
 namespace ada::health {
@@ -26,7 +27,7 @@ HealthCheck cannot_tell(std::string id, std::string why) {
 
 std::string moment(const Capture &capture, std::size_t sample) {
   const double time_s = capture.time_s[sample];
-  return std::isfinite(time_s) ? fmt::format("{:.6g} s", time_s) : fmt::format("sample {}", sample);
+  return std::isfinite(time_s) ? moment_text(time_s) : fmt::format("sample {}", sample);
 }
 
 Faults count_faults(std::size_t samples, const std::function<bool(std::size_t)> &faulty) {

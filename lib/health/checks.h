@@ -29,8 +29,10 @@ HealthCheck check_short(const Evidence &e);
 // record.cpp: sample by sample
 HealthCheck check_spikes(const Evidence &e);
 HealthCheck check_numbers(const Evidence &e);
-HealthCheck check_gaps(const Evidence &e);
 HealthCheck check_noise(const Evidence &e);
+
+// times.cpp: the time column
+HealthCheck check_gaps(const Evidence &e);
 
 // checks.cpp: what they share
 /// The reason is told by check_rotation.

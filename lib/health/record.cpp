@@ -10,7 +10,6 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
-#include "conversion/gap_detector.h"
 #include "health/checks.h"
 #include "health/criteria.h"
 #include "health/spikes.h"
@@ -97,44 +96,6 @@ HealthCheck check_numbers(const Evidence &e) {
                      : fmt::format("{} samples are no numbers, the longest row {} from {} on",
                                    faults.count, faults.longest,
                                    moment(e.capture, faults.longest_first)));
-}
-
-HealthCheck check_gaps(const Evidence &e) {
-  const Capture &c = e.capture;
-  const double step = median_step(c.time_s);
-  GapDetector gap;
-  std::size_t gaps = 0, backward = 0, first_backward = 0;
-  double lost = 0, longest = 0;
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const bool reported = std::binary_search(c.gaps.begin(), c.gaps.end(), i) && i > 0;
-    const bool seen = gap(c.time_s[i]);
-    if (i == 0)
-      continue;
-    const double dt = c.time_s[i] - c.time_s[i - 1];
-    if (!(dt > 0) && backward++ == 0)
-      first_backward = i;
-    if (!seen && !reported)
-      continue;
-    ++gaps;
-    lost += std::max(std::round(dt / step) - 1, 0.0);
-    longest = std::max(longest, dt);
-  }
-  if (backward > 0)
-    return verdict("gaps", false, static_cast<double>(backward), 0, "steps",
-                   fmt::format("time does not grow from sample to sample: {} times, first at {}",
-                               backward, moment(c, first_backward)));
-  if (step < kShortestStep)
-    return verdict(
-        "gaps", false, step, kShortestStep, "s",
-        fmt::format("time grows by {:.3g} s a sample, less than a recording can tell", step));
-  constexpr double kCountable = 9007199254740992.0; // 2^53: beyond, a number of samples is none
-  const std::string missing = lost < kCountable
-                                  ? fmt::format("about {:.0f} samples are missing", lost)
-                                  : "samples are missing, too many to count";
-  return verdict("gaps", gaps == 0, static_cast<double>(gaps), 0, "gaps",
-                 gaps == 0 ? "no sample is missing"
-                           : fmt::format("{}, the longest gap is {:.6g} s where {:.6g} s is usual",
-                                         missing, longest, step));
 }
 
 HealthCheck check_noise(const Evidence &e) {

@@ -7,12 +7,20 @@
 #include <array>
 
 #include "base/error.h"
+#include "base/robust.h"
 #include "recording/sigmf_reader.h"
 #include "recording/sigmf_writer.h"
 #include "recording/text_reader.h"
 #include "recording/text_writer.h"
 
 namespace ada {
+
+namespace {
+
+/// Sample periods from one sample to the next: beyond, one is missing between them.
+constexpr double kLongestStep = 1.5;
+
+} // namespace
 
 namespace {
 
@@ -58,11 +66,18 @@ void write_capture(const Capture &capture, const std::string &path) {
   writer->finish();
 }
 
+bool times_follow_rate(const Capture &capture) {
+  if (!capture.meta.sample_rate_hz)
+    return false;
+  const double periods = median_step(capture.time_s) * *capture.meta.sample_rate_hz;
+  return periods <= kLongestStep && periods >= 1 / kLongestStep;
+}
+
 std::vector<std::size_t> gaps_in_time(const Capture &capture) {
   std::vector<std::size_t> gaps;
-  if (!capture.meta.sample_rate_hz)
+  if (!times_follow_rate(capture))
     return gaps;
-  const double longest = 1.5 / *capture.meta.sample_rate_hz;
+  const double longest = kLongestStep / *capture.meta.sample_rate_hz;
   for (std::size_t i = 1; i < capture.size(); ++i)
     if (capture.time_s[i] - capture.time_s[i - 1] > longest)
       gaps.push_back(i);

@@ -43,8 +43,11 @@ std::unique_ptr<CaptureWriter> open_capture_writer(const std::string &path,
 
 void write_capture(const Capture &capture, const std::string &path);
 
+/// Whether most steps of time are about one period of the stated rate; not where none is stated.
+bool times_follow_rate(const Capture &capture);
+
 /// First sample after each step of time that is longer than one and a half sample periods; none
-/// where the rate is unknown.
+/// where the times do not follow the rate.
 std::vector<std::size_t> gaps_in_time(const Capture &capture);
 
 } // namespace ada

@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "health/health.h"
 #include "support/sensor_pair.h"
@@ -11,11 +12,11 @@
 namespace ada::test {
 
 /// The check with this id.
-inline const HealthCheck &find(const Health &health, const std::string &id) {
+inline const HealthCheck &find(const Health &health, std::string_view id) {
   for (const HealthCheck &check : health.checks)
     if (check.id == id)
       return check;
-  throw std::runtime_error("no check " + id);
+  throw std::runtime_error("no check " + std::string(id));
 }
 
 } // namespace ada::test

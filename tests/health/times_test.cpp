@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What `check` says of time columns of every kind: any origin, any unit, any rounding.
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "health/health.h"
+#include "recording/capture_file.h"
+#include "support/health.h"
+#include "support/seed.h"
+
+namespace ada::test {
+namespace {
+
+constexpr double kRate = 10000;
+
+/// Seven seconds whose times went through `write`, with the rate in the header.
+Capture written(const std::function<double(double)> &write) {
+  Capture c = Sampler(SensorPair{}, fresh_seed()).capture(kRate, 7, constant_speed(5));
+  c.meta.sample_rate_hz = kRate;
+  for (double &t : c.time_s)
+    t = write(t);
+  c.gaps = gaps_in_time(c);
+  return c;
+}
+
+HealthCheck gaps(const Capture &c) {
+  return find(check_health(c, nullptr), "gaps");
+}
+
+TEST(Times, of_any_origin_are_fine) {
+  for (const double origin : {-1.0, 0.0, 86400.0, 1.76e9}) {
+    const HealthCheck check = gaps(written([=](double t) { return origin + t; }));
+    EXPECT_EQ(check.state, HealthState::passed) << origin << ": " << check.explanation;
+  }
+}
+
+TEST(Times, in_whole_steps_are_too_coarse) {
+  for (const double origin : {0.0, 1.76e9})
+    for (const double step : {1e-3, 1.0}) {
+      // Not on the border between two steps, where rounding decides.
+      const HealthCheck check =
+          gaps(written([=](double t) { return origin + step * std::floor((t + 1e-5) / step); }));
+      EXPECT_EQ(check.state, HealthState::failed);
+      EXPECT_NE(check.explanation.find(step < 1 ? "in steps of 0.001 s, with about 10 samples"
+                                                : "in steps of 1 s, with about 10000 samples"),
+                std::string::npos)
+          << check.explanation;
+    }
+}
+
+TEST(Times, of_another_unit_contradict_the_rate) {
+  for (const double unit : {1e-3, 1e3, 1e4, 1e6}) { // ks, ms, a count of samples, us
+    const Capture c = written([=](double t) { return unit * t; });
+    EXPECT_TRUE(c.gaps.empty());
+    const HealthCheck check = gaps(c);
+    EXPECT_EQ(check.state, HealthState::failed);
+    EXPECT_NE(check.explanation.find("but sample_rate_hz says 0.0001 s"), std::string::npos)
+        << check.explanation;
+  }
+}
+
+TEST(Times, that_stand_or_run_back_are_told_with_their_place) {
+  EXPECT_NE(gaps(written([](double) { return 3.0; })).explanation.find("the same time, 3 s"),
+            std::string::npos);
+  Capture c = written([](double t) { return 1.76e9 + t; });
+  c.time_s[12345] = c.time_s[12344];
+  EXPECT_NE(gaps(c).explanation.find("1 times, first at 1760000001.2344"), std::string::npos)
+      << gaps(c).explanation;
+  c.time_s[12345] = c.time_s[12344] - 1;
+  EXPECT_NE(gaps(c).explanation.find("goes back"), std::string::npos) << gaps(c).explanation;
+}
+
+TEST(Times, with_a_hole_lack_samples) {
+  Capture c = written([](double t) { return t < 3 ? t : t + 0.01; });
+  const HealthCheck check = gaps(c);
+  EXPECT_EQ(check.state, HealthState::failed);
+  EXPECT_NE(check.explanation.find("about 100 samples are missing"), std::string::npos)
+      << check.explanation;
+}
+
+} // namespace
+} // namespace ada::test
