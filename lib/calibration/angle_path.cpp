@@ -3,11 +3,13 @@
 
 #include "calibration/angle_path.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "base/angle.h"
 #include "base/error.h"
+#include "base/robust.h"
 
 namespace ada {
 
@@ -21,7 +23,46 @@ constexpr double kMaxAmbiguous = 0.01;
 /// A longer row that was left out is no spike, and the speed may be another after it.
 constexpr std::size_t kMissedSamples = 4;
 
+/// Of noise alone next to nothing leaps so far, and what does is a sample less.
+constexpr double kLeapSigmas = kOutlierSigmas;
+/// One leap in so many samples at the most.
+constexpr std::size_t kRare = 60;
+
+/// Samples of `path` that leap are left out.
+std::vector<std::size_t> without_leaps(const AnglePath &path) {
+  std::vector<std::size_t> kept = path.sample;
+  const std::vector<std::size_t> places = leaps(path.psi, kLeapSigmas, 0, 0);
+  for (auto place = places.rbegin(); place != places.rend(); ++place)
+    kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(*place));
+  return kept;
+}
+
 } // namespace
+
+std::vector<std::size_t> leaps(std::span<const double> psi, double sigmas, double floor_rad,
+                               double ways) {
+  const auto turn = [&psi](std::size_t from, std::size_t to) {
+    return wrap_centred(psi[to] - psi[from], kTwoPi);
+  };
+  // From the line through two angles, one step on from the second.
+  const auto beyond = [&](std::size_t first, std::size_t second, std::size_t i) {
+    return std::abs(wrap_centred(psi[i] - psi[second] - turn(first, second), kTwoPi));
+  };
+  std::vector<double> between(psi.size(), 0.0);
+  for (std::size_t i = 1; i + 1 < psi.size(); ++i)
+    between[i] = wrap_centred(turn(i - 1, i) - 0.5 * turn(i - 1, i + 1), kTwoPi);
+  const double limit = sigmas * std::max(robust_spread(between), floor_rad);
+  std::vector<std::size_t> places;
+  for (std::size_t i = 2; i + 2 < psi.size(); ++i) {
+    const double least =
+        std::min({beyond(i - 2, i - 1, i), beyond(i + 2, i + 1, i), std::abs(between[i])});
+    const double way = std::max(
+        {std::abs(turn(i - 2, i - 1)), std::abs(turn(i + 1, i + 2)), std::abs(turn(i - 1, i + 1))});
+    if (least > limit && least > ways * way)
+      places.push_back(i);
+  }
+  return places.size() > psi.size() / kRare ? std::vector<std::size_t>() : places;
+}
 
 AnglePath path_of(const Capture &capture, std::vector<std::size_t> samples,
                   const EllipseParameters &ellipse) {
@@ -56,6 +97,7 @@ AnglePath unwrap(const Capture &capture, const EllipseFit &fit) {
     if (fit.accepted[i])
       samples.push_back(i);
   AnglePath path = path_of(capture, std::move(samples), fit.value);
+  path = path_of(capture, without_leaps(path), fit.value);
   std::size_t ambiguous = 0;
   for (std::size_t k = 1; k < path.psi.size(); ++k)
     ambiguous += std::abs(path.psi[k] - path.psi[k - 1]) > kMaxStep;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "calibration/ellipse_fit.h"
@@ -17,13 +18,22 @@ struct AnglePath {
   std::vector<double> psi;         ///< electrical, unwrapped, rad; one a sample of the list
 };
 
+/// Places of angles that lie far from where their neighbours lead, on a circle: from the lines
+/// through the two before them, the two after them, and the two about them, so that neither a
+/// reversal nor a gap counts. Far is more than `sigmas` of their usual distance from the middle of
+/// their neighbours, which is taken for `floor_rad` at least, and more than `ways` times the way
+/// that the neighbours move by themselves. What is not rare is no leap (base/robust.h).
+std::vector<std::size_t> leaps(std::span<const double> psi, double sigmas, double floor_rad,
+                               double ways);
+
 /// The given samples about an ellipse. Each step is taken the shortest way; across up to
 /// kMissedSamples samples that the list leaves out, the shortest way from where the step before
 /// them leads on to, so that a spike at a high speed does not cost a period.
 AnglePath path_of(const Capture &capture, std::vector<std::size_t> samples,
                   const EllipseParameters &ellipse);
 
-/// The same for all samples that the fit accepted. Throws ADA4571_ERROR_UNUSABLE_DATA where the
+/// The same for all samples that the fit accepted, but for those that leap: on the ellipse by
+/// chance, they would tear the path apart. Throws ADA4571_ERROR_UNUSABLE_DATA where the
 /// magnet turns so fast that the steps from sample to sample are ambiguous (half an electrical
 /// period and more).
 AnglePath unwrap(const Capture &capture, const EllipseFit &fit);

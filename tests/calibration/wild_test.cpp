@@ -74,6 +74,32 @@ INSTANTIATE_TEST_SUITE_P(Methods, Wild,
                                   std::to_string(static_cast<int>(std::get<2>(i.param))) + "_rpm";
                          });
 
+/// A sample that lies on the ellipse by chance, but elsewhere on it: nothing but its neighbours
+/// tell that it is none of the path.
+TEST(WildOnTheEllipse, samples_do_not_move_a_calibration_by_a_standard_error) {
+  const std::uint64_t seed = fresh_seed();
+  std::mt19937_64 rng(seed);
+  Sampler sampler(plain_pair(), seed);
+  for (const double rpm : {6.0, 60.0, 600.0, 30000.0}) {
+    const Capture clean = sampler.capture(kRate, kDuration, turning(rpm));
+    Capture struck = clean;
+    std::uniform_int_distribution<std::size_t> anywhere(2, clean.size() - 3);
+    for (int k = 0; k < 3; ++k) {
+      const std::size_t at = anywhere(rng), from = anywhere(rng);
+      struck.vsin_v[at] = clean.vsin_v[from];
+      struck.vcos_v[at] = clean.vcos_v[from];
+    }
+    for (const auto method :
+         {CalibrationMethod::fit, CalibrationMethod::mean, CalibrationMethod::extrema}) {
+      const PairEstimate before = estimate_pair(clean, method);
+      const PairEstimate after = estimate_pair(struck, method);
+      for (std::size_t i = 0; i < kEllipseSize; ++i)
+        EXPECT_LE(std::abs(values(after)[i] - values(before)[i]), before.std_error[i])
+            << method_name(method) << " at " << rpm << " rpm, parameter " << i;
+    }
+  }
+}
+
 TEST(WildDual, samples_of_every_channel_do_not_move_it) {
   const std::uint64_t seed = fresh_seed();
   std::mt19937_64 rng(seed);
