@@ -16,16 +16,16 @@ quiet() {
   empty ours
 }
 
-# interrupted SECONDS SIGNAL COMMAND...: like status 0, but with a signal after so long.
+# interrupted SIGNAL COMMAND...: like status 0, but with a signal once it has written something.
 interrupted() {
-  local seconds=$1 signal=$2 got=0
-  shift 2
-  timeout --foreground -k 10 -s "$signal" "$seconds" "$@" >out 2>err </dev/null || got=$?
-  # 124: timeout had to signal; the command's own status is only seen through --preserve-status.
-  [[ $got == 124 ]] || fail "'$*' ended with $got before the signal: $(head -c 500 err)"
-  got=0
-  timeout --foreground --preserve-status -k 10 -s "$signal" "$seconds" "$@" >out 2>err </dev/null ||
-    got=$?
+  local signal=$1 got=0 pid
+  shift
+  rm -f out err
+  "$@" >out 2>err </dev/null &
+  pid=$!
+  until_there written "$pid"
+  kill -s "$signal" "$pid" || fail "'$*' ended before the signal: $(head -c 500 err)"
+  wait "$pid" || got=$?
   [[ $got == 0 ]] || fail "'$*' ended with $got after the signal: $(head -c 500 err)"
 }
 
@@ -112,14 +112,14 @@ check_the_closed_loop_works_with_the_newest_angle() {
 
 check_signals_end_live_verbs_cleanly() {
   emulate
-  interrupted 1 INT iio-angle record -u "$URI" --duration 60 -o a.csv
+  interrupted INT iio-angle record -u "$URI" --duration 60 -o a.csv
   [[ -s a.csv ]] || fail "what was captured is lost"
   status 0 iio-angle check a.csv
-  interrupted 1 TERM iio-angle read -u "$URI" --format csv
+  interrupted TERM iio-angle read -u "$URI" --format csv
   same "columns of the last line" "$(tail -1 out | awk -F, '{ print NF }')" 4
-  interrupted 1 INT iio-angle watch -u "$URI"
+  interrupted INT iio-angle watch -u "$URI"
   says out ' deg  radius '
-  interrupted 1 INT iio-angle emulate
+  interrupted INT iio-angle emulate
   says out '^ip:127\.0\.0\.1:[0-9]+$'
 }
 
@@ -127,23 +127,13 @@ check_a_server_that_dies_ends_with_1_and_keeps_what_came() {
   emulate
   iio-angle record -u "$URI" --duration 60 -o a.csv >out 2>err </dev/null &
   local recorder=$! got=0
-  sleep 1
+  until_there written "$recorder"
   stop_emulator
   wait "$recorder" || got=$?
   same "exit status" "$got" 1
   says err .
   [[ -s a.csv ]] || fail "what was captured is lost"
   status 0 iio-angle check a.csv
-}
-
-# until_there COMMAND...: waits up to 20 s until it succeeds.
-until_there() {
-  local i
-  for ((i = 0; i < 400; i++)); do
-    "$@" && return 0
-    sleep 0.05
-  done
-  fail "still not: $*: $(head -c 500 err)"
 }
 
 # away FILE: the emulator that serves a verb in the background, which writes FILE, goes and comes back.
@@ -225,10 +215,12 @@ check_a_closed_pipe_ends_read() {
 check_watch_draws_on_a_terminal() {
   emulate
   script -qec true /dev/null >/dev/null 2>&1 || return 0 # no such program, or no terminals here
-  timeout -s INT 2 script -qec "stty cols 100; TERM=xterm timeout -s INT 1 iio-angle watch -u $URI" \
-    screen </dev/null >/dev/null 2>&1 || true
+  script -qefc "stty cols 100; TERM=xterm iio-angle watch -u $URI" screen </dev/null >/dev/null 2>&1 &
+  local script=$!
+  until_there grep -qs '@' screen
+  kill "$script"
+  wait "$script"
   says screen 'rpm'
-  says screen '@'
 }
 
 run_checks "${2:-}"

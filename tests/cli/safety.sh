@@ -193,16 +193,16 @@ check_data_is_1_and_usage_2() {
 
 # recording FILE [OPTIONS]: starts an endless one in the background, until its file grows.
 recording() {
-  local file=$1 i
+  local file=$1
   shift
+  rm -f out
   iio-angle record -u "$URI" --duration 600 "$@" -o "$file" >record.out 2>record.err </dev/null &
   RECORDER=$!
-  for ((i = 0; i < 600; i++)); do
-    [[ ! -s ${file%-meta}-data ]] || return 0
-    [[ $file == *sigmf-meta ]] || ((i < 40)) || return 0
-    sleep 0.05
-  done
-  fail "nothing is recorded: $(cat record.err)"
+  if [[ $file == *sigmf-meta ]]; then
+    until_there test -s "${file%-meta}-data"
+  else
+    until_there written "$RECORDER"
+  fi
 }
 
 check_every_signal_that_ends_it_keeps_the_recording() {

@@ -69,6 +69,22 @@ stop_emulator() {
   EMULATOR=
 }
 
+# until_there COMMAND...: waits until it succeeds; a minute is for what never comes.
+until_there() {
+  local i
+  for ((i = 0; i < 1200; i++)); do
+    "$@" && return 0
+    sleep 0.05
+  done
+  fail "still not: $*: $(head -c 500 err)"
+}
+
+# written PID: it has written results: to out, or to a file that has no name yet.
+written() {
+  [[ -s out ]] || [[ -n $(find . -name '*.tmp' -size +0) ]] ||
+    find "/proc/$1/fd" -lname '*(deleted)' -exec stat -Lc %s {} + 2>/dev/null | grep -q '^[1-9]'
+}
+
 # run_checks [PATTERN]: prints a line a check; fails when one fails, or when there was none.
 run_checks() {
   local check work passed=0 failed=0
