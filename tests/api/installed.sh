@@ -5,7 +5,7 @@
 # installed.sh BUILD: installs into folders of its own, runs what is there as it is, and builds and
 # runs a foreign program against it, by pkg-config and by CMake.
 set -euo pipefail
-build=$1
+build=$(cd "$1" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -58,8 +58,20 @@ installed_whole "$work/package/usr" /usr
 ! has_rpath "$work/package/usr/bin/iio-angle" || fail "a packaged program has an RPATH"
 has_rpath "$work/moved/bin/iio-angle" || fail "RPATHs are not seen"
 
-# The build folder may be another user's: only CMake's own list is written there.
-[[ -z $(find "$build/udev" -newer "$work/began" -type f) ]] || fail "installing writes into the build folder"
+# The build folder may be another user's.
+written=$(find "$build" "$build/udev" -maxdepth 1 -name '[a-z]*' -newer "$work/began" -type f)
+[[ -z $written ]] || fail "installing writes into the build folder: $written"
+# Another one's who has nothing but may read it: as root, where nobody may, it is tried.
+as_nobody=(setpriv --reuid=65534 --regid=65534 --clear-groups)
+if ((EUID == 0)) && "${as_nobody[@]}" test -r "$build/cmake_install.cmake"; then
+  install -d -o 65534 -g 65534 "$work/nobody"
+  chmod 711 "$work"
+  (cd "$work/nobody" && HOME=$work/nobody "${as_nobody[@]}" cmake --install "$build" --prefix own >install.log) ||
+    fail "an ordinary user cannot install"
+  installed_whole "$work/nobody/own" "$work/nobody/own"
+  [[ $(ls "$work/nobody") == $'install.log\nown' ]] || fail "beside the prefix: $(ls "$work/nobody")"
+  "${as_nobody[@]}" "$work/nobody/own/bin/iio-angle" --version >/dev/null || fail "it does not start for nobody"
+fi
 
 prefix=$work/moved
 library=$(dirname "$(find "$prefix" -name libada4571.so)")
