@@ -191,6 +191,27 @@ check_data_is_1_and_usage_2() {
   done
 }
 
+# A shell's variable that was not set must not lose the report that was asked for.
+check_nothing_given_is_wrong_usage() {
+  capture a.csv
+  local words arguments
+  for words in "check|" "|a.csv" "diagnose|a.csv|--report|" "diagnose|a.csv|--report=" \
+    "calibrate|single|a.csv|-o|" "read|-s||--samples|1"; do
+    IFS='|' read -ra arguments <<<"$words|end"
+    status 2 iio-angle "${arguments[@]:0:${#arguments[@]}-1}"
+    says err "nothing is given"
+    same "sentences of '$words'" "$(lines err)" 1
+  done
+  for words in "simulate|--duration|-1|-o|x.csv" "simulate|--rate|0|-o|x.csv" \
+    "record|--samples|nan|-o|x.csv"; do
+    IFS='|' read -ra arguments <<<"$words"
+    status 2 iio-angle "${arguments[@]}"
+    says err "must be a number"
+    [[ $(wc -c <err) -lt 200 ]] || fail "too many words: $(cat err)"
+  done
+  absent x.csv
+}
+
 # recording FILE [OPTIONS]: starts an endless one in the background, until its file grows.
 recording() {
   local file=$1

@@ -4,6 +4,9 @@
 // iio-angle: the verb table and the dispatch. Each verb is a file in commands/.
 #include <algorithm>
 #include <exception>
+#include <string_view>
+
+#include <fmt/format.h>
 
 #include "common/handles.h"
 #include "common/print.h"
@@ -40,8 +43,20 @@ const char *unknown_verb(const CLI::App &app, int argc, char **argv) {
   return known ? nullptr : argv[1];
 }
 
+/// An empty word is a shell's variable that was not set: passed over, it would lose what was asked
+/// for.
+void refuse_empty_words(int argc, char **argv) {
+  for (int i = 1; i < argc; ++i)
+    if (const std::string_view word = argv[i];
+        word.empty() || (word.starts_with("--") && word.ends_with('=')))
+      throw cli::Failure(cli::kWrongUsage,
+                         fmt::format("nothing is given {} '{}'", word.empty() ? "after" : "by",
+                                     word.empty() ? argv[i - 1] : argv[i]));
+}
+
 int run(int argc, char **argv) {
   cli::open_standard_descriptors();
+  refuse_empty_words(argc, argv);
   CLI::App app{"Angles from analog sine/cosine angle sensors (ADA4571 and its kind)", "iio-angle"};
   cli::Action action;
   describe(app);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/live.h"
+#include "common/numbers.h"
 #include "common/print.h"
 #include "common/progress.h"
 #include "common/source_options.h"
@@ -174,10 +175,10 @@ void add_record(CLI::App &app, Action &action) {
   add_source_options(*verb, options->source);
   auto *length = verb->add_option_group("length", "how much; Ctrl-C ends it earlier");
   length->add_option("--duration", options->duration_s, "seconds")
-      ->check(CLI::PositiveNumber)
+      ->check(kPositive)
       ->type_name("S");
   length->add_option("--samples", options->samples, "number of samples")
-      ->check(CLI::PositiveNumber)
+      ->check(kPositive)
       ->type_name("N");
   length->require_option(1);
   verb->add_option("-o,--output", options->output,

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "common/numbers.h"
+
 namespace cli {
 
 namespace {
@@ -84,15 +86,15 @@ void add_simulation_options(CLI::App &verb, SimulationOptions &options) {
       ->type_name("PROFILE");
   verb.add_option("--rate", n.sample_rate_hz, "sample rate, in Hz")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber)
+      ->check(kPositive)
       ->type_name("HZ");
   verb.add_option("--duration", n.duration_s, "length, in s")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber)
+      ->check(kNonNegative)
       ->type_name("S");
   verb.add_option("--noise", n.noise_rms_v, "white noise, in V rms")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber)
+      ->check(kNonNegative)
       ->type_name("V");
   verb.add_option("--bits", n.adc_bits, "bits of the converter, 0 for none")
       ->capture_default_str()
@@ -100,7 +102,7 @@ void add_simulation_options(CLI::App &verb, SimulationOptions &options) {
       ->type_name("N");
   verb.add_option("--adc-reference", n.adc_reference_v, "full scale of the converter, in V")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber)
+      ->check(kPositive)
       ->type_name("V");
   verb.add_flag("--no-vtemp", options.no_vtemp, "leave the VTEMP channel out");
   verb.add_flag("--no-vdd", options.no_vdd, "leave the VDD channel out");

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include "common/source_options.h"
 
+#include "common/numbers.h"
+
 namespace cli {
 
 namespace {
@@ -47,10 +49,10 @@ void add_source_options(CLI::App &verb, SourceOptions &options) {
   verb.add_option("--trigger", options.trigger, "IIO trigger to use (default: what is set)")
       ->type_name("NAME");
   verb.add_option("--rate", options.rate_hz, "sample rate to set (default: what is set)")
-      ->check(CLI::PositiveNumber)
+      ->check(kPositive)
       ->type_name("HZ");
   verb.add_option("--supply", options.supply_v, "supply of the sensor (default 5)")
-      ->check(CLI::PositiveNumber)
+      ->check(kPositive)
       ->type_name("V");
   verb.add_option("--periods", options.periods_per_turn,
                   "electrical periods a turn: 2 for AMR, 1 for GMR, TMR and Hall (default 2)")
