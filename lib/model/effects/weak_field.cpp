@@ -9,6 +9,7 @@
 // leading term.
 
 #include "model/effects/common.h"
+#include "model/stripe_balance.h"
 
 namespace ada {
 namespace {
@@ -39,7 +40,7 @@ public:
       return;
     // Below zero there is no such physics; a fit that wanders there sees the leading term go on.
     if (w.periods == 2 && q > 0.0)
-      balance_stripes(std::sqrt(8.0 * q / 3.0), w);
+      unsaturated(std::sqrt(8.0 * q / 3.0), w);
     else
       leading_term(q, w);
   }
@@ -53,32 +54,13 @@ private:
       w.s[i] -= q * (s3 + y);
     }
   }
-  /// cos 2(phi - theta) of the stripe whose easy axis theta has cos 2(alpha - theta) = c2 and
-  /// sin 2(alpha - theta) = s2. With d = phi - alpha: -sin d = (h/2) sin(2(alpha - theta) + 2d).
-  static double stripe(double h, double c2, double s2) {
-    double d = -0.5 * h * s2 / (1.0 + h * c2);
-    double cd = 1.0, sd = 0.0;
-    for (int k = 0; k < 3; ++k) {
-      const double dd = d * d;
-      const double s1 = d * (1.0 - dd / 6.0 * (1.0 - dd / 20.0 * (1.0 - dd / 42.0)));
-      const double c1 = 1.0 - dd / 2.0 * (1.0 - dd / 12.0 * (1.0 - dd / 30.0 * (1.0 - dd / 56.0)));
-      sd = 2.0 * s1 * c1;
-      cd = 1.0 - 2.0 * s1 * s1;
-      if (k == 2)
-        break;
-      const double f = s1 + 0.5 * h * (s2 * cd + c2 * sd);
-      const double slope = c1 + h * (c2 * cd - s2 * sd);
-      d -= f / slope;
-    }
-    return c2 * cd - s2 * sd;
-  }
-  static void balance_stripes(double h0, Wave &w) {
+  /// A stray or displaced field also has another magnitude.
+  static void unsaturated(double h, Wave &w) {
+    double c[kWaveBlock], s[kWaveBlock];
+    balance_stripes(h, w.fx, w.fy, w.ex, w.ey, w.n, c, s);
     for (std::size_t i = 0; i < w.n; ++i) {
-      // A stray or displaced field also has another magnitude.
-      const double h = h0 / std::sqrt(w.fx[i] * w.fx[i] + w.fy[i] * w.fy[i]);
-      const double x = w.ex[i], y = w.ey[i];
-      w.c[i] += 0.5 * (stripe(h, x, y) - stripe(h, -x, -y)) - x;
-      w.s[i] += 0.5 * (stripe(h, y, -x) - stripe(h, -y, x)) - y;
+      w.c[i] += c[i] - w.ex[i];
+      w.s[i] += s[i] - w.ey[i];
     }
   }
 };
