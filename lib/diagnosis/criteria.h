@@ -95,6 +95,11 @@ inline constexpr std::size_t kFewestStretchesOfGain = 4;
 /// likeliest of some fifty shapes takes a tenth of the power, or a third of the rms.
 inline constexpr double kOfUnknown = 0.3;
 
+/// A rival takes a cause's place where it leaves less than this part of the mean square without a
+/// name: the likeliest of some fifty shapes takes a tenth of an unknown structure, and no more than
+/// half by chance.
+inline constexpr double kOfRival = 0.5;
+
 /// A cause may move the signal by this much of what there is to explain. What is larger stands only
 /// because others cancel it: two true causes of one size leave two thirds of it unless three quarters
 /// of their shapes are the same and of opposite sign.

@@ -65,9 +65,10 @@ public:
   /// `guess`: a supply that is not recorded may be read off the radius first.
   Work(const Capture &capture, const DiagnosisOptions &options, bool guess)
       : given_(capture), freed_(guess ? with_unseen_supply(capture) : std::nullopt),
-        options_(options), scene_(prepare(worked_on(), options.heldout == nullptr)) {
+        options_(options), named_before_(named_part(options.baseline, capture.meta.supply_v)),
+        scene_(scene_of(worked_on(), options.heldout == nullptr)) {
     if (options.heldout)
-      judge_ = prepare(*options.heldout, false);
+      judge_ = scene_of(*options.heldout, false);
     if (judge_ && scene_.radius_only != judge_->radius_only)
       judge_radius_only(scene_.radius_only ? *judge_ : scene_);
   }
@@ -137,6 +138,27 @@ public:
   }
 
 private:
+  /// What a given model carries without a name is no cause: it is looked for anew, so that a model is
+  /// judged alike whether it was just found or is given.
+  static std::optional<Model> named_part(const Model *model, double supply_v) {
+    if (!model)
+      return std::nullopt;
+    Model out = model->at_supply(supply_v);
+    out.remainder.reset();
+    return out;
+  }
+
+  const Model *baseline() const { return named_before_ ? &*named_before_ : nullptr; }
+
+  /// Without a reference the motion is read off the pair as the given model corrects it, as it is off
+  /// what was found; where that leaves nothing to judge, off the pair as it is.
+  Scene scene_of(const Capture &capture, bool needs_split) const {
+    if (baseline() && !capture.has_reference())
+      if (Scene known = prepare(capture, needs_split, baseline()); known.insufficient.empty())
+        return known;
+    return prepare(capture, needs_split);
+  }
+
   const Capture &worked_on() const { return freed_ ? *freed_ : given_; }
 
   /// With a reference the search itself sees a supply that is not recorded; where VTEMP follows it
@@ -163,7 +185,7 @@ private:
     parts_.train = scene_.all.select(thin(scene_.train, kFitTrain));
     parts_.heldout =
         options_.heldout ? judge.all : scene_.all.select(thin(scene_.heldout, kFitHeldout));
-    Model start = first_model(scene_, options_.baseline);
+    Model start = first_model(scene_, baseline());
     // Without a reference the angle is the pair's own, lag and all: a common delay is free.
     free_lag_ = !scene_.has_reference && !scene_.radius_only &&
                 (scene_.several_speeds || scene_.both_directions) &&
@@ -240,8 +262,8 @@ private:
   }
 
   bool given(const Effect *effect) const {
-    return options_.baseline &&
-           std::any_of(options_.baseline->effects.begin(), options_.baseline->effects.end(),
+    return named_before_ &&
+           std::any_of(named_before_->effects.begin(), named_before_->effects.end(),
                        [&](const EffectInstance &e) { return e.effect == effect; });
   }
 
@@ -310,9 +332,31 @@ private:
       const bool same = names_of(next) == names_of(found_);
       found_ = std::move(next);
       parts_.train.coloured = std::make_shared<Coloured>(discrepancy, thinned_train());
-      if (same)
+      if (!exchange_for_a_rival(left.selection.noise_v2) && same)
         break;
     }
+  }
+
+  /// Of causes that stand equally well beside what has no name, the one leads that leaves less of it:
+  /// less of the residual above the noise.
+  bool exchange_for_a_rival(double noise_v2) {
+    const auto unnamed_v2 = [&](const Model &model) {
+      return white_sum_of_squares(parts_.heldout, as_seen_by(parts_.heldout, model)) /
+                 (2.0 * static_cast<double>(parts_.heldout.size())) -
+             noise_v2;
+    };
+    double least = criteria::kOfRival * unnamed_v2(found_.fit.model);
+    const Model *better = nullptr;
+    for (const std::vector<Rival> &rivals : found_.alternatives)
+      for (const Rival &rival : rivals)
+        if (const double left = unnamed_v2(rival.model); left < least) {
+          least = left;
+          better = &rival.model;
+        }
+    if (!better)
+      return false;
+    found_.fit.model = Model(*better);
+    return true;
   }
 
   /// Mean square of what repeats with the angle and has no physical name, signatures included.
@@ -343,7 +387,7 @@ private:
 
   /// What the search began with: the model without its findings.
   Model found_baseline() const {
-    Model out = first_model(scene_, options_.baseline);
+    Model out = first_model(scene_, baseline());
     if (free_lag_)
       out.effects.push_back({&the_effect(is_common_delay), {0.0}, {}});
     return out;
@@ -512,8 +556,7 @@ private:
         criteria::kLittle * (whole - unnamed_.selection.noise_v2)) {
       const std::vector<RandomCause> causes = slow_causes(slow, white, named);
       for (const RandomCause &c : causes)
-        if (!given(c.effect))
-          name_process(c);
+        name_process(c);
       if (!causes.empty()) {
         unnamed_ = std::move(slow);
         slow_waves_ = unnamed_.selection.orders[static_cast<std::size_t>(Axis::time)];
@@ -526,8 +569,8 @@ private:
     if (supply_is_inferred())
       return;
     const double stated = !noise_stated_ ? 0.0
-                          : options_.baseline && options_.baseline->noise_rms_v
-                              ? std::max(noise_, *options_.baseline->noise_rms_v)
+                          : named_before_ && named_before_->noise_rms_v
+                              ? std::max(noise_, *named_before_->noise_rms_v)
                               : noise_;
     // A converter's steps are no noise.
     if (scene_.coarse_step_v > 0.0)
@@ -535,8 +578,7 @@ private:
     const std::vector<RandomCause> causes =
         noise_causes(unnamed_, white, named, stated, reference_step_rad(), even_clock());
     for (const RandomCause &c : causes)
-      if (!given(c.effect))
-        name_process(c);
+      name_process(c);
     // Without a reference the motion has taken in what lies along the circle.
     const double left = std::max(std::sqrt(unnamed_.selection.noise_v2),
                                  scene_.has_reference ? 0.0 : out_.noise.along_v);
@@ -573,6 +615,9 @@ private:
     if (c.slow_v2 > 0.0 && c.slow_v2 < criteria::kLittle * slow_v2_)
       return;
     slow_v2_ = std::max(slow_v2_, c.slow_v2);
+    seen_random_.push_back({c.effect, c.values, c.std_errors});
+    if (given(c.effect))
+      return;
     Rung before = last_;
     const double samples = static_cast<double>(std::max<std::size_t>(1, parts_.heldout.size()));
     before.heldout.log_likelihood = last_.heldout.log_likelihood - c.nats / samples;
@@ -642,20 +687,20 @@ private:
     in_bursts_ = left.bursts;
   }
 
-  /// V rms of a channel that the named random causes and the steps of a reference leave over: what is
+  /// V rms of a channel that the random causes with a name and the steps of a reference leave over: what is
   /// smaller is of their kind. Noise that was named was shown to be no more than noise; a process goes
   /// on above the half waves that its course was taken out by.
   double random_v() const {
     const double amplitude = std::abs(out_.extended.baseline.amplitude_v) / std::sqrt(2.0);
     const double waves = std::max(1, slow_waves_);
     double sum = 0.0;
-    for (const Finding &f : random_) {
-      const EffectInfo &info = f.effect->info();
+    for (const EffectInstance &e : seen_random_) {
+      const EffectInfo &info = e.effect->info();
       if (info.evidence == Evidence::noise)
         sum += std::max(0.0, std::pow(last_.heldout.residual_rms_v, 2) - noise_ * noise_);
       else
-        sum += std::pow(info.pattern == Pattern::gain ? f.values[0] * amplitude
-                                                      : std::max(f.values[0], f.values[1]), 2) / waves;
+        sum += std::pow(info.pattern == Pattern::gain ? e.values[0] * amplitude
+                                                      : std::max(e.values[0], e.values[1]), 2) / waves;
     }
     sum += std::pow(reference_step_rad() * scene_.periods * amplitude, 2) / 12.0;
     return std::sqrt(sum);
@@ -669,7 +714,7 @@ private:
              named.effect->info().character != Character::process;
     };
     const double accounted = random_v();
-    const bool noise_only = std::any_of(random_.begin(), random_.end(), is_white);
+    const bool noise_only = std::any_of(seen_random_.begin(), seen_random_.end(), is_white);
     const auto too_much = [&](const Structure &s) {
       return (s.along == "angle" || s.along == "frequency") &&
              s.rms_v > criteria::kOfRandom * accounted;
@@ -677,6 +722,7 @@ private:
     if (noise_only && std::any_of(out_.structure.begin(), out_.structure.end(), too_much)) {
       std::erase_if(recorded_, is_white);
       std::erase_if(random_, is_white);
+      std::erase_if(seen_random_, is_white);
     }
     if (const double left = random_v(); left > 0.0)
       std::erase_if(out_.structure, [&](const Structure &s) {
@@ -777,12 +823,24 @@ private:
   }
 
   /// The model of all that has a name against the best that names nothing. Structure is what of that
-  /// the named model leaves over, and what a last look still sees.
+  /// the named model leaves over, and what a last look still sees. What a given model names counts as
+  /// what was just found does.
   Verdict verdict() const {
     const bool found = !out_.findings.empty();
     if (out_.structure.empty())
       return found ? Verdict::explained : Verdict::no_discrepancy;
-    return found ? Verdict::partly_explained : Verdict::unexplained;
+    return found || given_explains() ? Verdict::partly_explained : Verdict::unexplained;
+  }
+
+  /// Whether the causes of the given model make held-out data likelier than a sensor without them.
+  bool given_explains() const {
+    if (!named_before_ || named_before_->effects.empty())
+      return false;
+    const Model bare = fit(parts_.train, first_model(scene_, nullptr), 6).model;
+    const double nats = (ladder_.first.heldout.log_likelihood -
+                         parts_.rung(bare).heldout.log_likelihood) *
+                        static_cast<double>(parts_.heldout.size());
+    return nats > criteria::kAdmittedNats;
   }
 
   void add_provenance() {
@@ -805,6 +863,7 @@ private:
   const Capture &given_;
   std::optional<Capture> freed_; ///< of a supply that was not recorded
   const DiagnosisOptions &options_;
+  std::optional<Model> named_before_; ///< the given model, as far as it has names
   Scene scene_;
   std::optional<Scene> judge_;
   Diagnosis out_;
@@ -815,6 +874,7 @@ private:
   Rung named_;        ///< of the model of all that has a name
   std::optional<Finding> spikes_;
   std::vector<Finding> random_;
+  std::vector<EffectInstance> seen_random_; ///< the causes of these, and those that the given model names
   Rung first_; ///< of the baseline, spikes and all
   Rung last_;  ///< of the extended model, with what noise causes take out
   std::vector<EffectInstance>

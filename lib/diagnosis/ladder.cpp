@@ -66,6 +66,13 @@ std::vector<double> clearness_of(const FitResult &fit) {
   return out;
 }
 
+std::vector<std::string> ids_of(const std::vector<Rival> &rivals) {
+  std::vector<std::string> out;
+  for (const Rival &r : rivals)
+    out.push_back(r.id);
+  return out;
+}
+
 } // namespace
 
 Ladder build_ladder(Parts &parts, const SearchResult &found) {
@@ -104,7 +111,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     out.findings.push_back({e.effect,
                             e.values,
                             e.std_errors,
-                            found.alternatives[i],
+                            ids_of(found.alternatives[i]),
                             {},
                             {},
                             out.last,

@@ -458,8 +458,8 @@ bool Search::backward(State &now) {
   return changed;
 }
 
-std::vector<std::string> Search::rivals(const State &now, std::size_t effect, State *better) const {
-  std::vector<std::string> out;
+std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *better) const {
+  std::vector<Rival> out;
   const State less = without(now, effect);
   const Effect *self = now.fit.model.effects[effect].effect;
   const double part = contribution(now, less);
@@ -504,7 +504,7 @@ std::vector<std::string> Search::rivals(const State &now, std::size_t effect, St
     const double left = std::sqrt(std::max(0.0, rival.heldout - now.heldout) / (2.0 * n));
     if (side < -kRivalNats || (rival.score - side < now.score - kRivalNats && left > blurred))
       continue;
-    out.emplace_back(c.effect->info().id);
+    out.push_back({std::string(c.effect->info().id), rival.fit.model});
     const double saved =
         price(now.fit.model.effects[effect]) - price(rival.fit.model.effects.back());
     const bool yields = self->info().yields_to == c.effect->info().id;
@@ -688,7 +688,7 @@ SearchResult Search::result(State &now, bool thorough) {
     out.order.push_back(k);
     out.contribution.push_back(part);
     const auto known = known_rivals_.find({now.score, k});
-    out.alternatives.push_back(!thorough                     ? std::vector<std::string>{}
+    out.alternatives.push_back(!thorough                     ? std::vector<Rival>{}
                                : known != known_rivals_.end() ? known->second
                                                               : rivals(now, k, nullptr));
   }

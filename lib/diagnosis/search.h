@@ -24,11 +24,17 @@ struct SearchData {
   const Scene *judge; ///< of the held-out data; the same scene unless a second capture judges
 };
 
+/// A cause that the data do not tell from one that was found, and the model with it instead.
+struct Rival {
+  std::string id;
+  Model model;
+};
+
 struct SearchResult {
   FitResult fit;
   std::vector<std::size_t> order; ///< indices of the found effects in the order of their gain
   std::vector<double> contribution;
-  std::vector<std::vector<std::string>> alternatives;
+  std::vector<std::vector<Rival>> alternatives;
   double residual_rms_v = 0.0;           ///< of the training part
   double supply_rms_fraction = 0.0;      ///< of a supply variation seen without a VDD channel
   Direction disturbed = Direction::none; ///< and how residuals were weighed in the end
@@ -100,7 +106,7 @@ private:
   void settle_supply(State &now);
   void weigh(State &now, Direction direction, double weight);
   State without(const State &now, std::size_t effect) const;
-  std::vector<std::string> rivals(const State &now, std::size_t effect, State *better) const;
+  std::vector<Rival> rivals(const State &now, std::size_t effect, State *better) const;
   double contribution(const State &with, const State &less) const;
   double volts_explained(const State &with, const State &less) const;
   double reach(const Model &model, std::size_t effect) const;
@@ -123,7 +129,7 @@ private:
   int steps_ = 0;
   /// Alternatives found so far, by the score of the state and the effect: what is compared on the way
   /// is asked for again at the end.
-  std::map<std::pair<double, std::size_t>, std::vector<std::string>> known_rivals_;
+  std::map<std::pair<double, std::size_t>, std::vector<Rival>> known_rivals_;
 };
 
 } // namespace ada

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/angle.h"
 #include "diagnosis/captures.h"
 #include "support/seed.h"
 
@@ -52,6 +53,57 @@ TEST(Diagnose, the_extended_model_leaves_nothing_to_find) {
   DiagnosisOptions again;
   again.baseline = &first.extended;
   EXPECT_EQ(diagnose(c, again).verdict, Verdict::no_discrepancy);
+}
+
+TEST(Diagnose, noise_that_the_given_model_names_is_no_structure) {
+  std::mt19937_64 rng(fresh_seed());
+  Capture c = with({}, rng);
+  std::normal_distribution<> turn(0.0, 0.002);
+  const double middle = 0.5 * c.meta.supply_v;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double s = c.vsin_v[i] - middle, k = c.vcos_v[i] - middle, d = turn(rng);
+    c.vsin_v[i] += d * k;
+    c.vcos_v[i] -= d * s;
+  }
+  const Diagnosis first = diagnose(c, {});
+  ASSERT_EQ(first.verdict, Verdict::explained);
+  DiagnosisOptions again;
+  again.baseline = &first.extended;
+  EXPECT_EQ(diagnose(c, again).verdict, Verdict::no_discrepancy);
+}
+
+/// What no cause of the catalogue makes: chips of the magnet, each at a place of its own.
+Capture chipped(Capture c, double depth_v) {
+  const auto chip = [](double deg, double at, double width) {
+    const double x = wrap_centred(deg - at, 360.0) / width;
+    return std::exp(-x * x);
+  };
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c.vsin_v[i] += depth_v * chip(c.reference_deg[i], 100.0, 12.0);
+    c.vcos_v[i] -= depth_v * chip(c.reference_deg[i], 235.0, 17.0);
+  }
+  return c;
+}
+
+TEST(Diagnose, the_verdict_on_a_model_does_not_depend_on_how_one_came_to_it) {
+  std::mt19937_64 rng(fresh_seed());
+  const Capture c = chipped(with({"quadrature-error:delta_deg=1.5"}, rng), 0.006);
+  const Diagnosis first = diagnose(c, {});
+  ASSERT_EQ(first.verdict, Verdict::partly_explained);
+  ASSERT_TRUE(first.extended.remainder);
+  DiagnosisOptions again;
+  again.baseline = &first.extended;
+  const Diagnosis second = diagnose(c, again);
+  EXPECT_EQ(second.verdict, Verdict::partly_explained);
+  EXPECT_TRUE(second.findings.empty());
+  EXPECT_NEAR(second.unexplained_rms_v, first.unexplained_rms_v, 0.1 * first.unexplained_rms_v);
+  // A model without causes is none that explains.
+  const Capture only_chips = chipped(with({}, rng), 0.006);
+  Model bare;
+  again.baseline = &bare;
+  const Diagnosis third = diagnose(only_chips, again);
+  EXPECT_EQ(third.verdict,
+            third.findings.empty() ? Verdict::unexplained : Verdict::partly_explained);
 }
 
 TEST(Diagnose, names_both_of_two_that_look_the_same) {

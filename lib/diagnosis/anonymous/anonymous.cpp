@@ -182,6 +182,9 @@ NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &m
   const double n = static_cast<double>(std::max<std::size_t>(1, r.sin.size()));
   for (double *v : {&out.sin_v, &out.cos_v, &out.along_v, &out.across_v})
     *v = std::sqrt(*v / n);
+  // Where only the radius is judged, what lies across it is the motion's: noise is taken for white.
+  if (parts.heldout.disturbed == Direction::motion)
+    out.sin_v = out.cos_v = out.across_v = out.along_v;
   return out;
 }
 
