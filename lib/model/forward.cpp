@@ -13,27 +13,41 @@ namespace ada {
 
 namespace {
 
-/// e^(j p x) of the direction of (fx, fy).
+/// (re, im) times (x, y), as complex numbers.
+void multiply(std::size_t n, const double *x, const double *y, double *re, double *im) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double product = re[i] * x[i] - im[i] * y[i];
+    im[i] = re[i] * y[i] + im[i] * x[i];
+    re[i] = product;
+  }
+}
+
+/// e^(j p x) of the direction of (fx, fy): its unit vector to the power of p, by squaring.
 void electrical(Wave &w) {
-  for (std::size_t i = 0; i < w.n; ++i) {
-    const double x = w.fx[i], y = w.fy[i];
-    const double r2 = x * x + y * y;
-    if (w.periods == 2) {
-      const double inverse = 1.0 / r2;
+  if (w.periods == 2) {
+    for (std::size_t i = 0; i < w.n; ++i) {
+      const double x = w.fx[i], y = w.fy[i];
+      const double inverse = 1.0 / (x * x + y * y);
       w.ex[i] = (x * x - y * y) * inverse;
       w.ey[i] = 2.0 * x * y * inverse;
-      continue;
     }
-    const double inverse = 1.0 / std::sqrt(r2);
-    double c = x * inverse, s = y * inverse;
-    const double c1 = c, s1 = s;
-    for (int k = 1; k < w.periods; ++k) {
-      const double t = c * c1 - s * s1;
-      s = s * c1 + c * s1;
-      c = t;
-    }
-    w.ex[i] = c;
-    w.ey[i] = s;
+    return;
+  }
+  double x[kWaveBlock], y[kWaveBlock];
+  for (std::size_t i = 0; i < w.n; ++i) {
+    const double inverse = 1.0 / std::sqrt(w.fx[i] * w.fx[i] + w.fy[i] * w.fy[i]);
+    x[i] = w.fx[i] * inverse;
+    y[i] = w.fy[i] * inverse;
+    w.ex[i] = 1.0;
+    w.ey[i] = 0.0;
+  }
+  for (auto rest = static_cast<unsigned>(w.periods); rest > 0; rest >>= 1) {
+    if ((rest & 1u) != 0)
+      multiply(w.n, x, y, w.ex, w.ey);
+    double cx[kWaveBlock], cy[kWaveBlock];
+    std::copy(x, x + w.n, cx);
+    std::copy(y, y + w.n, cy);
+    multiply(w.n, cx, cy, x, y);
   }
 }
 

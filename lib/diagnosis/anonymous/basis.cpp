@@ -48,61 +48,59 @@ void Basis::scale_to(const Observations &data) {
   }
 }
 
+double Basis::function(const Modulation &g, const Observations &data, std::size_t i) const {
+  const auto speed = [&] { return std::clamp(data.omega[i] / top_speed_, -1.5, 1.5); };
+  switch (g.kind) {
+  case Modulation::none:
+  case Modulation::angle_cos:
+  case Modulation::angle_sin:
+    break;
+  case Modulation::sense:
+    return static_cast<double>(data.direction[i]);
+  case Modulation::velocity:
+    return speed();
+  case Modulation::speed:
+    return std::abs(speed());
+  case Modulation::square:
+    return speed() * speed();
+  case Modulation::temperature: {
+    const double u =
+        data.temp.empty() ? 0.0 : std::clamp((data.temp[i] - temp_middle_) / temp_half_, -1.0, 1.0);
+    return g.order == 1 ? u : g.order == 2 ? 1.5 * u * u - 0.5 : 2.5 * u * u * u - 1.5 * u;
+  }
+  case Modulation::supply:
+    return data.supply.empty() ? 0.0 : static_cast<double>(data.supply[i]);
+  case Modulation::trend:
+    return std::cos(0.5 * kTwoPi * g.order * (data.time[i] - time_from_) / time_span_);
+  case Modulation::line_cos:
+    return std::cos(kTwoPi * g.frequency_hz * data.time[i]);
+  case Modulation::line_sin:
+    return std::sin(kTwoPi * g.frequency_hz * data.time[i]);
+  }
+  return 1.0;
+}
+
 void Basis::evaluate(const Observations &data, std::size_t first, std::size_t n,
                      Eigen::Ref<Eigen::MatrixXd> out) const {
   int top = 0;
   for (const Term &t : terms_)
-    top = std::max({top, std::abs(t.exponent),
-                    t.modulation.kind == Modulation::angle_cos ||
-                            t.modulation.kind == Modulation::angle_sin
-                        ? t.modulation.order
-                        : 0});
+    top = std::max({top, std::abs(t.exponent), t.modulation.of_angle() ? t.modulation.order : 0});
   std::vector<std::complex<double>> power(static_cast<std::size_t>(top) + 1);
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t i = first + k;
-    const double x = data.alpha[i] + zero_rad_;
     power[0] = 1.0;
-    const std::complex<double> unit = std::polar(1.0, x);
+    const std::complex<double> unit = std::polar(1.0, angle(data, i));
     for (std::size_t m = 1; m < power.size(); ++m)
       power[m] = power[m - 1] * unit;
-    const double w = std::clamp(data.omega[i] / top_speed_, -1.5, 1.5);
-    const double u =
-        data.temp.empty() ? 0.0 : std::clamp((data.temp[i] - temp_middle_) / temp_half_, -1.0, 1.0);
-    const double t = (data.time[i] - time_from_) / time_span_;
-    const auto modulated = [&](const Modulation &g) {
-      switch (g.kind) {
-      case Modulation::none:
-        return 1.0;
-      case Modulation::angle_cos:
-        return power[static_cast<std::size_t>(g.order)].real();
-      case Modulation::angle_sin:
-        return power[static_cast<std::size_t>(g.order)].imag();
-      case Modulation::sense:
-        return static_cast<double>(data.direction[i]);
-      case Modulation::velocity:
-        return w;
-      case Modulation::speed:
-        return std::abs(w);
-      case Modulation::square:
-        return w * w;
-      case Modulation::temperature:
-        return g.order == 1 ? u : g.order == 2 ? 1.5 * u * u - 0.5 : 2.5 * u * u * u - 1.5 * u;
-      case Modulation::supply:
-        return data.supply.empty() ? 0.0 : static_cast<double>(data.supply[i]);
-      case Modulation::trend:
-        return std::cos(0.5 * kTwoPi * g.order * t);
-      case Modulation::line_cos:
-        return std::cos(kTwoPi * g.frequency_hz * data.time[i]);
-      case Modulation::line_sin:
-        return std::sin(kTwoPi * g.frequency_hz * data.time[i]);
-      }
-      return 0.0;
-    };
     const auto s = static_cast<Eigen::Index>(2 * k), c = s + 1;
     for (std::size_t q = 0; q < terms_.size(); ++q) {
       const Term &term = terms_[q];
+      const Modulation &by = term.modulation;
       const std::complex<double> p = power[static_cast<std::size_t>(std::abs(term.exponent))];
-      const double g = modulated(term.modulation);
+      const std::complex<double> of_angle = power[static_cast<std::size_t>(by.of_angle() ? by.order : 0)];
+      const double g = by.kind == Modulation::angle_cos   ? of_angle.real()
+                       : by.kind == Modulation::angle_sin ? of_angle.imag()
+                                                          : function(by, data, i);
       const double re = g * p.real(), im = g * (term.exponent < 0 ? -p.imag() : p.imag());
       const auto row = static_cast<Eigen::Index>(2 * q);
       out(row, s) = im; // c e^(jmx), c real: r_sin is the imaginary part

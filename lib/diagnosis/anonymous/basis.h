@@ -33,6 +33,9 @@ struct Modulation {
   } kind = none;
   int order = 0;
   double frequency_hz = 0.0;
+
+  bool of_angle() const { return kind == angle_cos || kind == angle_sin; }
+  bool operator==(const Modulation &) const = default;
 };
 
 /// Coefficients that stand or fall together: real and imaginary part of one complex coefficient, or
@@ -63,6 +66,10 @@ public:
 
   /// Ranges that the functions are scaled to; the same for training and held-out data.
   void scale_to(const Observations &data);
+
+  /// Angle of the magnet that the terms turn with, rad, and a modulation that is no function of it.
+  double angle(const Observations &data, std::size_t i) const { return data.alpha[i] + zero_rad_; }
+  double function(const Modulation &g, const Observations &data, std::size_t i) const;
 
   /// Values of all columns for samples [first, first + n): rows are columns of the basis, column 2i
   /// is VSIN and 2i + 1 VCOS of sample i.

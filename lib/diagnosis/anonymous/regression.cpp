@@ -10,29 +10,6 @@
 
 namespace ada {
 
-/// Residual and columns alike go through the weights of the data.
-Eigen::MatrixXd gram_of(const Basis &basis, const Observations &data, const ResidualColumns &left) {
-  const auto m = static_cast<Eigen::Index>(basis.columns());
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(m + 1, m + 1);
-  Eigen::MatrixXd rows(m + 1, 2 * kWaveBlock);
-  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
-    const std::size_t n = std::min(kWaveBlock, data.size() - first);
-    basis.evaluate(data, first, n, rows.topRows(m));
-    for (std::size_t i = 0; i < n; ++i) {
-      const auto s = static_cast<Eigen::Index>(2 * i);
-      rows(m, s) = left.sin[first + i];
-      rows(m, s + 1) = left.cos[first + i];
-      if (data.weight_along != 1.0)
-        for (Eigen::Index k = 0; k <= m; ++k)
-          data.whiten(first + i, left.model_sin[first + i], left.model_cos[first + i], rows(k, s),
-                      rows(k, s + 1));
-    }
-    out.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(static_cast<Eigen::Index>(2 * n)));
-  }
-  out.triangularView<Eigen::StrictlyUpper>() = out.transpose();
-  return out;
-}
-
 Eigen::MatrixXd ridged(Eigen::MatrixXd gram, double ridge, const Eigen::VectorXd &stiffness,
                        double n) {
   gram.diagonal().array() =

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Normal equations of the generic basis.
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "base/angle.h"
+#include "diagnosis/anonymous/regression.h"
+#include "support/seed.h"
+
+namespace ada::test {
+namespace {
+
+/// Terms of every kind: orders, conditions, time, lines.
+Basis mixed_basis(int periods) {
+  Basis out(periods, 0.3);
+  out.add(Axis::angle, 0, 0);
+  out.add(Axis::angle, periods, 2 * periods);
+  for (int order : {1, 3, 7})
+    for (auto kind : {Modulation::angle_cos, Modulation::angle_sin})
+      out.add(Axis::angle, order, periods, {kind, order});
+  for (int exponent : {0, periods, -periods}) {
+    for (auto kind : {Modulation::sense, Modulation::velocity, Modulation::speed, Modulation::square})
+      out.add(Axis::speed, 1, exponent, {kind});
+    for (int order : {1, 2, 3})
+      out.add(Axis::temperature, order, exponent, {Modulation::temperature, order});
+    out.add(Axis::supply, 1, exponent, {Modulation::supply});
+    out.add(Axis::time, 5, exponent, {Modulation::trend, 5});
+  }
+  for (auto kind : {Modulation::line_cos, Modulation::line_sin})
+    out.add(Axis::frequency, 1, 0, {kind, 0, 50.0});
+  return out;
+}
+
+struct Data {
+  Observations data;
+  ResidualColumns left;
+};
+
+Data random_data(std::size_t n, std::mt19937_64 &rng) {
+  std::normal_distribution<> normal;
+  std::uniform_real_distribution<> turn(-kTwoPi, kTwoPi);
+  Data out;
+  Observations &o = out.data;
+  for (std::size_t i = 0; i < n; ++i) {
+    o.time.push_back(1e-3 * static_cast<double>(i));
+    for (auto *column : {&o.vsin, &o.vcos, &o.omega, &o.temp})
+      column->push_back(normal(rng));
+    o.alpha.push_back(turn(rng));
+    o.supply.push_back(static_cast<float>(normal(rng)));
+    o.direction.push_back(normal(rng) > 0.0 ? 1 : -1);
+    for (auto *column : {&out.left.sin, &out.left.cos, &out.left.model_sin, &out.left.model_cos})
+      column->push_back(normal(rng));
+  }
+  return out;
+}
+
+TEST(Regression, sums_of_exponentials_are_the_products_of_the_columns) {
+  std::mt19937_64 rng(fresh_seed());
+  for (int periods : {1, 2, 5}) {
+    const Data d = random_data(700, rng); // several blocks and a part of one
+    Basis basis = mixed_basis(periods);
+    basis.scale_to(d.data);
+    const auto m = static_cast<Eigen::Index>(basis.columns());
+    const auto values = static_cast<Eigen::Index>(2 * d.data.size());
+    Eigen::MatrixXd rows(m + 1, values);
+    basis.evaluate(d.data, 0, d.data.size(), rows.topRows(m));
+    for (std::size_t i = 0; i < d.data.size(); ++i) {
+      rows(m, static_cast<Eigen::Index>(2 * i)) = d.left.sin[i];
+      rows(m, static_cast<Eigen::Index>(2 * i + 1)) = d.left.cos[i];
+    }
+    const Eigen::MatrixXd gram = gram_of(basis, d.data, d.left);
+    ASSERT_EQ(gram.rows(), m + 1);
+    // Sums of some thousand products of about one: rounding is far below a billionth of that.
+    EXPECT_LT((gram - rows * rows.transpose()).cwiseAbs().maxCoeff(),
+              1e-12 * static_cast<double>(values));
+  }
+}
+
+TEST(Regression, weights_act_on_columns_and_residual_alike) {
+  std::mt19937_64 rng(fresh_seed());
+  Data d = random_data(300, rng);
+  Basis basis = mixed_basis(2);
+  basis.scale_to(d.data);
+  const Eigen::MatrixXd plain = gram_of(basis, d.data, d.left);
+  d.data.disturbed = Direction::motion;
+  d.data.weight_along = 0.5;
+  const Eigen::MatrixXd weighted = gram_of(basis, d.data, d.left);
+  EXPECT_TRUE(((plain - weighted).diagonal().array() >= -1e-9).all());
+  EXPECT_LT(weighted.trace(), plain.trace());
+  EXPECT_GT(weighted.trace(), 0.25 * plain.trace());
+}
+
+} // namespace
+} // namespace ada::test
