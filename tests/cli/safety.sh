@@ -191,6 +191,25 @@ check_data_is_1_and_usage_2() {
   done
 }
 
+# limited COMMAND...: no file may grow beyond a few kilobytes.
+limited() {
+  bash -c 'ulimit -f 8; exec "$@"' limited "$@"
+}
+
+check_a_limit_of_the_size_of_files_is_a_failed_write() {
+  capture a.csv
+  local words
+  emulate
+  for words in "simulate --duration 1 -o x.csv" "simulate --duration 1 -o x.sigmf-meta" \
+    "diagnose a.csv --report x.html" "record -u $URI --samples 3000 -o x.csv"; do
+    # shellcheck disable=SC2086
+    status 1 limited iio-angle $words
+    says err 'File too large'
+    same "sentences of '$words'" "$(grep -c '^iio-angle: ' err)" 1
+  done
+  [[ -z $(find . -name 'x.*') ]] || fail "left behind: $(ls)"
+}
+
 # A shell's variable that was not set must not lose the report that was asked for.
 check_nothing_given_is_wrong_usage() {
   capture a.csv

@@ -48,6 +48,7 @@ void open_standard_descriptors() {
       throw Failure(kUnusable,
                     "cannot open /dev/null in the place of a closed standard descriptor");
   pipe_was_ignored = std::signal(SIGPIPE, SIG_IGN) == SIG_IGN;
+  std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is a failed write, with its sentence
 }
 
 void put(std::string_view text) {
