@@ -633,6 +633,63 @@ ADA4571_API const char *ada4571_health_text(const ada4571_health *health);
 ADA4571_API const char *ada4571_health_json(const ada4571_health *health);
 ADA4571_API void ada4571_health_free(ada4571_health *health);
 
+/* ------------------------------------------------------------------- study */
+/* Many captures, many sensors: a row each in an SQLite database, and what they have in common. A
+ * capture is analysed apart from the database, so that it may be done in a process of its own. */
+
+typedef struct ada4571_study ada4571_study;
+typedef struct ada4571_study_row ada4571_study_row;
+
+typedef struct ada4571_study_options {
+  size_t struct_size;
+  int diagnose;              /* 1; 0: check and calibrate only, a hundred times as fast */
+  int shard, shards;         /* 1 of 1: this study takes every capture, K of N those whose name falls to K */
+  const char *report_folder; /* a page for each capture there; NULL: none */
+} ada4571_study_options;
+
+ADA4571_API void ada4571_study_options_init(ada4571_study_options *options);
+/* Opens a study, or makes one. With options NULL it must be there and is only read. A study that was
+ * made with another `diagnose` or another shard is ADA4571_ERROR_INVALID_ARGUMENT. */
+ADA4571_API ada4571_status ada4571_study_open(const char *path,
+                                              const ada4571_study_options *options,
+                                              ada4571_study **study);
+/* Lists captures that are to be done; those that fall to another shard, or are listed, do not count. */
+ADA4571_API ada4571_status ada4571_study_list(ada4571_study *study, const char *const *captures,
+                                              size_t count);
+/* Those that are listed and not done, or changed since, in the order of their names; `again` != 0:
+ * those that failed, or were done by another version, too. */
+ADA4571_API ada4571_status ada4571_study_find_waiting(ada4571_study *study, int again, size_t *count);
+/* Name of one of those that were found, NULL past the last. */
+ADA4571_API const char *ada4571_study_waiting(const ada4571_study *study, size_t index);
+/* Checks, calibrates and diagnoses one capture. One that cannot be read or diagnosed is a row with
+ * its reason, and no failure. Thread-safety: any thread. */
+ADA4571_API ada4571_status ada4571_study_analyse(const char *capture,
+                                                 const ada4571_study_options *options,
+                                                 ada4571_study_row **row);
+/* The row of a capture whose analysis came to nothing, with the reason. */
+ADA4571_API ada4571_status ada4571_study_row_failed(const char *capture, const char *reason,
+                                                    ada4571_study_row **row);
+/* The row as text (JSON, for ada4571_study_put of any process), and the reason why there is not
+ * more in it, empty where it is whole. */
+ADA4571_API const char *ada4571_study_row_text(const ada4571_study_row *row);
+ADA4571_API const char *ada4571_study_row_reason(const ada4571_study_row *row);
+ADA4571_API void ada4571_study_row_free(ada4571_study_row *row);
+/* Puts a row into the study, in the place of an older one of the same capture; on the disk when it
+ * returns. */
+ADA4571_API ada4571_status ada4571_study_put(ada4571_study *study, const char *row_text);
+/* Makes one study of several, whole or not at all. The file is the same, byte for byte, whatever the
+ * order of the parts, however the captures were dealt out, and if some are given twice. */
+ADA4571_API ada4571_status ada4571_study_merge(const char *const *parts, size_t count,
+                                               const char *path);
+/* What is missing: shards that are not there and captures that wait, a line each. Empty: nothing. */
+ADA4571_API const char *ada4571_study_missing(ada4571_study *study);
+/* "ada4571-study/1", the same for a person, and as one self-contained HTML page with plots as
+ * ada4571_diagnosis_report draws them. */
+ADA4571_API ada4571_status ada4571_study_json(ada4571_study *study, const char **json);
+ADA4571_API ada4571_status ada4571_study_text(ada4571_study *study, const char **text);
+ADA4571_API ada4571_status ada4571_study_report(ada4571_study *study, const char *path);
+ADA4571_API void ada4571_study_free(ada4571_study *study);
+
 /* ------------------------------------------------------------------ figures */
 
 /* Figures of the application note, reproduced by the simulation as data: "mismatch" (Fig. 6),

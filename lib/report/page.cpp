@@ -64,16 +64,9 @@ std::string invisible_section(const Diagnosis &d) {
 
 std::string head(const Diagnosis &d, const Capture &c) {
   const std::string name = c.meta.serial.empty() ? c.identity : "sensor " + c.meta.serial;
-  std::string out = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-                    "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
-                    "<meta name=\"color-scheme\" content=\"light dark\">\n"
-                    "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
-                    "style-src 'unsafe-inline'; img-src data:\">\n"
-                    "<link rel=\"icon\" href=\"data:,\">\n<title>Diagnosis";
-  out += name.empty() ? "" : " of " + html_escape(name);
-  out += "</title>\n<style>" + std::string(kStyle) + "</style></head>\n<body class=\"" +
-         std::string(verdict_name(d.verdict)) + "\">" + svg_marks() +
-         "<main>\n<header id=\"verdict\">";
+  std::string out = page_begin(name.empty() ? "Diagnosis" : "Diagnosis of " + name,
+                               std::string(verdict_name(d.verdict))) +
+                    "<header id=\"verdict\">";
   out +=
       fmt::format("<p class=\"over\">Diagnosis of {}: {} samples, {:.4g} s, {:.4g} turns, {}</p>",
                   name.empty() ? "a capture" : html_escape(name), d.samples, d.duration_s, d.turns,
@@ -90,6 +83,17 @@ std::string foot(const Diagnosis &d) {
 }
 
 } // namespace
+
+std::string page_begin(const std::string &title, const std::string &tone) {
+  return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
+         "<meta name=\"color-scheme\" content=\"light dark\">\n"
+         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
+         "style-src 'unsafe-inline'; img-src data:\">\n"
+         "<link rel=\"icon\" href=\"data:,\">\n<title>" +
+         html_escape(title) + "</title>\n<style>" + std::string(kStyle) +
+         "</style></head>\n<body class=\"" + tone + "\">" + svg_marks() + "<main>\n";
+}
 
 std::string figure(const std::string &picture, const std::string &caption_html) {
   return "<figure>" + picture +

@@ -34,6 +34,8 @@ std::string ladder_section(const Diagnosis &diagnosis, const View &view, Gallery
 std::string model_section(const Diagnosis &diagnosis);
 std::string capture_section(const Diagnosis &diagnosis, const Capture &capture, const View &view);
 
+/// Everything before the header: title (plain text), style, marks; `tone` is a verdict's name.
+std::string page_begin(const std::string &title, const std::string &tone);
 /// A picture with a caption (HTML).
 std::string figure(const std::string &picture, const std::string &caption_html);
 /// Up to five small cells side by side, so that no row is half empty. `filler` (HTML) becomes a

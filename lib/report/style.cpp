@@ -52,6 +52,7 @@ font-weight:600;font-size:11.5px;line-height:18px;font-style:normal;text-align:c
 .unnamed{background:repeating-linear-gradient(135deg,var(--before) 0 5px,var(--paper) 5px 7px);
 outline:1px solid var(--before);outline-offset:-1px}
 .noise{background:var(--muted)}
+.plain .bar::after{display:none}
 .by{margin:0 0 3px;font-size:13px;color:var(--muted);max-width:none}
 .tiles{display:flex;flex-wrap:wrap;gap:12px;margin:18px 0 4px}
 .tile{flex:1 1 190px;background:var(--card);border-radius:6px;padding:10px 14px}

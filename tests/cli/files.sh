@@ -19,12 +19,12 @@ check_help_teaches_every_verb() {
   status 0 iio-angle --help
   empty err
   local verb
-  for verb in list record read watch convert simulate emulate diagnose check pins catalogue figures \
+  for verb in list record read watch convert simulate emulate diagnose check pins catalogue figures study \
     "calibrate single" "calibrate dual"; do
     says out "^  ${verb%% *} "
   done
   for verb in list record read watch convert simulate emulate diagnose check pins catalogue figures \
-    "calibrate single" "calibrate dual"; do
+    "calibrate single" "calibrate dual" study "study run" "study merge" "study report"; do
     # shellcheck disable=SC2086
     status 0 iio-angle $verb --help
     empty err

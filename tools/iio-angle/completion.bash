@@ -11,15 +11,16 @@ _iio_angle() {
     case $word in
       -*) break ;;
       list | record | read | watch | calibrate | convert | simulate | emulate | diagnose | check | \
-        pins | catalogue | figures) [[ ${#verb[@]} != 0 ]] || verb=("$word") ;;
+        pins | catalogue | figures | study) [[ ${#verb[@]} != 0 ]] || verb=("$word") ;;
       single | dual) [[ ${verb[*]} != calibrate ]] || verb+=("$word") ;;
+      run | merge | report) [[ ${verb[*]} != study ]] || verb+=("$word") ;;
       *) break ;;
     esac
   done
   if [[ $current == -* ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$("${COMP_WORDS[0]}" "${verb[@]}" --help 2>/dev/null |
       grep -oE '^ +(-[a-z],)?--[a-z-]+' | grep -oE -- '--[a-z-]+')" -- "$current")
-  elif [[ ${#verb[@]} == 0 || ${verb[*]} == calibrate ]]; then
+  elif [[ ${#verb[@]} == 0 || ${verb[*]} == calibrate || ${verb[*]} == study ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$("${COMP_WORDS[0]}" "${verb[@]}" --help 2>/dev/null |
       sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p')" -- "$current")
   elif [[ ${verb[*]} == pins ]]; then

@@ -22,6 +22,7 @@ TOPICS = {
     "simulation": "the simulated sensor, and the emulator that serves it",
     "diagnosis": "what the simulation gets wrong, and why",
     "health": "is the sensor sound",
+    "study": "many captures, many sensors, one answer",
     "figures": "the application note's figures as data",
 }
 

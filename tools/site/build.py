@@ -21,11 +21,11 @@ import links
 METHODS = {"acquisition": "Acquisition", "recordings": "Recordings", "effects": "Effects",
            "model-file": "Model file", "simulation": "Simulation", "conversion": "Conversion",
            "calibration": "Calibration", "tracker": "Tracker", "pins": "Pins", "health": "Health",
-           "diagnosis": "Diagnosis"}
+           "diagnosis": "Diagnosis", "studies": "Studies"}
 HOWTO = {"converter": "Choose a converter", "temperature": "Calibrate over temperature",
          "event-loop": "Read from an event loop", "real-time": "From a real-time thread",
          "python": "From Python", "board": "Install on a board", "overlay": "Write an overlay",
-         "bug": "Report a bug"}
+         "study": "Study a production run", "bug": "Report a bug"}
 EXPLANATION = {"diagnosis": "How the diagnosis decides", "testing": "How it was tested"}
 
 

@@ -27,6 +27,7 @@ void add_check(CLI::App &app, Action &action);
 void add_pins(CLI::App &app, Action &action);
 void add_catalogue(CLI::App &app, Action &action);
 void add_figures(CLI::App &app, Action &action);
+void add_study(CLI::App &app, Action &action);
 void add_definitions(CLI::App &app, Action &action);
 
 /// An example for the end of a verb's --help.

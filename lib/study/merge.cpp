@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "study/merge.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <set>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "base/descriptor.h"
+#include "base/error.h"
+
+namespace ada::study {
+
+namespace {
+
+/// Shards that all parts together hold; a study of all captures needs no others.
+struct Dealt {
+  Setup setup;
+  std::set<int> shards;
+
+  void add(const Database &part) {
+    const std::vector<int> of = part.shards();
+    if (part.setup().shards != setup.shards && !(shards.empty()))
+      throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
+                  fmt::format("{}: dealt out to {} shards, and the parts before it to {}",
+                              part.path(), part.setup().shards, setup.shards));
+    if (part.setup().diagnose != setup.diagnose && !(shards.empty()))
+      throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
+                  part.path() + ": only some of the parts were made with the diagnosis");
+    setup = part.setup();
+    shards.insert(of.begin(), of.end());
+  }
+  bool complete() const { return shards.size() == static_cast<std::size_t>(setup.shards); }
+};
+
+/// A file beside the target that becomes it, or vanishes.
+class Draft {
+public:
+  explicit Draft(std::string target)
+      : target_(std::move(target)), path_(target_ + "." + std::to_string(::getpid()) + ".tmp") {
+    std::remove(path_.c_str());
+  }
+  Draft(const Draft &) = delete;
+  Draft &operator=(const Draft &) = delete;
+  ~Draft() { std::remove(path_.c_str()); }
+  const std::string &path() const { return path_; }
+  void commit() {
+    {
+      const Descriptor file(::open(path_.c_str(), O_RDWR | O_CLOEXEC));
+      if (file.get() < 0 || ::fsync(file.get()) != 0)
+        throw system_error(errno, target_, "cannot write");
+    }
+    if (std::rename(path_.c_str(), target_.c_str()) != 0)
+      throw system_error(errno, target_, "cannot write");
+    sync_folder(folder_of(target_));
+  }
+
+private:
+  std::string target_, path_;
+};
+
+/// The rows of all parts in the order of their names, one a name.
+void merge_rows(const std::vector<std::string> &parts, Database &out) {
+  struct Source {
+    std::unique_ptr<StudyReader> reader;
+    std::optional<Row> row;
+  };
+  std::vector<Source> sources;
+  for (const std::string &part : parts) {
+    auto reader = std::make_unique<StudyReader>(part);
+    std::optional<Row> first = reader->next();
+    sources.push_back({std::move(reader), std::move(first)});
+  }
+  for (;;) {
+    const std::string *least = nullptr;
+    for (const Source &s : sources)
+      if (s.row && (least == nullptr || s.row->capture < *least))
+        least = &s.row->capture;
+    if (least == nullptr)
+      return;
+    const std::string name = *least;
+    std::optional<Row> best;
+    for (Source &s : sources)
+      while (s.row && s.row->capture == name) {
+        if (!best || better(*s.row, *best))
+          best = std::move(s.row);
+        s.row = s.reader->next();
+      }
+    out.put(*best);
+  }
+}
+
+} // namespace
+
+void merge(const std::vector<std::string> &parts, const std::string &path) {
+  Dealt dealt;
+  for (const std::string &part : parts) {
+    if (file_id(part) == file_id(path) && file_id(path))
+      throw Error(ADA4571_ERROR_INVALID_ARGUMENT, path + ": a part cannot be the result, too");
+    dealt.add(Database(part));
+  }
+  // However it was dealt out: once all is there, that no longer shows.
+  Setup whole{dealt.setup.diagnose, 1, 1};
+  if (!dealt.complete())
+    whole = {dealt.setup.diagnose, 0, dealt.setup.shards};
+  Draft draft(follow_links(path));
+  {
+    Database out(draft.path(), whole, false);
+    if (!dealt.complete())
+      out.add_shards({dealt.shards.begin(), dealt.shards.end()});
+    merge_rows(parts, out);
+  }
+  draft.commit();
+}
+
+std::string missing(const Database &study) {
+  std::string out;
+  const std::vector<int> shards = study.shards();
+  for (int shard = 1; study.setup().shard == 0 && shard <= study.setup().shards; ++shard)
+    if (!std::binary_search(shards.begin(), shards.end(), shard))
+      out += fmt::format("shard {} of {} is missing\n", shard, study.setup().shards);
+  study.each([&out](const Row &row) {
+    if (row.state == RowState::waiting)
+      out += row.capture + " was not done\n";
+  });
+  return out;
+}
+
+} // namespace ada::study

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include <algorithm>
+#include <cmath>
+
+#include <boost/math/distributions/students_t.hpp>
+
+#include "study/statistics.h"
+
+namespace ada::study {
+
+namespace {
+
+constexpr double kEfficiency =
+    0.37;                      ///< of the median absolute deviation under a normal distribution
+constexpr double kOuter = 0.2; ///< part of a side whose course the tail continues
+
+/// One side of the median: how far its numbers are, sorted.
+struct Side {
+  std::vector<double> reach;
+  double scale = 0.0;             ///< robust standard deviation
+  double begin = 0.0, mean = 0.0; ///< of the exponential tail
+};
+
+Side side_of(std::span<const double> x, double middle, double sign) {
+  Side s;
+  for (double v : x)
+    if (sign * (v - middle) >= 0.0)
+      s.reach.push_back(sign * (v - middle));
+  std::sort(s.reach.begin(), s.reach.end());
+  s.scale = 1.4826 * median(s.reach);
+  const auto first = static_cast<std::size_t>((1.0 - kOuter) * static_cast<double>(s.reach.size()));
+  if (first >= s.reach.size())
+    return s;
+  s.begin = s.reach[first];
+  std::vector<double> beyond(s.reach.begin() + static_cast<std::ptrdiff_t>(first), s.reach.end());
+  for (double &b : beyond)
+    b -= s.begin;
+  s.mean = median(beyond) / std::log(2.0); // of an exponential, by its median
+  return s;
+}
+
+double tail_p(const Side &s, double reach) {
+  if (!(s.mean > 0.0) || reach <= s.begin)
+    return 1.0;
+  return 2.0 * 0.5 * kOuter * std::exp(-(reach - s.begin) / s.mean);
+}
+
+/// How unlike the two sides are.
+double lopsided(const std::vector<double> &x) {
+  const double middle = median(x);
+  const double low = side_of(x, middle, -1.0).scale, high = side_of(x, middle, 1.0).scale;
+  return low > 0.0 && high > 0.0 ? std::abs(std::log(high / low)) : 1e9;
+}
+
+/// Sizes of one sign are often skewed: then their logarithms, where these are more even.
+std::vector<double> evened(std::span<const double> x) {
+  std::vector<double> as_is(x.begin(), x.end()), logs;
+  for (double v : x)
+    if (v > 0.0)
+      logs.push_back(std::log(v));
+  return logs.size() == as_is.size() && lopsided(logs) < lopsided(as_is) ? logs : as_is;
+}
+
+} // namespace
+
+std::vector<Distance> distances(std::span<const double> values) {
+  std::vector<Distance> out(values.size());
+  if (values.size() < 10)
+    return out;
+  const std::vector<double> x = evened(values);
+  const double middle = median(x), whole = median_deviation(x);
+  const Side low = side_of(x, middle, -1.0), high = side_of(x, middle, 1.0);
+  const boost::math::students_t t(
+      std::max(1.0, 0.5 * kEfficiency * static_cast<double>(x.size() - 1)));
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Side &s = x[i] < middle ? low : high;
+    const double scale = std::max(s.scale, 0.5 * whole), reach = std::abs(x[i] - middle);
+    if (!(scale > 0.0))
+      continue;
+    out[i].z = (x[i] - middle) / scale;
+    const double by_t = 2.0 * boost::math::cdf(boost::math::complement(t, std::abs(out[i].z)));
+    out[i].p = std::max(by_t, tail_p(s, reach));
+  }
+  return out;
+}
+
+} // namespace ada::study

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// The database: rows come back as they were put, parts become one file whatever their order.
+
+#include <algorithm>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "study/fleet_generator.h"
+#include "study/merge.h"
+#include "study/summary.h"
+#include "support/seed.h"
+#include "support/temp_folder.h"
+
+namespace ada::study {
+namespace {
+
+class DatabaseTest : public ::testing::Test {
+protected:
+  std::vector<Row> draw(int sensors) {
+    test::Laws laws;
+    laws.sensors = sensors;
+    std::vector<Row> rows = generator.draw(laws);
+    rows[1].state = RowState::failed;
+    rows[1].reason = "a sentence, with \"quotes\"; and \xc3\xa4";
+    rows[2].signature.periods = 1;
+    rows[2].signature.values.assign(4 * rows[2].signature.series_size(), 0.125);
+    rows[2].checks = {{"radius", "failed", 1.5, 1.2, "1"}};
+    return rows;
+  }
+  std::vector<std::string> names(const std::vector<Row> &rows) {
+    std::vector<std::string> out;
+    for (const Row &row : rows)
+      out.push_back(row.capture);
+    return out;
+  }
+  /// Rows dealt out to `shards` parts; some twice.
+  std::vector<std::string> parts(const std::vector<Row> &rows, int shards, const std::string &tag) {
+    std::vector<std::string> out;
+    for (int k = 1; k <= shards; ++k) {
+      out.push_back(folder / (tag + std::to_string(k) + ".db"));
+      Database part(out.back(), {true, k, shards});
+      part.list(names(rows));
+      std::vector<Row> mine = rows;
+      std::erase_if(mine, [&](const Row &r) { return shard_of(r.capture, shards) != k; });
+      std::shuffle(mine.begin(), mine.end(), rng);
+      for (const Row &row : mine)
+        part.put(row);
+      if (!mine.empty())
+        part.put(mine.front());
+    }
+    return out;
+  }
+
+  std::uint64_t seed = test::fresh_seed();
+  test::FleetGenerator generator{seed};
+  std::mt19937_64 rng{seed};
+  test::TempFolder folder;
+};
+
+TEST_F(DatabaseTest, RowsComeBackAsTheyWerePut) {
+  const std::vector<Row> rows = draw(20);
+  const std::string path = parts(rows, 1, "whole")[0];
+  std::vector<std::string> put, got;
+  for (const Row &row : rows)
+    put.push_back(row_to_text(row_from_text(row_to_text(row))));
+  Database(path).each([&](const Row &row) { got.push_back(row_to_text(row)); });
+  std::sort(put.begin(), put.end());
+  std::sort(got.begin(), got.end());
+  EXPECT_EQ(put, got);
+}
+
+TEST_F(DatabaseTest, MergedFilesAreTheSameByteForByte) {
+  const std::vector<Row> rows = draw(60);
+  const std::vector<std::string> one = parts(rows, 1, "one"), seven = parts(rows, 7, "seven");
+  merge(one, folder / "a.db");
+  std::vector<std::string> several = seven;
+  several.push_back(seven[3]); // a shard that ran twice
+  std::shuffle(several.begin(), several.end(), rng);
+  merge(several, folder / "b.db");
+  EXPECT_EQ(test::read_file(folder / "a.db"), test::read_file(folder / "b.db"));
+  merge({folder / "a.db", folder / "b.db"}, folder / "c.db");
+  EXPECT_EQ(test::read_file(folder / "a.db"), test::read_file(folder / "c.db"));
+  EXPECT_EQ(missing(Database(folder / "b.db")), "");
+  const auto json = [](const std::string &path) {
+    return to_json(summarise(read_fleet(Database(path))));
+  };
+  EXPECT_EQ(json(one[0]), json(folder / "b.db"));
+}
+
+TEST_F(DatabaseTest, WhatIsMissingIsNamed) {
+  const std::vector<Row> rows = draw(40);
+  std::vector<std::string> some = parts(rows, 4, "part");
+  some.erase(some.begin() + 2);
+  {
+    Database part(some[0], {true, 1, 4});
+    std::string mine;
+    for (int k = 0; mine.empty(); ++k)
+      if (shard_of("late-" + std::to_string(k), 4) == 1)
+        mine = "late-" + std::to_string(k);
+    part.list({mine});
+  }
+  merge(some, folder / "merged.db");
+  const std::string what = missing(Database(folder / "merged.db"));
+  EXPECT_NE(what.find("shard 3 of 4 is missing"), std::string::npos) << what;
+  EXPECT_NE(what.find("late-"), std::string::npos) << what;
+  merge({folder / "merged.db", folder / "part3.db"}, folder / "whole.db");
+  EXPECT_EQ(missing(Database(folder / "whole.db")).find("shard"), std::string::npos);
+}
+
+TEST_F(DatabaseTest, ABetterRowWinsInEitherOrder) {
+  Row failed = draw(3)[1], done = failed;
+  done.state = RowState::done;
+  failed.modified_ns = 10;
+  EXPECT_TRUE(better(done, failed));
+  EXPECT_FALSE(better(failed, done));
+  Row younger = done;
+  younger.modified_ns = 5;
+  EXPECT_TRUE(better(younger, done));
+}
+
+TEST_F(DatabaseTest, ChangedFilesWaitAgain) {
+  const std::string capture = folder / "capture.csv", path = folder / "study.db";
+  test::write_file(capture, "x");
+  Database study(path, {});
+  study.list({capture, capture});
+  EXPECT_EQ(study.waiting(false), std::vector<std::string>{capture});
+  Row row = draw(3)[0];
+  row.capture = capture;
+  row.bytes = stamp_of(capture).bytes;
+  row.modified_ns = stamp_of(capture).modified_ns;
+  study.put(row);
+  EXPECT_TRUE(study.waiting(false).empty());
+  row.state = RowState::failed;
+  study.put(row);
+  EXPECT_TRUE(study.waiting(false).empty());
+  EXPECT_EQ(study.waiting(true).size(), 1u);
+  test::write_file(capture, "xy");
+  EXPECT_EQ(study.waiting(false).size(), 1u);
+}
+
+TEST_F(DatabaseTest, RefusesWhatItIsNot) {
+  test::write_file(folder / "text.db",
+                   "no database at all, but long enough to be read as one.....");
+  EXPECT_THROW(Database(folder / "text.db"), Error);
+  EXPECT_THROW(Database(folder / "absent.db"), Error);
+  { Sqlite(folder / "other.db", Sqlite::Mode::write).run("CREATE TABLE captures(x)"); }
+  EXPECT_THROW(Database(folder / "other.db"), Error);
+  EXPECT_THROW(Database(folder / "other.db", {}), Error);
+  { Database(folder / "whole.db", {}); }
+  EXPECT_THROW(Database(folder / "whole.db", {true, 1, 2}), Error);
+  EXPECT_THROW(Database(folder / "whole.db", {false, 1, 1}), Error);
+  EXPECT_THROW(row_from_text("{}"), Error);
+  EXPECT_THROW(row_from_text("not json"), Error);
+}
+
+TEST_F(DatabaseTest, ShardsShareTheNamesOutEvenly) {
+  std::vector<int> count(8, 0);
+  for (int k = 0; k < 8000; ++k)
+    ++count[static_cast<std::size_t>(shard_of("captures/ring-" + std::to_string(k) + ".csv", 8) -
+                                     1)];
+  for (int c : count)
+    EXPECT_NEAR(c, 1000, 6 * 30); // six standard deviations of a binomial count
+}
+
+} // namespace
+} // namespace ada::study
