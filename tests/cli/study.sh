@@ -19,7 +19,8 @@ capture() {
   done
   ((!$#)) || shift
   status 0 iio-angle simulate --seed "$seed" --rate 1000 --duration 2 "$@" -o "$file"
-  awk -v keys="$keys" 'NR == 2 { printf "%s", keys } { print }' "$file" >with-keys && mv with-keys "$file"
+  awk -v keys="$keys" 'NR == 2 { printf "%s", keys } !/^# serial =/ { print }' "$file" >with-keys &&
+    mv with-keys "$file"
 }
 
 quick_captures() { # quick_captures COUNT
@@ -74,7 +75,7 @@ check_an_analysis_that_hangs_or_crashes_costs_itself_alone() {
   status 0 iio-angle study run --without diagnose --jobs 2 --limit 2 -o s.db hang.csv c1.csv c2.csv
   says err 'hang.csv: the analysis took longer than 2 s'
   same "done" "$(rows s.db "state = 'done'")" 2
-  iio-angle study run --without diagnose --jobs 2 -o t.db crash.csv c1.csv c2.csv 2>err &
+  iio-angle study run --without diagnose --jobs 2 --limit 60 -o t.db crash.csv c1.csv c2.csv 2>err &
   local study=$! worker='' i
   for ((i = 0; i < 200; i++)); do
     worker=$(ps -o pid= --ppid "$study" | head -1)

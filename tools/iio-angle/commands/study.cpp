@@ -10,11 +10,13 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <sched.h>
 #include <unistd.h>
 
 #include "common/file_roles.h"
 #include "common/handles.h"
+#include "common/numbers.h"
 #include "common/print.h"
 #include "common/progress.h"
 #include "common/verb.h"
@@ -161,7 +163,7 @@ int run(const RunOptions &options) {
     const char *name = ada4571_study_waiting(study.get(), k);
     if (why_not.empty()) {
       check(ada4571_study_put(study.get(), text.c_str()));
-      course.ended("");
+      course.ended(nlohmann::json::parse(text).value("reason", ""));
       return;
     }
     const auto row = make<StudyRow>(ada4571_study_row_failed, name,
@@ -236,7 +238,7 @@ void add_run(CLI::App &study, Action &action) {
   verb->add_option("--limit", options->limit_s, "longest time of one capture, in s; 0 for none")
       ->capture_default_str()
       ->type_name("S")
-      ->check(CLI::NonNegativeNumber);
+      ->check(kNonNegative);
   verb->add_flag("--again", options->again,
                  "do those again that failed, or that another version did");
   verb->add_option("-o,--output", options->output, "study, an SQLite database")

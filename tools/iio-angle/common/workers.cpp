@@ -62,6 +62,11 @@ public:
   ~Signals() { restore(); }
   void restore() const { sigprocmask(SIG_SETMASK, &before_, nullptr); }
   int fd() const { return fd_.fd; }
+  /// Whether one came; it is taken, so that it does not end the program when it is let in again.
+  bool came() const {
+    signalfd_siginfo which;
+    return read(fd_.fd, &which, sizeof which) == static_cast<ssize_t>(sizeof which);
+  }
 
 private:
   sigset_t before_{};
@@ -175,7 +180,7 @@ bool wait_for(const std::vector<Process> &running, const Signals &signals,
   const auto ms =
       std::chrono::duration_cast<std::chrono::milliseconds>(next - Clock::now()).count();
   poll(wanted.data(), wanted.size(), static_cast<int>(std::max<long long>(0, ms + 1)));
-  return wanted[0].revents == 0;
+  return !signals.came();
 }
 
 } // namespace
