@@ -1,35 +1,30 @@
-#!/ usr / bin / env bash
-#SPDX - License - Identifier : MIT
-#SPDX - FileCopyrightText : The libada4571 authors
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: The libada4571 authors
 #
-#slurm.sh BUILD : tools / study.sbatch on a real Slurm of this test's own: munged, slurmctld and slurmd
-#on loopback, with configuration, key and state in a folder that is removed.Ends with 77(skipped)
-#where they are not installed.
+# slurm.sh BUILD: tools/study.sbatch on a real Slurm of this test's own: munged, slurmctld and slurmd
+# on loopback, with configuration, key and state in a folder that is removed. Ends with 77 (skipped)
+# where they are not installed.
 set -u
 BUILD=$(cd "$1" && pwd)
 SOURCE=$(cd "$(dirname "$0")/../.." && pwd)
 PATH=$BUILD/tools:$PATH:/usr/sbin
-for tool in munged slurmctld slurmd sbatch sqlite3;
-do
-  command - v "$tool" > / dev / null || {
-    echo "skipped: $tool is not installed" && exit 77;
-  }
-done [[$(id - u) == 0]] || {
-  echo "skipped: slurmd runs as root only" && exit 77;
-}
+for tool in munged slurmctld slurmd sbatch sqlite3; do
+  command -v "$tool" >/dev/null || { echo "skipped: $tool is not installed" && exit 77; }
+done
+[[ $(id -u) == 0 ]] || { echo "skipped: slurmd runs as root only" && exit 77; }
 
-WORK = $(mktemp - d / tmp / ada4571 - slurm - XXXXXX) export SLURM_CONF =
-    $WORK / slurm.conf IIO_ANGLE = $BUILD / tools / iio - angle NODE = $(hostname - s) PIDS = ()
+WORK=$(mktemp -d /tmp/ada4571-slurm-XXXXXX)
+export SLURM_CONF=$WORK/slurm.conf IIO_ANGLE=$BUILD/tools/iio-angle
+NODE=$(hostname -s)
+PIDS=()
 
-                                       fail() {
-  echo "FAILED: $*" && tail - n 15 "$WORK"/*.log && exit 1; }
+fail() { echo "FAILED: $*" && tail -n 15 "$WORK"/*.log && exit 1; }
 
 stop_all() {
-  local file pid
-  for file in "$WORK"/*.pid; do
-    [[ -s $file ]] || continue
-    pid=$(<"$file")
-    kill "$pid" 2>/dev/null
+  local file
+  for file in "$WORK"/slurmd.pid "$WORK"/slurmctld.pid; do
+    [[ ! -s $file ]] || kill "$(<"$file")" 2>/dev/null
   done
   ((${#PIDS[@]} == 0)) || kill "${PIDS[@]}" 2>/dev/null
   wait 2>/dev/null
@@ -114,7 +109,7 @@ every_capture_once() { # every_capture_once STUDY
     == "$COUNT|$COUNT|$COUNT" ]] || fail "not every capture once: $(sqlite3 "$1" 'SELECT capture, state FROM captures')"
 }
 
-COUNT=24
+COUNT=12
 configure
 start_munge
 slurmctld -c
