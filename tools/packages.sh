@@ -11,15 +11,15 @@
 # dt-schema), and what needs it is skipped there.
 declare -A PACKAGES=(
   [build]="g++ cmake ninja-build pkgconf libiio-dev libgpiod-dev libeigen3-dev libhwy-dev
-    libcli11-dev libfmt-dev libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev libsqlite3-dev
-    libboost-dev python3"
+    libcli11-dev libfmt-dev libncurses-dev libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev
+    libsqlite3-dev libboost-dev python3"
   [python]="pybind11-dev python3-dev python3-numpy"
   [docs]="doxygen mandoc mkdocs device-tree-compiler"
   [report]="gnuplot-nox"
   [test]="libgtest-dev libbenchmark-dev libsleef-dev libumockdev-dev umockdev libiio-utils iiod
     device-tree-compiler mandoc python3-pytest shellcheck chromium
     poppler-utils slurmctld slurmd slurm-client munge sqlite3
-    python3-pandas"
+    python3-pandas libsystemd-dev tmux"
   [kernel]="qemu-system-x86 busybox-static cpio kmod xz-utils zstd bc gcc make perl gpiod udev
     systemd iproute2"
   [where-offered]="dt-schema"

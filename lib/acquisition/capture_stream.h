@@ -15,6 +15,7 @@
 #include <string>
 
 #include "acquisition/iio_library.h"
+#include "acquisition/readiness.h"
 #include "acquisition/wake_up.h"
 
 namespace ada {
@@ -34,6 +35,9 @@ public:
   /// while the cancellation is up. The block lives until the next call. Throws DISCONNECTED when
   /// device or server are gone, IO otherwise.
   virtual Event next(CaptureBlock &block, Clock::time_point deadline) = 0;
+  /// Has the descriptors watched that are readable when next() may have something. One may be so for
+  /// nothing; a next() that is a time-out makes it quiet.
+  virtual void announce_to(Readiness &readiness) = 0;
 };
 
 /// For buffers with a poll fd. `presence_path` is a path that exists as long as the device does: on

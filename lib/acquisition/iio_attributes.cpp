@@ -54,7 +54,7 @@ std::string number_text(double value) {
   return std::string(text.data(), end.ptr);
 }
 
-constexpr const char *kRate = "sampling_frequency";
+constexpr const char *kRate = "sampling_frequency", *kAvailable = "sampling_frequency_available";
 
 /// Device and channel (empty: the device itself) that hold the sampling frequency. A device that is
 /// triggered runs at the rate of its trigger.
@@ -101,10 +101,13 @@ double write_sample_rate(IioContext &context, const IioDevice &device, const Iio
   if (!found)
     return rate_hz;
   const int error = context.write(found->first.id, found->second, kRate, number_text(rate_hz));
-  if (error != 0)
+  if (error != 0) {
+    const auto available = context.read(found->first.id, found->second, kAvailable);
     throw Error(status_of_errno(error), place(found->first, found->second, kRate) +
                                             ": cannot be set to " + number_text(rate_hz) + ": " +
-                                            errno_text(error));
+                                            errno_text(error) +
+                                            (available ? "; it has " + *available : ""));
+  }
   return read_sample_rate(context, device, channel);
 }
 

@@ -159,6 +159,7 @@ public:
 
   void start() override;
   ReadResult read(std::span<Frame> out, milliseconds timeout) override;
+  int poll_fd() override;
   void cancel() noexcept override;
   void stop() noexcept override;
 
@@ -168,6 +169,13 @@ public:
   IioSourceOptions resolved_options() const override;
 
 private:
+  /// What makes the descriptor of an event loop readable; `again` for all but the arrival of data.
+  struct Loop {
+    Readiness readiness;
+    WakeUp again;
+  };
+
+  ReadResult read_frames(std::span<Frame> out, milliseconds timeout);
   void reopen_after_loss();
   std::size_t buffer_frames() const;
   unsigned kernel_buffers(std::size_t frames) const;
@@ -185,6 +193,7 @@ private:
   bool lost_ = false;         ///< device or server are gone; start() opens anew
 
   Cancellation cancellation_; ///< raised by other threads; lowered by start()
+  std::unique_ptr<Loop> loop_;  ///< once somebody asked for it
   std::unique_ptr<CaptureStream> stream_;
 };
 
@@ -273,6 +282,8 @@ void IioSourceImpl::start() {
     assembler_.reset(layout_.frame_bytes);
     stream_ = make_stream();
     cancellation_.lower();
+    if (loop_)
+      stream_->announce_to(loop_->readiness);
   } catch (const Error &e) {
     lost_ = lost_ || e.status() == ADA4571_ERROR_DISCONNECTED;
     throw Error(e.status(), with_hint(e, options_.uri));
@@ -281,13 +292,45 @@ void IioSourceImpl::start() {
 
 void IioSourceImpl::stop() noexcept {
   stream_.reset();
+  if (loop_)
+    loop_->again.clear();
 }
 
 void IioSourceImpl::cancel() noexcept {
   cancellation_.raise();
 }
 
+int IioSourceImpl::poll_fd() {
+  if (!loop_) {
+    auto loop = std::make_unique<Loop>();
+    loop->readiness.watch(cancellation_.fd());
+    loop->readiness.watch(loop->again.fd());
+    if (stream_) {
+      stream_->announce_to(loop->readiness);
+      loop->again.ring(); // frames may be in hand already
+    }
+    loop_ = std::move(loop);
+  }
+  return loop_->readiness.fd();
+}
+
 ReadResult IioSourceImpl::read(std::span<Frame> out, milliseconds timeout) {
+  if (!loop_)
+    return read_frames(out, timeout);
+  try {
+    const ReadResult result = read_frames(out, timeout);
+    if (result.outcome == ReadOutcome::timeout)
+      loop_->again.clear();
+    else
+      loop_->again.ring();
+    return result;
+  } catch (...) {
+    loop_->again.ring();
+    throw;
+  }
+}
+
+ReadResult IioSourceImpl::read_frames(std::span<Frame> out, milliseconds timeout) {
   if (cancellation_.raised())
     return {ReadOutcome::cancelled, 0};
   if (!stream_)

@@ -5,6 +5,7 @@
 #include <cerrno>
 
 #include <poll.h>
+#include <sys/timerfd.h>
 #include <unistd.h>
 
 #include "acquisition/capture_stream.h"
@@ -19,6 +20,8 @@ using std::chrono::milliseconds;
 /// The kernel wakes a poll only when a whole buffer is there, and not at all when the device is
 /// removed; looking this often bounds both delays and costs nothing beside a capture.
 constexpr milliseconds kSlice{50};
+/// The same for an event loop, which it wakes for nothing each time.
+constexpr milliseconds kTick{200};
 
 class PolledStream final : public CaptureStream {
 public:
@@ -41,13 +44,31 @@ public:
       if (access(presence_path_.c_str(), F_OK) != 0)
         fail(ENODEV);
       const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
-      if (left <= milliseconds(0))
+      if (left <= milliseconds(0)) {
+        quieten();
         return Event::timeout;
+      }
       wait(std::min(left, kSlice));
     }
   }
 
+  void announce_to(Readiness &readiness) override {
+    tick_ = Descriptor(timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK));
+    const long ns = std::chrono::nanoseconds(kTick).count();
+    const itimerspec every{{0, ns}, {0, ns}};
+    if (tick_.get() < 0 || timerfd_settime(tick_.get(), 0, &every, nullptr) != 0)
+      throw Error(ADA4571_ERROR_IO, "cannot make a timer: " + errno_text(errno));
+    readiness.watch(tick_.get());
+    readiness.watch(buffer_->poll_fd());
+  }
+
 private:
+  void quieten() {
+    std::uint64_t ticks = 0;
+    if (tick_.get() >= 0)
+      (void)!read(tick_.get(), &ticks, sizeof ticks);
+  }
+
   void wait(milliseconds slice) {
     pollfd fds[2] = {{cancellation_.fd(), POLLIN, 0}, {buffer_->poll_fd(), POLLIN, 0}};
     const int timeout = static_cast<int>(slice.count());
@@ -67,6 +88,7 @@ private:
   const Cancellation &cancellation_;
   std::unique_ptr<IioBuffer> buffer_;
   std::string presence_path_, name_;
+  Descriptor tick_; ///< of an event loop's; none before somebody asked
 };
 
 } // namespace

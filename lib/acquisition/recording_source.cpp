@@ -4,10 +4,11 @@
 #include "acquisition/recording_source.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
+#include "acquisition/pace.h"
 #include "base/error.h"
+#include "base/text.h"
 
 namespace ada {
 
@@ -32,8 +33,8 @@ SourceInfo describe(const Capture &capture) {
 
 class RecordingSource final : public Source {
 public:
-  explicit RecordingSource(std::shared_ptr<const Capture> capture)
-      : capture_(std::move(capture)), info_(describe(*capture_)) {}
+  RecordingSource(std::shared_ptr<const Capture> capture, double speed)
+      : capture_(std::move(capture)), info_(describe(*capture_)), pace_(speed) {}
 
   const SourceInfo &info() const override { return info_; }
 
@@ -41,45 +42,57 @@ public:
     next_ = 0;
     started_ = true;
     statistics_ = {};
-    cancelled_ = false;
+    pace_.start();
   }
 
-  ReadResult read(std::span<Frame> out, std::chrono::milliseconds) override {
-    if (cancelled_)
+  ReadResult read(std::span<Frame> out, std::chrono::milliseconds timeout) override {
+    if (pace_.cancelled())
       return {ReadOutcome::cancelled, 0};
     if (!started_)
       throw Error(ADA4571_ERROR_STATE, "the source is not started");
     if (out.empty())
       throw Error(ADA4571_ERROR_INVALID_ARGUMENT, "room for at least one frame is needed");
-    const std::size_t n = std::min(out.size(), capture_->size() - next_);
-    if (n == 0)
+    if (next_ == capture_->size())
       return {ReadOutcome::end, 0};
+    switch (pace_.wait(since_first_s(next_), timeout)) {
+    case Pace::Wake::cancelled:
+      return {ReadOutcome::cancelled, 0};
+    case Pace::Wake::timeout:
+      return {ReadOutcome::timeout, 0};
+    case Pace::Wake::due:
+      break;
+    }
+    const std::size_t n = due_frames(out.size());
     for (std::size_t i = 0; i < n; ++i)
-      out[i] = frame(next_ + i);
+      out[i] = capture_->frame(next_ + i);
     count_gaps(next_, next_ + n);
     next_ += n;
     statistics_.frames += n;
+    // The end comes with the last frame: nothing is known of when one more would be due.
+    pace_.announce(since_first_s(std::min(next_, capture_->size() - 1)));
     return {ReadOutcome::frames, n};
   }
 
-  void cancel() noexcept override { cancelled_ = true; }
-  void stop() noexcept override { started_ = false; }
+  int poll_fd() override { return pace_.fd(); }
+  void cancel() noexcept override { pace_.cancel(); }
+  void stop() noexcept override {
+    started_ = false;
+    pace_.stop();
+  }
   SourceStatistics statistics() const override { return statistics_; }
 
 private:
-  Frame frame(std::size_t i) const {
-    const Capture &c = *capture_;
-    Frame f = empty_frame();
-    f.time_s = c.time_s[i];
-    f.vsin_v = c.vsin_v[i];
-    f.vcos_v = c.vcos_v[i];
-    if (c.has_vtemp())
-      f.vtemp_v = c.vtemp_v[i];
-    if (c.has_vdd())
-      f.vdd_v = c.vdd_v[i];
-    if (c.has_reference())
-      f.reference_deg = c.reference_deg[i];
-    return f;
+  double since_first_s(std::size_t i) const {
+    return capture_->time_s[i] - capture_->time_s.front();
+  }
+
+  /// From the next on, at least that one, at most `room`.
+  std::size_t due_frames(std::size_t room) const {
+    const auto &times = capture_->time_s;
+    const auto begin = times.begin() + static_cast<std::ptrdiff_t>(next_);
+    const auto most = begin + static_cast<std::ptrdiff_t>(std::min(room, times.size() - next_));
+    const auto end = std::upper_bound(begin + 1, most, times.front() + pace_.elapsed_s());
+    return static_cast<std::size_t>(end - begin);
   }
 
   /// Gaps whose first sample lies in [begin, end); what is missing, where the rate is known.
@@ -101,13 +114,20 @@ private:
   SourceStatistics statistics_;
   std::size_t next_ = 0;
   bool started_ = false;
-  std::atomic<bool> cancelled_{false};
+  Pace pace_;
 };
 
 } // namespace
 
-std::unique_ptr<Source> make_recording_source(std::shared_ptr<const Capture> capture) {
-  return std::make_unique<RecordingSource>(std::move(capture));
+std::unique_ptr<Source> make_recording_source(std::shared_ptr<const Capture> capture,
+                                              double speed) {
+  return std::make_unique<RecordingSource>(std::move(capture), speed);
+}
+
+void check_speed(double speed) {
+  if (!(speed > 0.0 && speed <= kMostSpeed))
+    throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
+                "the speed of a replay must be above 0 and at most " + shortest(kMostSpeed));
 }
 
 } // namespace ada

@@ -56,6 +56,9 @@ public:
   virtual const SourceInfo &info() const = 0;
   virtual void start() = 0;
   virtual ReadResult read(std::span<Frame> out, std::chrono::milliseconds timeout) = 0;
+  /// For an event loop, the same at every call: readable while a read that does not wait would tell
+  /// something else than a time-out. After a read that did, until one that is a time-out.
+  virtual int poll_fd() = 0;
   virtual void cancel() noexcept = 0;
   virtual void stop() noexcept = 0;
   virtual SourceStatistics statistics() const = 0;

@@ -83,6 +83,8 @@ public:
     }
   }
 
+  void announce_to(Readiness &readiness) override { readiness.watch(arrived_.fd()); }
+
 private:
   struct Slot {
     std::vector<std::byte> bytes;

@@ -20,7 +20,16 @@ ada4571_status ada4571_emulator_new(const ada4571_simulation *simulation, int po
   return guard([&] {
     require(simulation, "simulation");
     require(emulator, "emulator");
-    *emulator = new ada4571_emulator{Emulator(simulation->impl, port)};
+    *emulator = new ada4571_emulator{Emulator(emulated_context(simulation->impl), port)};
+  });
+}
+
+ada4571_status ada4571_emulator_new_replay(const ada4571_recording *recording, double speed,
+                                           int port, ada4571_emulator **emulator) {
+  return guard([&] {
+    require(recording, "recording");
+    require(emulator, "emulator");
+    *emulator = new ada4571_emulator{Emulator(replayed_context(recording->impl, speed), port)};
   });
 }
 

@@ -150,6 +150,18 @@ ada4571_status ada4571_source_open_recording(const ada4571_recording *recording,
   });
 }
 
+ada4571_status ada4571_source_open_replay(const ada4571_recording *recording, double speed,
+                                          ada4571_source **source) {
+  return guard([&] {
+    require(recording, "recording");
+    require(source, "source");
+    check_speed(speed);
+    auto handle = std::make_unique<ada4571_source>();
+    handle->impl = make_recording_source(recording->impl, speed);
+    *source = handle.release();
+  });
+}
+
 ada4571_status ada4571_source_open_simulation(const ada4571_simulation *simulation, int realtime,
                                               ada4571_source **source) {
   return guard([&] {
@@ -208,6 +220,14 @@ ada4571_status ada4571_source_read(ada4571_source *source, ada4571_frame *frames
         source->impl->read({frames, capacity}, std::chrono::milliseconds(timeout_ms));
     *count = result.count;
     *outcome = translate(result.outcome);
+  });
+}
+
+ada4571_status ada4571_source_get_fd(ada4571_source *source, int *fd) {
+  return guard([&] {
+    require(source, "source");
+    require(fd, "fd");
+    *fd = source->impl->poll_fd();
   });
 }
 

@@ -176,6 +176,10 @@ ADA4571_API ada4571_status ada4571_source_open(const ada4571_source_options *opt
 /* Plays a recording back, as fast as it is read. */
 ADA4571_API ada4571_status ada4571_source_open_recording(const ada4571_recording *recording,
                                                          ada4571_source **source);
+/* Plays it back as the device would have given it: by its own times, `speed` times as fast (1: as
+ * recorded; above 0, up to 1e6). Its frames keep the times that were recorded. */
+ADA4571_API ada4571_status ada4571_source_open_replay(const ada4571_recording *recording,
+                                                      double speed, ada4571_source **source);
 /* The simulated sensor. realtime != 0 paces it by the clock. */
 ADA4571_API ada4571_status ada4571_source_open_simulation(const ada4571_simulation *simulation,
                                                           int realtime, ada4571_source **source);
@@ -192,6 +196,14 @@ ADA4571_API ada4571_status ada4571_source_set_buffer(ada4571_source *source, siz
 ADA4571_API ada4571_status ada4571_source_read(ada4571_source *source, ada4571_frame *frames,
                                                size_t capacity, int timeout_ms, size_t *count,
                                                ada4571_read_outcome *outcome);
+/* A descriptor for poll, epoll or an event loop, of any source. While it is readable (POLLIN) a read
+ * with timeout_ms 0 has something to tell: frames, the end, a cancel, or a loss. After that read it
+ * stays readable until one gives ADA4571_READ_TIMEOUT; the first after start may be for nothing. At
+ * the end, when cancelled and after an error it stays readable until the next start: stop watching
+ * it then, or start again. It is the same from the first call to ada4571_source_free(), which closes
+ * it; do not read it, and do not close it. Any thread may wait for it while one reads
+ * (docs/event-loops.md). */
+ADA4571_API ada4571_status ada4571_source_get_fd(ada4571_source *source, int *fd);
 /* Makes a read in another thread return at once. Thread-safety: any thread, not a signal handler. */
 ADA4571_API ada4571_status ada4571_source_cancel(ada4571_source *source);
 ADA4571_API ada4571_status ada4571_source_stop(ada4571_source *source);
@@ -300,6 +312,49 @@ ADA4571_API ada4571_status ada4571_writer_write(ada4571_writer *writer, const ad
                                                 size_t count);
 ADA4571_API ada4571_status ada4571_writer_finish(ada4571_writer *writer);
 ADA4571_API void ada4571_writer_free(ada4571_writer *writer);
+
+/* Measurements of other programs as frames: the CSV text of an oscilloscope or of an acquisition
+ * program, with whatever stands before its rows, and numpy's .npy. What the file says of itself is
+ * taken from it, the rest from the options; what cannot be told is refused rather than guessed
+ * (docs/import.md). The file is read as the frames are, so that its length does not matter. */
+typedef struct ada4571_import ada4571_import;
+
+typedef struct ada4571_import_column {
+  const char *column; /* its name in the file, or its number from 1; NULL: looked for by its name;
+                       * "": there is none */
+  double scale;       /* value = scale * number + offset, in the units of ada4571_frame; NaN: by the
+                       * unit that the file gives */
+  double offset;      /* 0 */
+} ada4571_import_column;
+
+typedef struct ada4571_import_options {
+  size_t struct_size;
+  const char *separator; /* between columns: ",", ";", "|", "\t" or " "; NULL: found out */
+  const char *decimal;   /* "." or ","; NULL: found out */
+  int header_lines;      /* lines before the first row; -1: found out */
+  ada4571_import_column time, vsin, vcos, vtemp, vdd, reference;
+  double sample_rate_hz; /* takes the place of the times; 0: by the file */
+  double supply_v;       /* 5.0 */
+  int periods_per_turn;  /* 2 */
+} ada4571_import_options;
+
+ADA4571_API void ada4571_import_options_init(ada4571_import_options *options);
+/* ADA4571_ERROR_FORMAT with file, line and column for a file that is not understood, and
+ * ADA4571_ERROR_INVALID_ARGUMENT where it can be understood in more than one way, or does not have
+ * what the options name: then more options are needed. "-" is standard input. */
+ADA4571_API ada4571_status ada4571_import_open(const char *path,
+                                               const ada4571_import_options *options,
+                                               ada4571_import **import);
+/* How the file was understood, for a person: a line a channel. Empty for NULL. */
+ADA4571_API const char *ada4571_import_text(const ada4571_import *import);
+/* For ada4571_writer_open(). `samples` and `duration_s` are 0: nothing is known of the rows yet. */
+ADA4571_API ada4571_status ada4571_import_get_info(const ada4571_import *import,
+                                                   ada4571_recording_info *info);
+/* The next frames, up to `capacity`; 0 at the end. Every number is finite and no time goes back;
+ * ADA4571_ERROR_FORMAT with file, line and column of the one that breaks that. */
+ADA4571_API ada4571_status ada4571_import_read(ada4571_import *import, ada4571_frame *frames,
+                                               size_t capacity, size_t *count);
+ADA4571_API void ada4571_import_free(ada4571_import *import);
 
 /* Any other file that appears whole or not at all: it takes its name, or another's place, only with
  * _commit; _free without it leaves nothing behind. A file that is replaced hands on its permissions.
@@ -553,6 +608,11 @@ ADA4571_API void ada4571_simulation_free(ada4571_simulation *simulation);
  * 127.0.0.1:port; port 0 picks a free one. */
 ADA4571_API ada4571_status ada4571_emulator_new(const ada4571_simulation *simulation, int port,
                                                 ada4571_emulator **emulator);
+/* The same for a recording, played `speed` times as fast as it was recorded (above 0, up to 1e6): each
+ * client's buffer begins at its first sample, and after its last one nothing comes any more. */
+ADA4571_API ada4571_status ada4571_emulator_new_replay(const ada4571_recording *recording,
+                                                       double speed, int port,
+                                                       ada4571_emulator **emulator);
 ADA4571_API int ada4571_emulator_port(const ada4571_emulator *emulator);
 /* Serves until _stop. */
 ADA4571_API ada4571_status ada4571_emulator_run(ada4571_emulator *emulator);

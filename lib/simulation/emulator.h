@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// The simulated sensor behind a simulated converter, as a network IIO device for any libiio client.
+// The simulated sensor, or a recording, as a network IIO device for any libiio client.
 #pragma once
 
 #include <memory>
 
+#include "recording/capture.h"
 #include "simulation/iiod_server.h"
 #include "simulation/simulation.h"
 
@@ -16,10 +17,15 @@ namespace ada {
 /// through a divider of one half, since it may exceed the converter's reference.
 std::shared_ptr<ServedContext> emulated_context(std::shared_ptr<const Simulation> simulation);
 
+/// The device "ada4571-replay", which gives the capture `speed` times as fast as it was recorded; its
+/// timestamps are those of a device that is so fast. A channel whose volts are codes of the
+/// converter that the capture names has that converter's bits, any other 32. The reference is left out.
+std::shared_ptr<ServedContext> replayed_context(std::shared_ptr<const Capture> capture,
+                                                double speed);
+
 class Emulator {
 public:
-  Emulator(std::shared_ptr<const Simulation> simulation, int port)
-      : server_(emulated_context(std::move(simulation)), port) {}
+  Emulator(std::shared_ptr<ServedContext> context, int port) : server_(std::move(context), port) {}
 
   int port() const { return server_.port(); }
   void run() { server_.run(); }

@@ -85,10 +85,17 @@ std::size_t IiodBuffer::frames_in(std::size_t bytes) const {
   return std::min(bytes, bytes_.size()) / layout_.frame_bytes;
 }
 
+double IiodBuffer::time_of(std::uint64_t frame) const {
+  if (device_.time_s)
+    return device_.time_s(frame);
+  return device_.rate_hz > 0.0 ? static_cast<double>(frame) / device_.rate_hz
+                               : 1e-9 * static_cast<double>(frame);
+}
+
 IiodBuffer::Clock::time_point IiodBuffer::due(std::size_t frames) const {
   if (device_.rate_hz <= 0.0)
     return Clock::now();
-  const double seconds = static_cast<double>(produced_ + frames) / device_.rate_hz;
+  const double seconds = time_of(produced_ + frames - 1) + 1.0 / device_.rate_hz;
   return began_ +
          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
@@ -107,7 +114,6 @@ bool IiodBuffer::produce(std::size_t frames) {
 }
 
 void IiodBuffer::lay_down(std::size_t first, std::size_t frames) {
-  const double period_ns = device_.rate_hz > 0.0 ? 1e9 / device_.rate_hz : 1.0;
   char *const begin = bytes_.data() + first * layout_.frame_bytes;
   std::fill_n(begin, frames * layout_.frame_bytes, '\0'); // the kernel's padding is zero
   for (std::size_t e = 0; e < elements_.size(); ++e) {
@@ -116,7 +122,7 @@ void IiodBuffer::lay_down(std::size_t first, std::size_t frames) {
     for (std::size_t i = 0; i < frames; ++i, at += layout_.frame_bytes) {
       const std::uint64_t frame = produced_ + first + i;
       const std::int64_t value =
-          element.timestamp ? began_ns_ + std::llround(static_cast<double>(frame) * period_ns)
+          element.timestamp ? began_ns_ + std::llround(1e9 * time_of(frame))
                             : counts_[i * columns_ + element.column];
       put(at, element.format, value);
     }

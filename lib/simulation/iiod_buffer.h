@@ -61,6 +61,8 @@ private:
     bool timestamp;
   };
 
+  /// Seconds from the beginning of the stream to when that frame is taken.
+  double time_of(std::uint64_t frame) const;
   /// Lays `frames` frames of counts_ down from frame `first` of the buffer on.
   void lay_down(std::size_t first, std::size_t frames);
   void put(char *at, const ScanFormat &format, std::int64_t value) const;

@@ -52,6 +52,30 @@ template <class Number> std::optional<Number> parse(std::string_view text, int b
 /// The end of a connection, for whatever reason.
 struct Closed {};
 
+/// A device's buffer in the hands of a client: as long as there is one, the rate stays.
+class OpenBuffer {
+public:
+  OpenBuffer(ServedContext &context, ServedDevice &device)
+      : buffer(device), context_(context), device_(device) {
+    const std::lock_guard lock(context_.mutex);
+    ++device_.open_buffers;
+  }
+  ~OpenBuffer() {
+    const std::lock_guard lock(context_.mutex);
+    --device_.open_buffers;
+  }
+  OpenBuffer(const OpenBuffer &) = delete;
+  OpenBuffer &operator=(const OpenBuffer &) = delete;
+
+  bool of(const ServedDevice &device) const { return &device == &device_; }
+
+  IiodBuffer buffer;
+
+private:
+  ServedContext &context_;
+  ServedDevice &device_;
+};
+
 class Connection {
 public:
   Connection(int fd, int stop_fd, ServedContext &context, const IiodServer::FaultHook &faults)
@@ -186,7 +210,7 @@ private:
     case IiodFault::Kind::short_answer:
       if (buffer_ && line.starts_with("READBUF")) {
         const std::size_t bytes = parse<std::size_t>(split(line).back()).value_or(0);
-        send_all(std::to_string(bytes) + "\n" + buffer_->mask_text() + "\n" +
+        send_all(std::to_string(bytes) + "\n" + buffer_->buffer.mask_text() + "\n" +
                  std::string(bytes / 2, '\0'));
       } else {
         send_all("1000\nhalf");
@@ -321,7 +345,7 @@ private:
       return answer(-ENODEV);
     if (words[0] == "OPEN")
       return open(*device, words);
-    if (!buffer_ || open_device_ != device)
+    if (!buffer_ || !buffer_->of(*device))
       return answer(-EBADF);
     if (words[0] == "CLOSE") {
       buffer_.reset();
@@ -339,32 +363,31 @@ private:
     const auto samples = words.size() >= 4 ? parse<std::size_t>(words[2]) : std::nullopt;
     if (!samples || words.size() > 4 || !device.frames) // CYCLIC is for outputs
       return answer(-EINVAL);
-    auto buffer = std::make_unique<IiodBuffer>(device);
-    const int error = buffer->open(*samples, words[3]);
+    auto opened = std::make_unique<OpenBuffer>(context_, device);
+    const int error = opened->buffer.open(*samples, words[3]);
     if (error)
       return answer(-error);
-    buffer_ = std::move(buffer);
-    open_device_ = &device;
+    buffer_ = std::move(opened);
     answer(0);
   }
 
   /// As iiod: a buffer that does not fill in time is -ETIMEDOUT, what was there is lost, and the
   /// buffer answers -EBADF from then on.
   void read_buffer(std::size_t bytes) {
-    const std::size_t frames = buffer_->frames_in(bytes);
+    const std::size_t frames = buffer_->buffer.frames_in(bytes);
     if (frames == 0)
       return answer(-EINVAL);
-    const auto due = buffer_->due(frames);
+    const auto due = buffer_->buffer.due(frames);
     const auto give_up = IiodBuffer::Clock::now() + timeout_;
     const bool in_time = timeout_.count() == 0 || due <= give_up;
     wait_until(in_time ? due : give_up);
-    if (!in_time || !buffer_->produce(frames)) {
+    if (!in_time || !buffer_->buffer.produce(frames)) {
       wait_until(give_up);
       buffer_.reset();
       return answer(-ETIMEDOUT);
     }
-    const std::string_view data = buffer_->data();
-    send_all(std::to_string(data.size()) + "\n" + buffer_->mask_text() + "\n");
+    const std::string_view data = buffer_->buffer.data();
+    send_all(std::to_string(data.size()) + "\n" + buffer_->buffer.mask_text() + "\n");
     send_all(data);
     if (data.size() < bytes)
       answer(0);
@@ -375,8 +398,7 @@ private:
   const IiodServer::FaultHook &faults_;
   std::string input_;
   std::chrono::milliseconds timeout_ = kDefaultTimeout;
-  std::unique_ptr<IiodBuffer> buffer_;
-  ServedDevice *open_device_ = nullptr;
+  std::unique_ptr<OpenBuffer> buffer_;
 };
 
 } // namespace

@@ -49,10 +49,13 @@ struct ServedDevice {
   std::string id, name, label;
   std::vector<ServedChannel> channels;
   std::vector<ServedAttribute> attributes;
-  double rate_hz = 0.0; ///< pace of the buffer; 0: as fast as it is read
+  double rate_hz = 0.0; ///< pace of the buffer; 0: as fast as it is read. As it is while one is open
   /// A stream for one client's buffer, from the beginning; unset: the device has no buffer.
   std::function<std::unique_ptr<FrameCounts>()> frames{};
-  std::string trigger; ///< id of the trigger in use
+  std::string trigger{}; ///< id of the trigger in use
+  /// When frame `i` of a stream is taken, seconds after its beginning; unset: by the rate.
+  std::function<double(std::uint64_t)> time_s{};
+  int open_buffers = 0; ///< of all clients
 };
 
 struct ServedContext {
@@ -61,7 +64,7 @@ struct ServedContext {
   std::vector<ServedDevice> devices; ///< triggers too: ids "trigger0"...
 
   ServedDevice *find_device(std::string_view id);
-  std::mutex mutex; ///< guards values and triggers once the server runs
+  std::mutex mutex; ///< guards values, rates and triggers once the server runs
 };
 
 /// The context in the XML that libiio 0.24 expects.

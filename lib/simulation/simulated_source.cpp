@@ -15,7 +15,7 @@ constexpr std::size_t kChunk = 1024;
 }
 
 SimulatedSource::SimulatedSource(const Simulation &simulation, bool realtime)
-    : simulation_(simulation), realtime_(realtime) {
+    : simulation_(simulation), pace_(realtime ? 1.0 : 0.0) {
   const SimulationOptions &o = simulation_.options();
   info_.description = "simulated sensor, seed " + std::to_string(simulation_.seed());
   info_.serial = "simulated-" + std::to_string(simulation_.seed());
@@ -38,9 +38,13 @@ void SimulatedSource::start() {
   generated_ = chunk_.size();
   next_in_chunk_ = 0;
   statistics_ = {};
-  started_ = std::chrono::steady_clock::now();
-  const std::lock_guard lock(mutex_);
-  cancelled_ = false;
+  pace_.start();
+  pace_.announce(due_s(0));
+}
+
+void SimulatedSource::stop() noexcept {
+  generator_.reset();
+  pace_.stop();
 }
 
 void SimulatedSource::refill() {
@@ -49,25 +53,6 @@ void SimulatedSource::refill() {
   chunk_ = generator_->next(kChunk);
   generated_ += chunk_.size();
   next_in_chunk_ = 0;
-}
-
-SimulatedSource::Wake SimulatedSource::wait_until_due(std::chrono::milliseconds timeout) {
-  std::unique_lock lock(mutex_);
-  if (cancelled_)
-    return Wake::cancelled;
-  if (!realtime_)
-    return Wake::due;
-  using clock = std::chrono::steady_clock;
-  const double ahead_s = static_cast<double>(statistics_.frames + 1) / info_.sample_rate_hz;
-  const auto due = started_ + std::chrono::duration_cast<clock::duration>(
-                                  std::chrono::duration<double>(ahead_s));
-  const bool bounded = timeout.count() >= 0;
-  const auto limit = bounded ? std::min(due, clock::now() + timeout) : due;
-  while (!cancelled_ && clock::now() < limit)
-    woken_.wait_until(lock, limit);
-  if (cancelled_)
-    return Wake::cancelled;
-  return clock::now() >= due ? Wake::due : Wake::timeout;
 }
 
 ReadResult SimulatedSource::read(std::span<Frame> out, std::chrono::milliseconds timeout) {
@@ -79,34 +64,27 @@ ReadResult SimulatedSource::read(std::span<Frame> out, std::chrono::milliseconds
     refill();
   if (next_in_chunk_ == chunk_.size())
     return {ReadOutcome::end, 0};
-  switch (wait_until_due(timeout)) {
-  case Wake::cancelled:
+  switch (pace_.wait(due_s(statistics_.frames), timeout)) {
+  case Pace::Wake::cancelled:
     return {ReadOutcome::cancelled, 0};
-  case Wake::timeout:
+  case Pace::Wake::timeout:
     return {ReadOutcome::timeout, 0};
-  case Wake::due:
+  case Pace::Wake::due:
     break;
   }
   std::size_t count = std::min(out.size(), chunk_.size() - next_in_chunk_);
-  if (realtime_) { // no frame before its time
-    const std::chrono::duration<double> run = std::chrono::steady_clock::now() - started_;
-    const double due =
-        std::floor(run.count() * info_.sample_rate_hz) - static_cast<double>(statistics_.frames);
-    count = std::min(count, static_cast<std::size_t>(std::max(1.0, due)));
-  }
+  // No frame before its time.
+  const double due =
+      std::floor(pace_.elapsed_s() * info_.sample_rate_hz) - static_cast<double>(statistics_.frames);
+  if (due < static_cast<double>(count))
+    count = static_cast<std::size_t>(std::max(1.0, due));
   for (std::size_t k = 0; k < count; ++k)
     out[k] = chunk_.frame(next_in_chunk_ + k);
   next_in_chunk_ += count;
   statistics_.frames += count;
+  const bool last = total_ > 0 && statistics_.frames == total_; // the end comes with it
+  pace_.announce(due_s(statistics_.frames - (last ? 1 : 0)));
   return {ReadOutcome::frames, count};
-}
-
-void SimulatedSource::cancel() noexcept {
-  {
-    const std::lock_guard lock(mutex_);
-    cancelled_ = true;
-  }
-  woken_.notify_all();
 }
 
 } // namespace ada

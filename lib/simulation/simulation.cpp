@@ -51,7 +51,7 @@ Simulation::Simulation(std::optional<Model> model, SimulationOptions options, st
           "the sample rate must lie between 0 and 100 MHz");
   require(std::isfinite(options_.duration_s) && options_.duration_s >= 0.0,
           "the duration must be 0 or more");
-  require(options_.duration_s * options_.sample_rate_hz <= 1e8,
+  require(options_.duration_s * options_.sample_rate_hz <= kMostSimulatedSamples,
           "more than 100 million samples: simulate a shorter time");
   require(std::isfinite(options_.noise_rms_v) && options_.noise_rms_v >= 0.0,
           "the noise must be 0 or more");

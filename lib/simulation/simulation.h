@@ -28,6 +28,9 @@ struct SimulationOptions {
   bool has_vtemp = true, has_vdd = true, has_reference = true;
 };
 
+/// Of a simulation with an end.
+inline constexpr double kMostSimulatedSamples = 1e8;
+
 /// VTEMP over the supply, read with two digits from a published graph of the part at 3.3 V: 23.3 %
 /// of VDD at 0 degrees Celsius and 3.33 mV/V more a degree. Assumed, not a limit of the part.
 inline constexpr double kVtempFractionAtZero = 0.233;

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <thread>
@@ -69,16 +70,115 @@ TEST_F(EmulatorTest, IioAttrReadsAndWritesAttributes) {
             "0.0762939453125\n");
 }
 
-TEST_F(EmulatorTest, RawReadingsFollowTheSimulation) {
-  serve(options());
+/// Places of a count among the samples of a channel.
+std::vector<std::size_t> places_of(long count, const std::vector<double> &volts, double lsb) {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < volts.size(); ++i)
+    if (std::lround(volts[i] / lsb) == count)
+      places.push_back(i);
+  return places;
+}
+
+TEST_F(EmulatorTest, RawReadingsFollowTheClock) {
+  SimulationOptions o = options();
+  o.duration_s = 60.0; // no reading wraps around
+  o.sample_rate_hz = 1000.0;
+  o.motion = "constant:rpm=10";
+  serve(o);
   const Capture capture = simulation_->run();
-  const double lsb = 5.0 / 65536.0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto sin = run_program("iio_attr" + u() + "-c ada4571-sim voltage0 raw").output;
-    const auto cos = run_program("iio_attr" + u() + "-c ada4571-sim voltage1 raw").output;
-    EXPECT_EQ(sin, std::to_string(std::lround(capture.vsin_v[i] / lsb)) + "\n");
-    EXPECT_EQ(cos, std::to_string(std::lround(capture.vcos_v[i] / lsb)) + "\n");
+  const auto began = std::chrono::steady_clock::now();
+  const auto raw = [&] {
+    return std::stol(run_program("iio_attr" + u() + "-c ada4571-sim voltage0 raw").output);
+  };
+  EXPECT_EQ(raw(), std::lround(capture.vsin_v[0] / (5.0 / 65536.0)));
+  for (int i = 0; i < 3; ++i) {
+    std::this_thread::sleep_for(100ms);
+    const auto places = places_of(raw(), capture.vsin_v, 5.0 / 65536.0);
+    const std::chrono::duration<double> most = std::chrono::steady_clock::now() - began;
+    // At least the sleeps, at most all the time since before the first reading.
+    const bool fits = std::any_of(places.begin(), places.end(), [&](std::size_t at) {
+      const double t = static_cast<double>(at) / 1000.0;
+      return t >= 0.1 * (i + 1) - 1e-3 && t <= most.count();
+    });
+    EXPECT_TRUE(fits) << i << ": " << places.size() << " places";
   }
+}
+
+TEST_F(EmulatorTest, TheRateIsOneOfThoseAvailableAndStaysWhileABufferIsOpen) {
+  serve(options());
+  const auto rate = [&](const std::string &value) {
+    return run_program("iio_attr" + u() + "-d ada4571-sim sampling_frequency " + value + " 2>&1")
+        .output;
+  };
+  const std::string available =
+      run_program("iio_attr" + u() + "-d ada4571-sim sampling_frequency_available").output;
+  EXPECT_EQ(available, "100 200 500 1000 2000 5000 10000 20000 50000 100000\n");
+  rate("1234");
+  EXPECT_EQ(rate(""), "20000\n");
+  rate("rubbish");
+  EXPECT_EQ(rate(""), "20000\n");
+
+  IioSourceOptions o;
+  o.uri = served_->uri();
+  o.sample_rate_hz = 1234.0;
+  try {
+    open_iio_source(o);
+    FAIL() << "a rate that is not available";
+  } catch (const Error &e) {
+    EXPECT_NE(std::string(e.what()).find("cannot be set to 1234: Invalid argument (22); it has 100 "),
+              std::string::npos)
+        << e.what();
+  }
+  o.sample_rate_hz = 1000.0;
+  const auto source = open_iio_source(o);
+  EXPECT_EQ(source->info().sample_rate_hz, 1000.0);
+  source->start();
+  std::vector<Frame> frames(100);
+  std::size_t got = 0;
+  while (got < frames.size()) {
+    const ReadResult r = source->read(std::span(frames).subspan(got), 5s);
+    ASSERT_EQ(r.outcome, ReadOutcome::frames);
+    got += r.count;
+  }
+  EXPECT_NEAR(frames[99].time_s, 0.099, 1e-9);
+  rate("20000"); // busy
+  EXPECT_EQ(rate(""), "1000\n");
+  source->stop();
+  for (int i = 0; i < 100 && rate("") != "20000\n"; ++i) { // until the server has seen the end
+    std::this_thread::sleep_for(20ms);
+    rate("20000");
+  }
+  EXPECT_EQ(rate(""), "20000\n");
+}
+
+TEST_F(EmulatorTest, ARecordingIsADeviceWithItsVoltsItsGapsAndItsSpeed) {
+  serve(options());
+  auto recorded = std::make_shared<Capture>(simulation_->run());
+  for (std::size_t i = 4000; i < recorded->size(); ++i)
+    recorded->time_s[i] += 0.1; // 2000 frames are missing before it
+  recorded->meta.serial = "S7";
+  const Served replay(replayed_context(recorded, 2.0));
+  IioSourceOptions o;
+  o.uri = replay.uri();
+  const auto source = open_iio_source(o);
+  EXPECT_EQ(source->info().serial, "S7");
+  EXPECT_EQ(source->info().sample_rate_hz, 40000.0);
+  EXPECT_EQ(source->info().adc_bits, 16);
+  source->start();
+  std::vector<Frame> frames(6000);
+  std::size_t got = 0;
+  while (got < frames.size()) {
+    const ReadResult r = source->read(std::span(frames).subspan(got), 5s);
+    ASSERT_EQ(r.outcome, ReadOutcome::frames);
+    got += r.count;
+  }
+  for (std::size_t i = 0; i < got; ++i) {
+    ASSERT_DOUBLE_EQ(frames[i].vsin_v, recorded->vsin_v[i]);
+    ASSERT_DOUBLE_EQ(frames[i].vcos_v, recorded->vcos_v[i]);
+    ASSERT_NEAR(frames[i].vdd_v, recorded->vdd_v[i], 1e-8); // of a finer converter
+    ASSERT_NEAR(frames[i].time_s, recorded->time_s[i] / 2.0, 2e-9);
+  }
+  EXPECT_EQ(source->statistics().lost, 2000u);
 }
 
 /// Little-endian word at p.
@@ -171,7 +271,7 @@ TEST_F(EmulatorTest, OurOwnSourceReadsTheSimulatedVolts) {
 TEST_F(EmulatorTest, APortInUseIsRefusedWithAReason) {
   serve(options());
   try {
-    Emulator second(simulation_, served_->port());
+    Emulator second(emulated_context(simulation_), served_->port());
     FAIL() << "no error";
   } catch (const Error &e) {
     EXPECT_EQ(e.status(), ADA4571_ERROR_BUSY);

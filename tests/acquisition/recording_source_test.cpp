@@ -70,6 +70,39 @@ TEST(RecordingSource, GapsOfTheRecordingAreCounted) {
   EXPECT_EQ(source->statistics().lost, 7u);
 }
 
+TEST(RecordingSource, AReplayKeepsTheTimesAndTheirPace) {
+  auto c = capture(400); // 0.4 s
+  const auto source = make_recording_source(c, 2.0);
+  source->start();
+  const auto began = std::chrono::steady_clock::now();
+  std::vector<Frame> block(400);
+  std::size_t got = 0;
+  for (;;) {
+    const ReadResult r = source->read(block, 5s);
+    if (r.outcome == ReadOutcome::end)
+      break;
+    ASSERT_EQ(r.outcome, ReadOutcome::frames);
+    const std::chrono::duration<double> since = std::chrono::steady_clock::now() - began;
+    got += r.count;
+    ASSERT_EQ(block[r.count - 1].time_s, c->time_s[got - 1]);
+    ASSERT_GE(2.0 * since.count(), c->time_s[got - 1]); // no frame before its time
+  }
+  EXPECT_EQ(got, 400u);
+}
+
+TEST(RecordingSource, AReplayWaitsNoLongerThanItMay) {
+  auto c = capture(2);
+  c->time_s[1] = 1e6;
+  const auto source = make_recording_source(c, 1.0);
+  source->start();
+  Frame frame;
+  EXPECT_EQ(source->read({&frame, 1}, 0ms).outcome, ReadOutcome::frames);
+  EXPECT_EQ(source->read({&frame, 1}, 0ms).outcome, ReadOutcome::timeout);
+  EXPECT_EQ(source->read({&frame, 1}, 10ms).outcome, ReadOutcome::timeout);
+  for (const double wrong : {0.0, -1.0, 2e6, std::nan("")})
+    EXPECT_THROW(check_speed(wrong), Error);
+}
+
 TEST(RecordingSource, CancelHoldsUntilStart) {
   const auto source = make_recording_source(capture(10));
   Frame frame;

@@ -98,6 +98,21 @@ const std::map<std::string, Case> &source_cases() {
          REFUSED(ada4571_source_open_recording(nullptr, &source));
          REFUSED(ada4571_source_open_recording(h.recording, nullptr));
        }},
+      {"ada4571_source_open_replay",
+       [](const Handles &h) {
+         Untouched<ada4571_source> source;
+         REFUSED(ada4571_source_open_replay(nullptr, 1.0, &source));
+         REFUSED(ada4571_source_open_replay(h.recording, 1.0, nullptr));
+         for (const double speed : {0.0, -1.0, 1e7, std::nan("")})
+           REFUSED(ada4571_source_open_replay(h.recording, speed, &source));
+       }},
+      {"ada4571_source_get_fd",
+       [](const Handles &h) {
+         int fd = -1;
+         REFUSED(ada4571_source_get_fd(nullptr, &fd));
+         REFUSED(ada4571_source_get_fd(h.source, nullptr));
+         EXPECT_EQ(fd, -1);
+       }},
       {"ada4571_source_open_simulation",
        [](const Handles &h) {
          Untouched<ada4571_source> source;
@@ -256,6 +271,37 @@ const std::map<std::string, Case> &recording_cases() {
        }},
       {"ada4571_writer_finish", [](const Handles &) { REFUSED(ada4571_writer_finish(nullptr)); }},
       {"ada4571_writer_free", free_takes_null(ada4571_writer_free)},
+      {"ada4571_import_options_init", init_takes_null(ada4571_import_options_init)},
+      {"ada4571_import_open",
+       [](const Handles &) {
+         Untouched<ada4571_import> import;
+         auto options = initialised(ada4571_import_options_init);
+         REFUSED(ada4571_import_open(nullptr, &options, &import));
+         REFUSED(ada4571_import_open("/dev/null", nullptr, &import));
+         REFUSED(ada4571_import_open("/dev/null", &options, nullptr));
+         EXPECT_EQ(ada4571_import_open("/nowhere/x.csv", &options, &import),
+                   ADA4571_ERROR_NOT_FOUND);
+         EXPECT_EQ(ada4571_import_open("/dev/null", &options, &import), ADA4571_ERROR_FORMAT);
+         options.separator = ", ";
+         REFUSED(ada4571_import_open("/dev/null", &options, &import));
+         options.struct_size = 0;
+         REFUSED(ada4571_import_open("/dev/null", &options, &import));
+       }},
+      {"ada4571_import_text",
+       [](const Handles &) { EXPECT_STREQ(ada4571_import_text(nullptr), ""); }},
+      {"ada4571_import_get_info",
+       [](const Handles &) {
+         auto info = initialised(ada4571_recording_info_init);
+         REFUSED(ada4571_import_get_info(nullptr, &info));
+       }},
+      {"ada4571_import_read",
+       [](const Handles &) {
+         ada4571_frame frame;
+         std::size_t count = 7;
+         REFUSED(ada4571_import_read(nullptr, &frame, 1, &count));
+         EXPECT_EQ(count, 7u);
+       }},
+      {"ada4571_import_free", free_takes_null(ada4571_import_free)},
       {"ada4571_file_open",
        [](const Handles &) {
          Untouched<ada4571_file> file;
@@ -546,6 +592,14 @@ const std::map<std::string, Case> &pins_and_simulation_cases() {
          REFUSED(ada4571_emulator_new(h.simulation, 0, nullptr));
          REFUSED(ada4571_emulator_new(h.simulation, 70000, &emulator));
          REFUSED(ada4571_emulator_new(h.simulation, -1, &emulator));
+       }},
+      {"ada4571_emulator_new_replay",
+       [](const Handles &h) {
+         Untouched<ada4571_emulator> emulator;
+         REFUSED(ada4571_emulator_new_replay(nullptr, 1.0, 0, &emulator));
+         REFUSED(ada4571_emulator_new_replay(h.recording, 1.0, 0, nullptr));
+         REFUSED(ada4571_emulator_new_replay(h.recording, 0.0, 0, &emulator));
+         REFUSED(ada4571_emulator_new_replay(h.recording, 1.0, 70000, &emulator));
        }},
       {"ada4571_emulator_port",
        [](const Handles &) { EXPECT_LE(ada4571_emulator_port(nullptr), 0); }},
