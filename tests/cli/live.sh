@@ -212,15 +212,4 @@ check_a_closed_pipe_ends_read() {
   same "lines" "$got" 3
 }
 
-check_watch_draws_on_a_terminal() {
-  emulate
-  script -qec true /dev/null >/dev/null 2>&1 || return 0 # no such program, or no terminals here
-  script -qefc "stty cols 100; TERM=xterm iio-angle watch -u $URI" screen </dev/null >/dev/null 2>&1 &
-  local script=$!
-  until_there grep -qs '@' screen
-  kill "$script"
-  wait "$script"
-  says screen 'rpm'
-}
-
 run_checks "${2:-}"

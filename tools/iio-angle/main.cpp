@@ -15,10 +15,10 @@
 namespace {
 
 constexpr void (*kVerbs[])(CLI::App &, cli::Action &) = {
-    cli::add_list,      cli::add_record,  cli::add_read,       cli::add_watch,
-    cli::add_calibrate, cli::add_convert, cli::add_simulate,   cli::add_emulate,
-    cli::add_diagnose,  cli::add_check,   cli::add_pins,       cli::add_catalogue,
-    cli::add_figures,   cli::add_study,   cli::add_definitions};
+    cli::add_list,      cli::add_record,  cli::add_read,      cli::add_watch,
+    cli::add_calibrate, cli::add_convert, cli::add_import,    cli::add_simulate,
+    cli::add_emulate,   cli::add_diagnose, cli::add_check,    cli::add_pins,
+    cli::add_catalogue, cli::add_figures, cli::add_study,     cli::add_definitions};
 
 void describe(CLI::App &app) {
   app.require_subcommand(1);

@@ -4,6 +4,7 @@
 
 #include "common/print.h"
 #include "common/simulation_options.h"
+#include "common/source_options.h"
 #include "common/stop.h"
 #include "common/verb.h"
 
@@ -14,13 +15,25 @@ namespace {
 struct Options {
   SimulationOptions simulation;
   int port = 0;
+  std::string capture;
+  double speed = 1;
 };
 
+Emulator make_emulator(const Options &options) {
+  if (options.capture.empty()) {
+    const Simulation simulation = make_simulation(options.simulation);
+    return make_as_asked<Emulator>(ada4571_emulator_new,
+                                   static_cast<const ada4571_simulation *>(simulation.get()),
+                                   options.port);
+  }
+  const auto recording = make<Recording>(ada4571_recording_open, options.capture.c_str());
+  return make_as_asked<Emulator>(ada4571_emulator_new_replay,
+                                 static_cast<const ada4571_recording *>(recording.get()),
+                                 options.speed, options.port);
+}
+
 int run(const Options &options) {
-  const Simulation simulation = make_simulation(options.simulation);
-  const auto emulator = make_as_asked<Emulator>(
-      ada4571_emulator_new, static_cast<const ada4571_simulation *>(simulation.get()),
-      options.port);
+  const Emulator emulator = make_emulator(options);
   const StopSignal stop([&emulator] { ada4571_emulator_stop(emulator.get()); });
   // The address is the result: a script reads it from the first line.
   print("ip:127.0.0.1:{}\n", ada4571_emulator_port(emulator.get()));
@@ -34,16 +47,23 @@ int run(const Options &options) {
 
 void add_emulate(CLI::App &app, Action &action) {
   auto *verb =
-      app.add_subcommand("emulate", "the simulated sensor as a network IIO device, for any client");
+      app.add_subcommand("emulate", "the simulated sensor, or a capture, as a network IIO device for any client");
   auto options = std::make_shared<Options>();
   options->simulation.numbers.duration_s = 0; // without end
   add_simulation_options(*verb, options->simulation);
+  add_replay_options(*verb, options->capture, options->speed);
+  verb->parse_complete_callback([verb] {
+    refuse_beside_capture(*verb, {"--model", "--effect", "--seed", "--motion", "--temperature",
+                                  "--rate", "--duration", "--noise", "--bits", "--adc-reference",
+                                  "--no-vtemp", "--no-vdd", "--no-reference"});
+  });
   verb->add_option("--port", options->port, "TCP port on 127.0.0.1, 0 picks a free one")
       ->capture_default_str()
       ->check(CLI::Range(0, 65535))
       ->type_name("N");
   example(*verb, "  iio-angle emulate --port 30431 --motion constant:rpm=60 &\n"
                  "  iio-angle read -u ip:127.0.0.1:30431\n"
+                 "  iio-angle emulate --capture capture.sigmf-meta\n"
                  "The first line of standard output is the URI.");
   verb->callback([options, &action] { action = [options] { return run(*options); }; });
 }

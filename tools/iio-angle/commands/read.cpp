@@ -33,6 +33,8 @@ int run(const Options &options) {
   const Model model = live_model(source, options.calibration);
   mention_remainder(model);
   LiveAngles angles(model, options.dynamic);
+  if (options.latency && options.source.replays())
+    throw Failure(kWrongUsage, "--latency measures a device: a capture has none");
   if (options.latency) {
     measure_latency(source, angles, options.buffers, options.samples, format_of(options.format));
     return kDone;
@@ -40,7 +42,7 @@ int run(const Options &options) {
   AngleText text(format_of(options.format), angles.range_deg());
   std::uint64_t left = options.samples;
   std::string lines;
-  LiveReader reader(source, options.reconnect);
+  LiveReader reader(source, options.reconnect, patience(options.source));
   reader.run([&](std::span<const ada4571_frame> frames) {
     if (options.samples > 0 && frames.size() > left)
       frames = frames.first(static_cast<std::size_t>(left));
@@ -60,6 +62,7 @@ void add_read(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("read", "angles, live, until stopped");
   auto options = std::make_shared<Options>();
   add_source_options(*verb, options->source);
+  add_replay_options(*verb, options->source.capture, options->source.speed);
   verb->add_option("--calibration", options->calibration,
                    "calibration or model file (default: what -s or the driver has)")
       ->type_name("FILE");
@@ -83,7 +86,9 @@ void add_read(CLI::App &app, Action &action) {
   add_reconnect_option(*verb, options->reconnect);
   example(*verb, "  iio-angle read --calibration sensor.toml\n"
                  "  iio-angle read -s wheel --dynamic --format json | jq .angle_deg\n"
-                 "  iio-angle read -s wheel --latency --buffers 1,10,100");
+                 "  iio-angle read -s wheel --latency --buffers 1,10,100\n"
+                 "  iio-angle read --capture capture.csv --speed 0 --format csv\n"
+                 "Speed 0 plays a capture as fast as it is read.");
   verb->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

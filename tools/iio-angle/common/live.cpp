@@ -7,7 +7,6 @@
 #include <thread>
 
 #include "common/print.h"
-#include "common/source_options.h"
 
 namespace cli {
 
@@ -16,7 +15,6 @@ namespace {
 constexpr std::size_t kBlockFrames = 4096;
 constexpr int kPollMs = 200;
 constexpr int kRetryMs = 1000;
-constexpr std::chrono::seconds kPatience{10};
 
 /// The device or its server may come back from that.
 bool is_absence(ada4571_status status) {
@@ -35,8 +33,8 @@ Model ideal_model(const Source &source) {
 
 } // namespace
 
-LiveReader::LiveReader(const Source &source, bool reconnect)
-    : source_(source), reconnect_(reconnect),
+LiveReader::LiveReader(const Source &source, bool reconnect, std::chrono::seconds patience)
+    : source_(source), reconnect_(reconnect), patience_(patience),
       stop_([&source] { ada4571_source_cancel(source.get()); }) {}
 
 void LiveReader::greet_return(const ada4571_frame &first) {
@@ -102,7 +100,7 @@ void LiveReader::run(const Take &take) {
     ada4571_read_outcome outcome = ADA4571_READ_END;
     const ada4571_status status =
         ada4571_source_read(source_.get(), frames.data(), frames.size(), kPollMs, &count, &outcome);
-    const bool silent = status == ADA4571_OK && count == 0 && Clock::now() - heard > kPatience;
+    const bool silent = status == ADA4571_OK && count == 0 && Clock::now() - heard > patience_;
     // Where no sample ever came, waiting will not bring one.
     if (reconnect_ && (is_absence(status) || (silent && any_))) {
       if (!wait_for_return(silent ? "no sample came for 10 s" : ada4571_last_error(), take))
@@ -149,6 +147,10 @@ void LiveReader::report() const {
          all.places);
   if (all.returns > 0)
     note("{} times away, about {} samples missed meanwhile\n", all.returns, all.missed);
+}
+
+std::chrono::seconds patience(const SourceOptions &source) {
+  return source.replays() ? std::chrono::hours(24 * 365) : std::chrono::seconds(10);
 }
 
 void add_reconnect_option(CLI::App &verb, bool &reconnect) {

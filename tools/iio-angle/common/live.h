@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/handles.h"
+#include "common/source_options.h"
 #include "common/stop.h"
 
 namespace cli {
@@ -33,11 +34,13 @@ struct Losses {
 class LiveReader {
 public:
   /// `reconnect`: when device or server are lost, tries once a second until they are back.
-  LiveReader(const Source &source, bool reconnect);
+  /// `patience`: how long nothing may come.
+  LiveReader(const Source &source, bool reconnect,
+             std::chrono::seconds patience = std::chrono::seconds(10));
 
   /// Starts the source and hands over block after block, until `take` returns false, the source is
   /// exhausted, or Ctrl-C. `take` is also called with an empty block a few times a second when
-  /// nothing comes. Throws when nothing comes for ten seconds and when the source is lost, unless
+  /// nothing comes. Throws when nothing comes for too long and when the source is lost, unless
   /// it reconnects. Times go on through an absence.
   void run(const std::function<bool(std::span<const ada4571_frame>)> &take);
 
@@ -58,6 +61,7 @@ private:
 
   const Source &source_;
   bool reconnect_;
+  std::chrono::seconds patience_;
   Losses before_;            ///< of the connections that ended
   bool counted_ = true;      ///< before_ holds the newest connection too
   Clock::time_point last_{}; ///< when something came
@@ -67,6 +71,9 @@ private:
   bool any_ = false; ///< a frame has come
   StopSignal stop_;  ///< last: it ends before what it touches
 };
+
+/// A device that gives nothing for long is not set up; a capture may have a gap of any length.
+std::chrono::seconds patience(const SourceOptions &source);
 
 /// The flag of the verbs that read live.
 void add_reconnect_option(CLI::App &verb, bool &reconnect);

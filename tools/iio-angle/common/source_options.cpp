@@ -13,14 +13,26 @@ const char *given(const std::string &text) {
   return text.empty() ? nullptr : text.c_str();
 }
 
-/// A stored configuration says all of it.
+constexpr auto kDeviceOptions = {"--uri",  "--device",  "--sin",  "--cos",    "--temp",   "--vdd",
+                                 "--trigger", "--rate", "--supply", "--periods", "--within"};
+
+/// A stored configuration, or a recording, says all of it.
 void refuse_both_ways(const CLI::App &verb) {
+  refuse_beside_capture(verb, kDeviceOptions);
+  refuse_beside_capture(verb, {"--stored"});
   if (verb.count("--stored") == 0)
     return;
-  for (const char *name : {"--uri", "--device", "--sin", "--cos", "--temp", "--vdd", "--trigger",
-                           "--rate", "--supply", "--periods", "--within"})
+  for (const char *name : kDeviceOptions)
     if (verb.count(name) > 0)
       throw CLI::ExcludesError("--stored", name);
+}
+
+Source open_replay(const SourceOptions &options) {
+  const auto recording = make<Recording>(ada4571_recording_open, options.capture.c_str());
+  const auto *played = static_cast<const ada4571_recording *>(recording.get());
+  if (options.speed == 0)
+    return make<Source>(ada4571_source_open_recording, played);
+  return make_as_asked<Source>(ada4571_source_open_replay, played, options.speed);
 }
 
 } // namespace
@@ -66,7 +78,27 @@ void add_source_options(CLI::App &verb, SourceOptions &options) {
   verb.parse_complete_callback([&verb] { refuse_both_ways(verb); });
 }
 
+void add_replay_options(CLI::App &verb, std::string &capture, double &speed) {
+  auto *file = verb.add_option("--capture", capture, "play this capture instead of a device")
+                   ->type_name("CAPTURE");
+  verb.add_option("--speed", speed, "play it so many times as fast as it was recorded")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e6))
+      ->needs(file)
+      ->type_name("N");
+}
+
+void refuse_beside_capture(const CLI::App &verb, std::initializer_list<const char *> names) {
+  if (verb.get_option_no_throw("--capture") == nullptr || verb.count("--capture") == 0)
+    return;
+  for (const char *name : names)
+    if (verb.get_option_no_throw(name) != nullptr && verb.count(name) > 0)
+      throw CLI::ExcludesError("--capture", name);
+}
+
 Source open_source(const SourceOptions &options) {
+  if (options.replays())
+    return open_replay(options);
   if (!options.stored.empty())
     return make_as_asked<Source>(ada4571_open, options.stored.c_str());
   auto wanted = initialised(ada4571_source_options_init);

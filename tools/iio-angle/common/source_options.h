@@ -4,6 +4,9 @@
 // The options that choose a device, the same for every verb that opens one.
 #pragma once
 
+#include <initializer_list>
+#include <string>
+
 #include <CLI/CLI.hpp>
 
 #include "common/handles.h"
@@ -16,11 +19,19 @@ struct SourceOptions {
   double supply_v = 5.0;
   int periods_per_turn = 2;
   double latency_s = 0;
+  std::string capture; ///< played instead of a device
+  double speed = 1;
+
+  bool replays() const { return !capture.empty(); }
 };
 
 /// -u alone, for `list`.
 void add_uri_option(CLI::App &verb, SourceOptions &options);
 void add_source_options(CLI::App &verb, SourceOptions &options);
+/// --capture and --speed, which take the place of a device.
+void add_replay_options(CLI::App &verb, std::string &capture, double &speed);
+/// Throws when one of these options is there beside --capture.
+void refuse_beside_capture(const CLI::App &verb, std::initializer_list<const char *> names);
 
 Source open_source(const SourceOptions &options);
 ada4571_source_info source_info(const Source &source);

@@ -20,6 +20,7 @@ void add_read(CLI::App &app, Action &action);
 void add_watch(CLI::App &app, Action &action);
 void add_calibrate(CLI::App &app, Action &action);
 void add_convert(CLI::App &app, Action &action);
+void add_import(CLI::App &app, Action &action);
 void add_simulate(CLI::App &app, Action &action);
 void add_emulate(CLI::App &app, Action &action);
 void add_diagnose(CLI::App &app, Action &action);

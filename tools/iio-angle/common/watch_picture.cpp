@@ -5,102 +5,160 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "common/angle_text.h"
+#include "common/watch_chart.h"
 
 namespace cli {
 
 namespace {
 
-constexpr int kDialRows = 11, kDialColumns = 23; ///< a character is about twice as high as wide
-constexpr int kLines = kDialRows + 6;
+constexpr int kLeftLabel = 4, kRightLabel = 2;
+/// The rest of the columns is the charts'.
+constexpr double kDialShare = 0.4;
+/// VTEMP over VDD at 0 degrees Celsius and its rise a degree, from a published graph of the part: good
+/// for some degrees.
+constexpr double kVtempAtZero = 0.233, kVtempPerDegree = 0.00333;
 
-/// The shortest way from a to b, in (-range/2, range/2].
-double difference(double b, double a, double range) {
-  return std::remainder(b - a, range);
+/// A number, or a dash where there is none yet.
+std::string number(double value, int decimals, const char *unit) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}{}", value, decimals, unit) : "-";
 }
 
-/// A dial of the whole range, zero at the right, growing counterclockwise.
-std::vector<std::string> dial(double fraction) {
-  std::vector<std::string> rows(kDialRows, std::string(kDialColumns, ' '));
-  const auto put = [&rows](double turn, double radius, char c) {
-    const double a = 2 * std::numbers::pi * turn;
-    const auto row = std::lround((kDialRows - 1) / 2.0 * (1 - radius * std::sin(a)));
-    const auto column = std::lround((kDialColumns - 1) / 2.0 * (1 + radius * std::cos(a)));
-    rows[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)] = c;
-  };
-  for (int i = 0; i < 72; ++i)
-    put(i / 72.0, 1, '.');
-  for (int i = 0; i < 4; ++i)
-    put(i / 4.0, 1, '+');
-  if (std::isfinite(fraction)) {
-    for (double r = 0; r < 0.9; r += 0.09)
-      put(fraction, r, '*');
-    put(fraction, 0.93, '@');
+class Drawing {
+public:
+  Drawing(Screen &screen, const WatchHistory &history, const WatchState &state)
+      : screen_(screen), history_(history), state_(state) {}
+
+  void draw() {
+    title();
+    numbers();
+    ambiguity();
+    const int top = 3, rows = screen_.rows() - 5;
+    const int across = static_cast<int>(kDialShare * screen_.columns()) - kLeftLabel - kRightLabel;
+    const int columns = dial(top, std::min(rows, 2 + across / 2));
+    draw_charts(screen_, history_, state_.zero_deg.value_or(0.0),
+                {top, columns + 1, rows, screen_.columns() - columns - 2});
+    counters(screen_.rows() - 2);
+    keys(screen_.rows() - 1);
   }
-  put(0, 0, 'o');
-  return rows;
-}
 
-/// A bar of `width` characters for a value in [0, 1].
-std::string bar(double value, int width) {
-  const double clamped = std::isfinite(value) ? std::clamp(value, 0.0, 1.0) : 0.0;
-  const auto full = static_cast<std::size_t>(std::lround(clamped * width));
-  return std::string(full, '#') + std::string(static_cast<std::size_t>(width) - full, '-');
-}
+private:
+  double range() const { return history_.range_deg(); }
+
+  /// From the zero, in [0, range).
+  double shown(double angle_deg) const {
+    const double angle = angle_deg - state_.zero_deg.value_or(0.0);
+    const double wrapped = angle - range() * std::floor(angle / range());
+    return wrapped < range() ? wrapped : 0.0;
+  }
+
+  void title() {
+    const std::string what = state_.away    ? "AWAY: trying again every second"
+                             : state_.ended ? "END of the recording"
+                             : state_.held  ? "HELD"
+                                            : fmt::format("{} samples", history_.samples());
+    screen_.put(0, 0, state_.title, Style::strong);
+    screen_.put(0, std::max(0, screen_.columns() - static_cast<int>(what.size()) - 1), " " + what,
+                state_.away || state_.ended || state_.held ? Style::bad : Style::faint);
+  }
+
+  void numbers() {
+    const ada4571_angle &last = history_.last();
+    const bool none = history_.empty() || !std::isfinite(last.angle_deg);
+    const std::string words = history_.empty() ? "nothing yet" : status_words(last.status);
+    const std::string angle = none ? "-" : fmt::format("{:8.3f} deg", shown(last.angle_deg));
+    screen_.put(1, 0, "angle " + angle, Style::accent);
+    screen_.put(1, 20, fmt::format("radius {:<9}", none ? "-" : number(last.radius, 4, "")));
+    screen_.put(1, 38, fmt::format("speed {:<16}",
+                                   number(history_.speed_deg_per_s() / 6, 2, " rpm")));
+    screen_.put(1, 62, words, words == "ok" ? Style::good : Style::bad);
+  }
+
+  /// The directions that the sensor cannot tell apart.
+  void ambiguity() {
+    const ada4571_angle &last = history_.last();
+    const int periods = state_.periods_per_turn;
+    std::string text = "within a turn: nothing is left open";
+    if (periods > 1) {
+      text = fmt::format("known within {:g} deg", range());
+      if (periods == 2 && !history_.empty() && std::isfinite(last.angle_deg))
+        text += fmt::format(": the shaft is at {:.3f} or {:.3f} deg", shown(last.angle_deg),
+                            shown(last.angle_deg) + range());
+    }
+    if (state_.zero_deg)
+      text += fmt::format("; zero at {:.3f} deg", *state_.zero_deg);
+    screen_.put(2, 0, text, Style::faint);
+  }
+
+  /// The turn with zero at the right, growing counterclockwise. Gives its columns.
+  int dial(int top, int rows) {
+    const int inside = rows - 2, across = 2 * inside;
+    Dots circle(inside, across, screen_.unicode()), hands(inside, across, screen_.unicode());
+    const double x = (circle.width() - 1) / 2.0, y = (circle.height() - 1) / 2.0;
+    for (int i = 0; i < 16 * inside; ++i) {
+      const double a = 2 * std::numbers::pi * i / (16 * inside);
+      circle.set(static_cast<int>(std::lround(x + x * std::cos(a))),
+                 static_cast<int>(std::lround(y - y * std::sin(a))));
+    }
+    if (!history_.empty() && std::isfinite(history_.last().angle_deg))
+      for (int i = 0; i < state_.periods_per_turn; ++i) {
+        const double a = (shown(history_.last().angle_deg) + i * range()) * std::numbers::pi / 180;
+        hands.line(x, y, x + 0.85 * x * std::cos(a), y - 0.85 * y * std::sin(a));
+      }
+    for (int row = 0; row < inside; ++row)
+      for (int column = 0; column < across; ++column) {
+        const std::string hand = hands.at(row, column), ring = circle.at(row, column);
+        screen_.put(top + 1 + row, kLeftLabel + column, hand.empty() ? ring : hand,
+                    hand.empty() ? Style::faint : Style::accent);
+      }
+    screen_.put(top, kLeftLabel + inside - 1, "90");
+    screen_.put(top + rows - 1, kLeftLabel + inside - 1, "270 deg");
+    screen_.put(top + 1 + inside / 2, 0, "180");
+    screen_.put(top + 1 + inside / 2, kLeftLabel + across + 1, "0");
+    return kLeftLabel + across + kRightLabel;
+  }
+
+  std::string temperature() const {
+    const ada4571_frame &frame = history_.last_frame();
+    if (history_.empty() || !std::isfinite(frame.vtemp_v))
+      return "VTEMP not recorded";
+    const double supply = std::isfinite(frame.vdd_v) ? frame.vdd_v : state_.supply_v;
+    return fmt::format("VTEMP {:.3f} V (~{:.0f} C)", frame.vtemp_v,
+                       (frame.vtemp_v / supply - kVtempAtZero) / kVtempPerDegree);
+  }
+
+  void counters(int row) {
+    const int decimals = history_.rate_hz() < 100 ? 1 : 0;
+    const std::string text = fmt::format(
+        "lost {}  unsound {}  {}  noise {}  {}", state_.lost, history_.unsound(),
+        number(history_.rate_hz(), decimals, " Hz"),
+        number(history_.angle_noise_deg(), 4, " deg"), temperature());
+    screen_.put(row, 0, text, state_.lost > 0 ? Style::bad : Style::plain);
+  }
+
+  void keys(int row) {
+    const std::string text = "q quit   space hold   z zero here   a absolute";
+    screen_.put(row, 0, text, Style::strong);
+    screen_.put(row, static_cast<int>(text.size()) + 3, state_.remark, Style::faint);
+  }
+
+  Screen &screen_;
+  const WatchHistory &history_;
+  const WatchState &state_;
+};
 
 } // namespace
 
-Picture::Picture(std::string title, double range_deg)
-    : title_(std::move(title)), range_deg_(range_deg) {}
-
-void Picture::add(std::span<const ada4571_angle> angles) {
-  for (const ada4571_angle &a : angles) {
-    if (seen_ > 0 && std::isfinite(a.angle_deg) && std::isfinite(last_.angle_deg))
-      travel_deg_ += difference(a.angle_deg, last_.angle_deg, range_deg_);
-    if (seen_ > 0)
-      travel_s_ += a.time_s - last_.time_s;
-    unsound_ += a.status != 0;
-    ++interval_samples_;
-    ++seen_;
-    last_ = a;
-  }
-}
-
-std::string Picture::draw(int columns) {
-  if (travel_s_ > 0) {
-    speed_deg_per_s_ = travel_deg_ / travel_s_;
-    rate_hz_ = static_cast<double>(interval_samples_) / travel_s_;
-  }
-  drawn_s_ = last_.time_s;
-  travel_deg_ = travel_s_ = 0;
-  interval_samples_ = 0;
-
-  const int width = std::clamp(columns - 32, 10, 60);
-  std::vector<std::string> lines{title_};
-  for (std::string &row : dial(last_.angle_deg / range_deg_))
-    lines.push_back("  " + row);
-  lines.push_back(fmt::format("angle  {:9.3f} deg  |{}| {:g}", last_.angle_deg,
-                              bar(last_.angle_deg / range_deg_, width), range_deg_));
-  lines.push_back(
-      fmt::format("radius {:9.3f}      |{}| 1.25", last_.radius, bar(last_.radius / 1.25, width)));
-  lines.push_back(
-      fmt::format("speed  {:9.1f} rpm  ({:.1f} deg/s)", speed_deg_per_s_ / 6, speed_deg_per_s_));
-  lines.push_back(fmt::format("rate   {:9.0f} Hz   {} samples, {} lost, {} not sound", rate_hz_,
-                              seen_, lost_, unsound_));
-  lines.push_back("state  " + status_words(last_.status));
-  std::string text;
-  for (const std::string &line : lines)
-    text += line.substr(0, static_cast<std::size_t>(std::max(columns, 1))) + "\033[K\n";
-  return text;
-}
-
-std::string Picture::back_to_top() const {
-  return fmt::format("\033[{}A", kLines);
+void draw_watch(Screen &screen, const WatchHistory &history, const WatchState &state) {
+  screen.clear();
+  if (screen.rows() < kLeastRows || screen.columns() < kLeastColumns)
+    screen.put(0, 0, fmt::format("too small: make it {}x{}, q quits", kLeastColumns, kLeastRows));
+  else
+    Drawing(screen, history, state).draw();
+  screen.show();
 }
 
 } // namespace cli

@@ -1,42 +1,32 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// The live picture of `watch`: numbers from a stream of angles, drawn as text.
+// The live picture of `watch`: a dial with the shaft's angle, strip charts of angle and radius, and
+// the numbers of the moment.
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <optional>
 #include <string>
 
-#include "ada4571.h"
+#include "common/screen.h"
+#include "common/watch_history.h"
 
 namespace cli {
 
-class Picture {
-public:
-  /// range_deg: 360/p.
-  Picture(std::string title, double range_deg);
-
-  void add(std::span<const ada4571_angle> angles);
-  void set_lost(std::uint64_t lost) { lost_ = lost; }
-  /// Whether a twentieth of a second of samples came since the last drawing.
-  bool due() const { return seen_ > 0 && last_.time_s - drawn_s_ >= kInterval_s; }
-  /// The picture for a terminal of that width; begins the next interval.
-  std::string draw(int columns);
-  /// Moves the cursor to where the last drawing began.
-  std::string back_to_top() const;
-
-private:
-  static constexpr double kInterval_s = 0.05;
-
-  std::string title_;
-  double range_deg_;
-  ada4571_angle last_{};
-  std::uint64_t seen_ = 0, unsound_ = 0, lost_ = 0;
-  double drawn_s_ = -1e9;
-  double travel_deg_ = 0, travel_s_ = 0; ///< signed, of this interval
-  std::uint64_t interval_samples_ = 0;
-  double speed_deg_per_s_ = 0, rate_hz_ = 0;
+/// What the picture needs besides the angles.
+struct WatchState {
+  std::string title;
+  int periods_per_turn = 2;
+  double supply_v = 5.0;
+  std::uint64_t lost = 0;
+  bool away = false, held = false, ended = false;
+  std::optional<double> zero_deg; ///< that angles are counted from
+  std::string remark;
 };
+
+inline constexpr int kLeastRows = 14, kLeastColumns = 80;
+
+void draw_watch(Screen &screen, const WatchHistory &history, const WatchState &state);
 
 } // namespace cli

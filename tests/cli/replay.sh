@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: The libada4571 authors
+#
+# replay.sh BUILD [PATTERN]: a capture in the place of a device, and sources in event loops.
+set -u
+BUILD=$(cd "$1" && pwd)
+PATH=$BUILD/tools:$BUILD/tools/examples:$PATH
+# shellcheck source=tests/cli/words.sh
+. "$(dirname "$0")/words.sh"
+
+simulate() {
+  iio-angle simulate --seed 4571 --duration 2 --motion constant:rpm=60 -o a.csv 2>err || fail "$(cat err)"
+  iio-angle calibrate single a.csv -o a.toml 2>err || fail "$(cat err)"
+}
+
+check_read_plays_a_capture_and_gives_what_convert_gives() {
+  simulate
+  status 0 iio-angle convert --calibration a.toml a.csv -o angles.csv
+  status 0 iio-angle read --capture a.csv --speed 0 --calibration a.toml --format csv
+  cmp -s out angles.csv || fail "$(diff out angles.csv | head -3)"
+  empty err
+  status 0 iio-angle read --capture a.csv --speed 20 --calibration a.toml
+  same "ten lines a second of the recording" "$(lines out)" 20
+}
+
+check_what_a_capture_says_itself_is_refused_beside_it() {
+  simulate
+  status 2 iio-angle read --capture a.csv -u ip:127.0.0.1
+  status 2 iio-angle watch --capture a.csv --periods 1
+  status 2 iio-angle emulate --capture a.csv --seed 3
+  status 2 iio-angle read --speed 2
+  status 2 iio-angle read --capture a.csv --speed -1
+  status 2 iio-angle read --capture a.csv --latency
+  status 1 iio-angle read --capture no-such-file.csv
+}
+
+check_watch_prints_lines_where_there_is_no_terminal() {
+  simulate
+  status 0 iio-angle watch --capture a.csv --speed 0 --calibration a.toml
+  says out ' deg  radius 1\.0'
+}
+
+check_emulate_makes_a_device_of_a_capture() {
+  simulate
+  emulate_capture() {
+    iio-angle emulate "$@" >uri 2>emulator.log </dev/null &
+    EMULATOR=$!
+    local i
+    for ((i = 0; i < 200; i++)); do
+      [[ ! -s uri ]] || break
+      sleep 0.05
+    done
+    URI=$(head -1 uri)
+  }
+  emulate_capture --capture a.csv --speed 2
+  status 0 iio-angle record -u "$URI" --samples 20000 -o b.csv
+  for name in vsin_v vcos_v vtemp_v; do
+    same "$name" "$(column b.csv $name | md5sum)" "$(column a.csv $name | md5sum)"
+  done
+  says b.csv '^# sample_rate_hz = 20000$'
+  same serial "$(iio_attr -u "$URI" -C hw_serial 2>/dev/null | grep -c 'simulated-4571')" 1
+}
+
+check_the_examples_wait_for_frames_and_end_with_the_capture() {
+  simulate
+  sleep 30 | timeout 20 poll_angle a.csv >out 2>err || fail "poll_angle: $(cat err)"
+  says out '^ +1\.9[0-9]* s +[0-9.]+ deg$'
+  (($(lines out) > 20)) || fail "only $(lines out) wake-ups in two seconds"
+  status 1 poll_angle no-such-file.csv
+  if [[ -x $BUILD/tools/examples/sd_event_angle ]]; then
+    status 0 timeout 20 sd_event_angle a.csv
+    says out '^ +2\.000 s +[0-9.]+ V'
+  fi
+}
+
+run_checks "${2:-}"

@@ -1,0 +1,194 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# SPDX-FileCopyrightText: The libada4571 authors
+#
+# watch.sh BUILD [PATTERN]: the live picture in terminals that tmux emulates: what the user sees is
+# compared, and keys are pressed.
+set -u
+BUILD=$(cd "$1" && pwd)
+PATH=$BUILD/tools:$PATH
+export LC_ALL=C.UTF-8
+unset NO_COLOR
+# shellcheck source=tests/cli/words.sh
+. "$(dirname "$0")/words.sh"
+
+mux() {
+  tmux -L "watch$BASHPID_OF_CHECK" -f /dev/null "$@"
+}
+
+# terminal COLUMNS ROWS COMMAND: in a terminal of that size; its exit status goes to `status`.
+terminal() {
+  BASHPID_OF_CHECK=$BASHPID
+  trap 'mux kill-server 2>/dev/null; stop_emulator' EXIT
+  mux new-session -d -x "$1" -y "$2" "$3; echo \$? >status; sleep 60"
+}
+
+screen() {
+  mux capture-pane -p "$@"
+}
+
+# shows PATTERN...: waits up to 20 s until the screen has all of them.
+shows() {
+  local i pattern missing
+  for ((i = 0; i < 200; i++)); do
+    missing=
+    screen >shot
+    for pattern; do
+      grep -qE -- "$pattern" shot || missing=$pattern
+    done
+    [[ -n $missing ]] || return 0
+    sleep 0.1
+  done
+  fail "the screen has no '$missing': $(cat shot)"
+}
+
+ended() {
+  local i
+  for ((i = 0; i < 200; i++)); do
+    [[ ! -s status ]] || break
+    sleep 0.1
+  done
+  same "exit status" "$(cat status)" "$1"
+}
+
+simulate() {
+  iio-angle simulate --seed 4571 --duration 20 --motion constant:rpm=2 -o a.csv 2>err ||
+    fail "$(cat err)"
+  iio-angle calibrate single a.csv -o a.toml 2>err || fail "$(cat err)"
+}
+
+WATCH="iio-angle watch --capture a.csv --calibration a.toml"
+
+check_everything_is_there_at_80x14_and_at_200x60() {
+  simulate
+  for size in "80 14" "80 24" "200 60"; do
+    rm -f status
+    # shellcheck disable=SC2086 # columns and rows
+    terminal $size "$WATCH"
+    shows '^recording of simulation' 'angle +[0-9.]+ deg' 'radius (1\.0|0\.9)' 'rpm' ' ok' \
+      'known within 180 deg: the shaft is at [0-9.]+ or [0-9.]+ deg' '^ +90 ' '^180' '270 deg' \
+      'angle, deg' 'radius \(1: as calibrated\)' '-10 s .*-5 s .*now' '[0-9]+ samples$' 'lost 0  unsound 0' \
+      ' 10000 Hz  noise 0\.[0-9]+ deg' '\(~2[0-9] C\)' 'q quit +space hold +z zero' \
+      '(⣀|⠉|⠤|⣿|⠒)(⣀|⠉|⠤|⣿|⠒)'
+    same "rows" "$(wc -l <shot)" "${size#* }"
+    mux send-keys q
+    ended 0
+    mux kill-server
+  done
+}
+
+check_less_room_is_refused_in_a_sentence() {
+  simulate
+  terminal 79 14 "$WATCH"
+  ended 1
+  shows '^iio-angle: the terminal has 79x14 characters, watch needs 80x14'
+}
+
+check_a_resized_terminal_is_drawn_anew() {
+  simulate
+  terminal 80 24 "$WATCH"
+  shows 'q quit'
+  mux resize-window -x 120 -y 40
+  shows 'q quit' 'now$'
+  same "last line" "$(tail -1 shot | cut -c1-6)" 'q quit'
+  same "keys" "$(grep -c 'q quit' shot)" 1
+  mux resize-window -x 60 -y 10
+  shows 'too small: make it 80x14'
+  mux resize-window -x 80 -y 14
+  shows 'angle, deg' 'q quit'
+  mux send-keys q
+  ended 0
+}
+
+check_the_keys_hold_zero_and_quit() {
+  simulate
+  terminal 80 24 "$WATCH"
+  shows 'angle +[0-9]'
+  mux send-keys Space
+  shows 'HELD'
+  local held
+  held=$(grep -oE 'angle +[0-9.]+ deg' shot)
+  sleep 0.5
+  shows 'HELD'
+  same "held angle" "$(grep -oE 'angle +[0-9.]+ deg' shot)" "$held"
+  mux send-keys z
+  shows 'angle +0\.000 deg' "zero at ${held//[!0-9.]/} deg"
+  mux send-keys a
+  shows "$held"
+  ! grep -q 'zero at' shot || fail "the zero is still there"
+  mux send-keys Space
+  shows 'angle +[0-9]'
+  local i
+  for ((i = 0; i < 100; i++)); do
+    screen >shot
+    grep -q 'HELD' shot || break
+    sleep 0.1
+  done
+  ! grep -q "$held" shot || fail "the angle stands still"
+  mux send-keys q
+  ended 0
+}
+
+check_the_screen_is_given_back() {
+  simulate
+  terminal 80 24 "echo before; $WATCH"
+  shows 'q quit'
+  mux send-keys q
+  ended 0
+  shows '^before$'
+  ! grep -q 'q quit' shot || fail "the picture is still there"
+}
+
+check_a_recording_stays_at_its_end_and_ctrl_c_ends() {
+  simulate
+  terminal 80 24 "$WATCH --speed 50"
+  shows 'END of the recording' 'lost 0'
+  mux send-keys C-c
+  ended 0
+}
+
+check_colours_and_no_color() {
+  simulate
+  local escape=$'\e'
+  terminal 80 24 "TERM=screen-256color $WATCH"
+  shows ' ok'
+  screen -e >coloured
+  grep -qE "$escape\[[0-9;]*3[0-9]m" coloured || fail "no colour"
+  mux kill-server
+  terminal 80 24 "NO_COLOR=1 TERM=screen-256color $WATCH"
+  shows ' ok'
+  screen -e >plain
+  ! grep -qE "$escape\[([0-9;]*;)?3[0-7]m" plain || fail "colour in spite of NO_COLOR"
+}
+
+check_without_utf_8_it_is_ascii() {
+  simulate
+  terminal 80 24 "LC_ALL=C $WATCH"
+  shows 'angle, deg' 'q quit' "^180.*[.:']"
+  ! LC_ALL=C grep -q '[^ -~]' shot || fail "$(LC_ALL=C grep '[^ -~]' shot)"
+}
+
+check_losses_and_returns_are_told_in_the_picture() {
+  emulate --temperature constant:deg_c=25
+  local port=${URI##*:}
+  terminal 80 24 "iio-angle watch -u $URI"
+  shows 'angle +[0-9.]+ deg' 'no calibration|lost 0'
+  stop_emulator
+  shows 'AWAY: trying again every second' '^q quit'
+  rm uri
+  emulate --temperature constant:deg_c=25 --port "$port"
+  shows 'back after [0-9.]+ s' 'lost [1-9]'
+  ! grep -q AWAY shot || fail "still away"
+  mux send-keys q
+  ended 0
+}
+
+check_a_sensor_of_one_period_leaves_nothing_open() {
+  simulate
+  sed -i 's/^# periods_per_turn = 2/# periods_per_turn = 1/' a.csv
+  terminal 80 24 "iio-angle watch --capture a.csv"
+  shows 'within a turn: nothing is left open'
+}
+
+command -v tmux >/dev/null || { echo "tmux is missing"; exit 1; }
+run_checks "${2:-}"
