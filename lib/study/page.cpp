@@ -190,6 +190,16 @@ std::string link_of(const Row &row, const std::string &page) {
          html_escape(row.capture) + "</a>";
 }
 
+/// Checks that fail in most captures, and in how many: that is no sensor's fault.
+std::map<std::string, std::size_t> faults_of_most(const Fleet &f) {
+  std::map<std::string, std::size_t> out;
+  for (const std::size_t row : f.done)
+    for (const CheckLine &c : f.rows[row].checks)
+      out[c.check] += c.state == "failed" ? 1 : 0;
+  std::erase_if(out, [&f](const auto &fault) { return 2 * fault.second <= f.done.size(); });
+  return out;
+}
+
 /// What a person is to look at: outliers, then what failed, then what is not sound.
 std::string to_look_at(const Summary &s, const Fleet &f, const std::string &page) {
   std::string rows;
@@ -204,17 +214,23 @@ std::string to_look_at(const Summary &s, const Fleet &f, const std::string &page
   for (const Row &row : f.rows)
     if (row.state == RowState::failed)
       add(row, "Failed: " + row.reason);
+  const std::map<std::string, std::size_t> everywhere = faults_of_most(f);
   for (const Row &row : f.rows) {
     std::string failed;
     for (const CheckLine &c : row.checks)
-      if (c.state == "failed")
+      if (c.state == "failed" && everywhere.count(c.check) == 0)
         failed += (failed.empty() ? "" : ", ") + c.check;
     if (row.state == RowState::done && !failed.empty())
       add(row, "Not sound: " + failed + ".");
   }
   std::string out = "<h2 id=\"look\">Sensors to look at</h2>\n";
+  for (const auto &[check, captures] : everywhere)
+    out +=
+        fmt::format("<p class=\"notice\">The check <b>{}</b> fails in {} of {} captures: look at "
+                    "the bench, not at a sensor.</p>\n",
+                    html_escape(check), captures, s.captures - s.failed);
   if (count == 0)
-    return out + "<p>None.</p>\n";
+    return out + "<p>No single sensor.</p>\n";
   out += "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">sensor</th><th scope=\"col\">"
          "capture</th><th scope=\"col\">why</th></tr></thead><tbody>\n" +
          rows + "</tbody></table></div>\n";
