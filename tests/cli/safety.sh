@@ -55,6 +55,21 @@ check_no_verb_writes_over_what_it_reads() {
   says a.csv '^time_s'
 }
 
+check_nothing_is_diagnosed_twice() {
+  capture a.csv
+  capture b.sigmf-meta
+  ln a.csv hard.csv
+  ln -s a.csv link.csv
+  local words
+  for words in "a.csv a.csv" "a.csv ./a.csv" "a.csv hard.csv" "link.csv a.csv" \
+    "a.csv --heldout a.csv" "b.sigmf-meta b.sigmf-data" "- a.csv"; do
+    # shellcheck disable=SC2086
+    iio-angle diagnose $words <a.csv >out 2>err
+    same "exit status of '$words'" $? 2
+    says err 'is given twice'
+  done
+}
+
 check_a_sigmf_recording_is_both_of_its_files() {
   capture a.sigmf-meta
   local name

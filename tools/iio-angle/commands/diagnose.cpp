@@ -59,9 +59,9 @@ int run(const Options &options) {
   const Recordings captures(options.captures), heldout(options.heldout);
   FileRoles roles;
   for (std::size_t k = 0; k < captures.own.size(); ++k)
-    roles.reads(options.captures[k], captures.own[k]);
+    roles.reads_once(options.captures[k], captures.own[k]);
   for (std::size_t k = 0; k < heldout.own.size(); ++k)
-    roles.reads(options.heldout[k], heldout.own[k]);
+    roles.reads_once(options.heldout[k], heldout.own[k]);
   roles.reads(options.model).writes(options.extend).writes(options.report);
   const Diagnosis diagnosis = diagnose(options, captures, heldout);
   if (!options.extend.empty()) {

@@ -30,6 +30,11 @@ std::string plain(const std::string &path) {
 
 } // namespace
 
+bool FileRoles::Known::is(const Known &other) const {
+  return inode == 0 || other.inode == 0 ? inode == other.inode && path == other.path
+                                        : device == other.device && inode == other.inode;
+}
+
 void FileRoles::add(const std::string &path, bool written) {
   struct stat info {};
   const bool is_standard = path == "-";
@@ -41,10 +46,7 @@ void FileRoles::add(const std::string &path, bool written) {
   const Known file{failed == 0 ? path : plain(path), info.st_dev, failed == 0 ? info.st_ino : 0,
                    written};
   for (const Known &other : known_) {
-    const bool same = file.inode == 0 || other.inode == 0
-                          ? file.inode == other.inode && file.path == other.path
-                          : file.device == other.device && file.inode == other.inode;
-    if (same && written)
+    if (written && file.is(other))
       throw Failure(kWrongUsage,
                     fmt::format("{} is {}: give another name", path,
                                 other.written ? "to be written twice"
@@ -64,6 +66,18 @@ FileRoles &FileRoles::reads(const std::string &path, const Recording &recording)
   auto info = initialised(ada4571_recording_info_init);
   check(ada4571_recording_get_info(recording.get(), &info));
   return reads(path).reads(info.data_file);
+}
+
+FileRoles &FileRoles::reads_once(const std::string &path, const Recording &recording) {
+  FileRoles own;
+  own.reads(path, recording);
+  for (const Known &file : own.known_)
+    for (const Known &other : known_)
+      if (file.is(other))
+        throw Failure(kWrongUsage,
+                      fmt::format("{} is given twice: the same samples prove nothing more", path));
+  known_.insert(known_.end(), own.known_.begin(), own.known_.end());
+  return *this;
 }
 
 FileRoles &FileRoles::writes(const std::string &path) {

@@ -21,6 +21,9 @@ public:
   FileRoles &reads(const std::string &path);
   /// The data file too, which a meta file may name otherwise (core:dataset).
   FileRoles &reads(const std::string &path, const Recording &recording);
+  /// Throws Failure(kWrongUsage) for one that is read already: the same samples again are no
+  /// further evidence, and none at all where they are to judge what was fitted to them.
+  FileRoles &reads_once(const std::string &path, const Recording &recording);
   /// Throws Failure(kWrongUsage) when that would write over a file that is read or written already.
   FileRoles &writes(const std::string &path);
 
@@ -30,6 +33,7 @@ private:
     dev_t device;
     ino_t inode; ///< 0 when there is no such file yet: then the path must do
     bool written;
+    bool is(const Known &other) const;
   };
   void add(const std::string &path, bool written);
 
