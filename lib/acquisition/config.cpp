@@ -11,6 +11,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include <toml++/toml.h>
@@ -151,6 +152,18 @@ std::string user_folder() {
   return home.empty() ? "" : home + "/.config/ada4571";
 }
 
+/// NAME.toml in the user's folder, or the path that a name with a slash is.
+std::string path_to_save(const std::string &name) {
+  if (name.find('/') != std::string::npos)
+    return name;
+  require_plain(name);
+  const std::string folder = user_folder();
+  if (folder.empty())
+    throw Error(ADA4571_ERROR_NOT_FOUND,
+                "no folder for configurations: neither XDG_CONFIG_HOME nor HOME is set");
+  return folder + "/" + name + ".toml";
+}
+
 std::string read_file(const std::string &path) {
   std::error_code error;
   if (fs::is_regular_file(path, error) && fs::file_size(path, error) > kLargestFile)
@@ -245,6 +258,28 @@ StoredConfig load_config(const std::string &name) {
   return config;
 }
 
+std::optional<StoredConfig> load_config_if_any(const std::string &name) {
+  const std::string path = path_to_save(name);
+  std::error_code error;
+  if (!fs::exists(path, error))
+    return std::nullopt;
+  return load_config(path);
+}
+
+std::vector<std::string> config_names() {
+  std::set<std::string> names;
+  for (const std::string &folder : config_folders()) {
+    std::error_code error;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+         entry.increment(error)) {
+      const fs::path &file = entry->path();
+      if (file.extension() == ".toml" && plain_name(file.stem().string()))
+        names.insert(file.stem().string());
+    }
+  }
+  return {names.begin(), names.end()};
+}
+
 std::string config_text(const StoredConfig &config) {
   const IioSourceOptions &s = config.source;
   std::ostringstream out;
@@ -284,18 +319,13 @@ std::string config_text(const StoredConfig &config) {
 }
 
 std::string save_config(const std::string &name, const StoredConfig &config) {
-  std::string path = name;
-  if (name.find('/') == std::string::npos) {
-    require_plain(name);
-    const std::string folder = user_folder();
-    if (folder.empty())
-      throw Error(ADA4571_ERROR_NOT_FOUND,
-                  "no folder for configurations: neither XDG_CONFIG_HOME nor HOME is set");
+  const std::string path = path_to_save(name);
+  if (path != name) {
+    const std::string folder = fs::path(path).parent_path().string();
     std::error_code error;
     fs::create_directories(folder, error);
     if (error)
       throw system_error(error.value(), folder, "cannot make the folder");
-    path = folder + "/" + name + ".toml";
   }
   StoredConfig absolute = config;
   if (!config.calibration_file.empty())

@@ -50,6 +50,11 @@ std::vector<std::string> config_folders();
 /// line and column (ADA4571_ERROR_FORMAT).
 StoredConfig parse_config(std::string_view text, const std::string &path);
 StoredConfig load_config(const std::string &name);
+/// The configuration that save_config(name) would replace.
+std::optional<StoredConfig> load_config_if_any(const std::string &name);
+
+/// Names that find_config() knows, in alphabetical order.
+std::vector<std::string> config_names();
 
 /// The text of a configuration; parse_config() of it gives the same.
 std::string config_text(const StoredConfig &config);

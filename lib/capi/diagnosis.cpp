@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -100,6 +101,62 @@ const char *ada4571_diagnosis_json(const ada4571_diagnosis *diagnosis) {
 
 const char *ada4571_diagnosis_text(const ada4571_diagnosis *diagnosis) {
   return diagnosis ? diagnosis->text.c_str() : "";
+}
+
+void ada4571_finding_init(ada4571_finding *finding) {
+  if (!finding)
+    return;
+  *finding = {};
+  finding->struct_size = sizeof *finding;
+  finding->cause = finding->explanation = finding->separate_by = "";
+  finding->angle_error_rms_before_deg = finding->angle_error_rms_after_deg = std::nan("");
+}
+
+size_t ada4571_diagnosis_finding_count(const ada4571_diagnosis *diagnosis) {
+  return diagnosis ? diagnosis->impl.findings.size() : 0;
+}
+
+ada4571_status ada4571_diagnosis_finding(const ada4571_diagnosis *diagnosis, size_t index,
+                                         ada4571_finding *finding) {
+  return guard([&] {
+    require(diagnosis, "diagnosis");
+    require_struct(finding, "finding");
+    const Finding &f = at(diagnosis->impl.findings, index, "finding");
+    const Quality &before = f.before.heldout, &after = f.after.heldout;
+    finding->cause = f.effect->info().id.data(); // a literal, so it ends with zero
+    finding->explanation = f.explanation.c_str();
+    finding->separate_by = f.separate_by.c_str();
+    finding->correctable = f.correctable;
+    finding->parameters = f.values.size();
+    finding->alternatives = f.alternatives.size();
+    finding->residual_rms_before_v = before.residual_rms_v;
+    finding->residual_rms_after_v = after.residual_rms_v;
+    finding->angle_error_rms_before_deg = before.angle_error_rms_deg.value_or(std::nan(""));
+    finding->angle_error_rms_after_deg = after.angle_error_rms_deg.value_or(std::nan(""));
+    finding->log_likelihood_before = before.log_likelihood;
+    finding->log_likelihood_after = after.log_likelihood;
+  });
+}
+
+ada4571_status ada4571_diagnosis_parameter(const ada4571_diagnosis *diagnosis, size_t finding,
+                                           size_t parameter, ada4571_parameter *out) {
+  return guard([&] {
+    require(diagnosis, "diagnosis");
+    require_struct(out, "out");
+    const Finding &f = at(diagnosis->impl.findings, finding, "finding");
+    const double value = at(f.values, parameter, "parameter");
+    const double error =
+        parameter < f.std_errors.size() ? f.std_errors[parameter] : std::nan("");
+    *out = to_parameter(f.effect->info().parameters[parameter], value, error);
+  });
+}
+
+const char *ada4571_diagnosis_alternative(const ada4571_diagnosis *diagnosis, size_t finding,
+                                          size_t alternative) {
+  if (!diagnosis || finding >= diagnosis->impl.findings.size())
+    return nullptr;
+  const std::vector<std::string> &names = diagnosis->impl.findings[finding].alternatives;
+  return alternative < names.size() ? names[alternative].c_str() : nullptr;
 }
 
 ada4571_status ada4571_diagnosis_model(const ada4571_diagnosis *diagnosis, ada4571_model **model) {

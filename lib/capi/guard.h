@@ -51,6 +51,15 @@ template <class T> void require_struct(const T *options, const char *name) {
                 std::string(name) + ".struct_size is wrong: initialise it with its _init function");
 }
 
+/// Element of a list that a caller counts through.
+template <class Range> const auto &at(const Range &range, std::size_t index, const char *what) {
+  if (index >= range.size())
+    throw Error(ADA4571_ERROR_INVALID_ARGUMENT, "there is no " + std::string(what) + " " +
+                                                    std::to_string(index) + ", only " +
+                                                    std::to_string(range.size()));
+  return range[index];
+}
+
 inline std::string text_or_empty(const char *s) { return s ? std::string(s) : std::string(); }
 
 } // namespace ada::capi

@@ -8,12 +8,18 @@
 #include <string>
 
 #include "acquisition/source.h"
+#include "model/effect.h"
 #include "model/model.h"
 #include "recording/capture.h"
 
 namespace ada {
 class Simulation;
 }
+
+namespace ada::capi {
+/// A parameter as callers see it; defined in model.cpp.
+ada4571_parameter to_parameter(const ParameterInfo &info, double value, double std_error);
+} // namespace ada::capi
 
 struct ada4571_model {
   ada::Model impl;

@@ -15,9 +15,11 @@
 
 namespace {
 
+using ada::capi::at;
 using ada::capi::guard;
 using ada::capi::require;
 using ada::capi::require_struct;
+using ada::capi::to_parameter;
 
 /// The catalogue's texts are literals in arrays of characters, so the C strings can point at them.
 const char *c_string(std::string_view literal) {
@@ -33,25 +35,6 @@ ada4571_effect_info to_info(const ada::EffectInfo &effect) {
   info.correctable = effect.correctable;
   info.parameters = effect.parameters.size();
   return info;
-}
-
-ada4571_parameter to_parameter(const ada::ParameterInfo &info, double value, double std_error) {
-  ada4571_parameter parameter;
-  parameter.struct_size = sizeof parameter;
-  parameter.name = c_string(info.name);
-  parameter.unit = c_string(info.unit);
-  // An infinite level of a clipper, say, is one that is not there.
-  parameter.value = std::isfinite(value) ? value : std::nan("");
-  parameter.std_error = std_error;
-  return parameter;
-}
-
-template <class Range> const auto &at(const Range &range, size_t index, const char *what) {
-  if (index >= range.size())
-    throw ada::Error(ADA4571_ERROR_INVALID_ARGUMENT, "there is no " + std::string(what) + " " +
-                                                         std::to_string(index) + ", only " +
-                                                         std::to_string(range.size()));
-  return range[index];
 }
 
 ada4571_baseline to_baseline(const ada::Model &model) {
@@ -81,6 +64,18 @@ ada::Model from_baseline(const ada4571_baseline &baseline) {
 }
 
 } // namespace
+
+ada4571_parameter ada::capi::to_parameter(const ParameterInfo &info, double value,
+                                          double std_error) {
+  ada4571_parameter parameter;
+  parameter.struct_size = sizeof parameter;
+  parameter.name = c_string(info.name);
+  parameter.unit = c_string(info.unit);
+  // An infinite level of a clipper, say, is one that is not there.
+  parameter.value = std::isfinite(value) ? value : std::nan("");
+  parameter.std_error = std_error;
+  return parameter;
+}
 
 extern "C" {
 
@@ -116,6 +111,18 @@ ada4571_status ada4571_catalogue_parameter(size_t index, size_t parameter, ada45
     const ada::EffectInfo &effect = at(ada::catalogue(), index, "effect")->info();
     const ada::ParameterInfo &info = at(effect.parameters, parameter, "parameter");
     *out = to_parameter(info, info.fallback, std::nan(""));
+  });
+}
+
+ada4571_status ada4571_catalogue_range(size_t index, size_t parameter, double *minimum,
+                                       double *maximum) {
+  return guard([&] {
+    require(minimum, "minimum");
+    require(maximum, "maximum");
+    const ada::EffectInfo &effect = at(ada::catalogue(), index, "effect")->info();
+    const ada::ParameterInfo &info = at(effect.parameters, parameter, "parameter");
+    *minimum = info.minimum;
+    *maximum = info.maximum;
   });
 }
 

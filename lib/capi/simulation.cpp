@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 
+#include "simulation/profile.h"
 #include "simulation/simulation.h"
 
 #include "capi/guard.h"
@@ -46,6 +47,16 @@ void ada4571_simulation_options_init(ada4571_simulation_options *options) {
   options->adc_reference_v = defaults.adc_reference_v;
   options->gain_control = 1;
   options->has_vtemp = options->has_vdd = options->has_reference = 1;
+}
+
+const char *ada4571_motion_example(size_t index) {
+  const auto examples = motion_examples();
+  return index < examples.size() ? examples[index] : nullptr;
+}
+
+const char *ada4571_temperature_example(size_t index) {
+  const auto examples = temperature_examples();
+  return index < examples.size() ? examples[index] : nullptr;
 }
 
 ada4571_status ada4571_simulation_new(const ada4571_model *model,

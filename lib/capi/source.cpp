@@ -296,7 +296,18 @@ ada4571_status ada4571_source_save_config(const ada4571_source *source, const ch
     StoredConfig config;
     config.source = source->device("an address that can be stored").resolved_options();
     config.pins = source->pins;
-    config.calibration_file = calibration_path ? calibration_path : source->calibration_file;
+    config.calibration_file = source->calibration_file;
+    if (const std::optional<StoredConfig> before = load_config_if_any(name)) {
+      if (!config.pins.gc && !config.pins.pd)
+        config.pins = before->pins;
+      if (config.calibration_file.empty())
+        config.calibration_file = before->calibration_file;
+    }
+    if (calibration_path) {
+      config.calibration_file = calibration_path;
+      if (*calibration_path)
+        read_model(calibration_path); // never a name behind which there is none
+    }
     save_config(name, config);
   });
 }

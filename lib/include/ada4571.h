@@ -220,11 +220,36 @@ ADA4571_API ada4571_status ada4571_source_read_calibration(ada4571_source *sourc
 ADA4571_API ada4571_status ada4571_source_write_calibration(ada4571_source *source,
                                                             const ada4571_model *model);
 /* Stores how this source was opened as NAME.toml in the user's configuration folder (a NAME with
- * a slash is a path), whole or not at all. calibration_path and the pin names may be NULL. */
+ * a slash is a path), whole or not at all. calibration_path must be a calibration that can be read;
+ * NULL keeps the one that the source was opened with or NAME had before, "" stores none. Pins that
+ * NAME had before are kept. */
 ADA4571_API ada4571_status ada4571_source_save_config(const ada4571_source *source,
                                                       const char *name,
                                                       const char *calibration_path);
 ADA4571_API void ada4571_source_free(ada4571_source *source);
+
+/* Stored configurations, without opening what they describe. */
+typedef struct ada4571_stored_list ada4571_stored_list;
+
+typedef struct ada4571_stored {
+  size_t struct_size;
+  const char *name; /* for ada4571_open() */
+  const char *path; /* the file */
+  const char *uri, *device; /* as ada4571_source_options has them, here and below empty: not said */
+  const char *sin_channel, *cos_channel, *temp_channel, *vdd_channel;
+  const char *calibration_file;
+  const char *problem; /* why the file cannot be used; else empty */
+} ada4571_stored;
+
+ADA4571_API void ada4571_stored_init(ada4571_stored *stored);
+/* That of `name` alone, which must be usable; NULL: all that ada4571_open() finds by a name, in
+ * alphabetical order. */
+ADA4571_API ada4571_status ada4571_stored_list_new(const char *name, ada4571_stored_list **list);
+ADA4571_API size_t ada4571_stored_list_count(const ada4571_stored_list *list);
+/* The strings live as long as the list. */
+ADA4571_API ada4571_status ada4571_stored_list_get(const ada4571_stored_list *list, size_t index,
+                                                   ada4571_stored *stored);
+ADA4571_API void ada4571_stored_list_free(ada4571_stored_list *list);
 
 /* Devices of a context with a usable pair of channels. */
 typedef struct ada4571_device {
@@ -407,6 +432,9 @@ ADA4571_API ada4571_status ada4571_catalogue_get(size_t index, ada4571_effect_in
 /* Parameter of a catalogue entry; value holds what `--effect NAME` takes by default. */
 ADA4571_API ada4571_status ada4571_catalogue_parameter(size_t index, size_t parameter,
                                                        ada4571_parameter *out);
+/* Values that such a parameter may have, both ends included; infinite where there is no limit. */
+ADA4571_API ada4571_status ada4571_catalogue_range(size_t index, size_t parameter, double *minimum,
+                                                   double *maximum);
 
 /* An ideal sensor. */
 ADA4571_API ada4571_status ada4571_model_new(const ada4571_baseline *baseline,
@@ -592,6 +620,10 @@ typedef struct ada4571_simulation_options {
 } ada4571_simulation_options;
 
 ADA4571_API void ada4571_simulation_options_init(ada4571_simulation_options *options);
+/* Text of `motion` or `temperature` with its default values, one a kind ("constant:rpm=600"), NULL
+ * past the last. */
+ADA4571_API const char *ada4571_motion_example(size_t index);
+ADA4571_API const char *ada4571_temperature_example(size_t index);
 /* `model` NULL: a sound ADA4571 with offsets and their drift drawn from the seed. `options` NULL:
  * the defaults. */
 ADA4571_API ada4571_status ada4571_simulation_new(const ada4571_model *model,
@@ -666,6 +698,32 @@ ADA4571_API ada4571_verdict ada4571_diagnosis_verdict(const ada4571_diagnosis *d
 ADA4571_API const char *ada4571_diagnosis_json(const ada4571_diagnosis *diagnosis);
 /* The same for a person, plain text. */
 ADA4571_API const char *ada4571_diagnosis_text(const ada4571_diagnosis *diagnosis);
+/* What was found, in the order in which it was added to the model. The strings live as long as the
+ * diagnosis. */
+typedef struct ada4571_finding {
+  size_t struct_size;
+  const char *cause;       /* identifier of the catalogue */
+  const char *explanation; /* one sentence for a person */
+  const char *separate_by; /* the experiment that tells it from its alternatives; may be empty */
+  int correctable;         /* the angle can be rid of it */
+  size_t parameters, alternatives;
+  /* Before and after it was added, on held-out data. The angle errors are NaN without a reference. */
+  double residual_rms_before_v, residual_rms_after_v;
+  double angle_error_rms_before_deg, angle_error_rms_after_deg;
+  double log_likelihood_before, log_likelihood_after; /* per sample */
+} ada4571_finding;
+
+ADA4571_API void ada4571_finding_init(ada4571_finding *finding);
+ADA4571_API size_t ada4571_diagnosis_finding_count(const ada4571_diagnosis *diagnosis);
+ADA4571_API ada4571_status ada4571_diagnosis_finding(const ada4571_diagnosis *diagnosis,
+                                                     size_t index, ada4571_finding *finding);
+ADA4571_API ada4571_status ada4571_diagnosis_parameter(const ada4571_diagnosis *diagnosis,
+                                                       size_t finding, size_t parameter,
+                                                       ada4571_parameter *out);
+/* A cause that the data cannot tell from the finding; NULL past the last, or where there is no such
+ * finding. */
+ADA4571_API const char *ada4571_diagnosis_alternative(const ada4571_diagnosis *diagnosis,
+                                                      size_t finding, size_t alternative);
 /* The extended model, ready for ada4571_converter_new. */
 ADA4571_API ada4571_status ada4571_diagnosis_model(const ada4571_diagnosis *diagnosis,
                                                    ada4571_model **model);

@@ -113,6 +113,14 @@ Text parse(const std::string &text) {
   return out;
 }
 
+constexpr const char *kMotions[] = {"constant:rpm=600", "ramp:from=60,to=3000",
+                                    "steps:rpm=300/900/-900/-300,transition=0.2"};
+constexpr const char *kTemperatures[] = {"constant:deg_c=25", "ramp:from=-20,to=100",
+                                         "cycle:from=0,to=80"};
+
+/// VTEMP is within the supply there; the part itself is made for less.
+constexpr double kLowest_c = -70.0, kHighest_c = 230.0;
+
 /// Plateaus with straight transitions between them; `transition` is a part of each plateau.
 std::vector<PiecewiseLinear::Node> plateaus(const std::vector<double> &levels, double transition,
                                             double duration_s) {
@@ -151,6 +159,14 @@ PiecewiseLinear parse_motion(const std::string &text, double duration_s) {
   return PiecewiseLinear(std::move(nodes));
 }
 
+std::span<const char *const> motion_examples() {
+  return kMotions;
+}
+
+std::span<const char *const> temperature_examples() {
+  return kTemperatures;
+}
+
 PiecewiseLinear parse_temperature(const std::string &text, double duration_s) {
   const double span = duration_s > 0.0 ? duration_s : 600.0;
   Text t = parse(text);
@@ -166,6 +182,9 @@ PiecewiseLinear parse_temperature(const std::string &text, double duration_s) {
     t.fail("a temperature is constant:deg_c=T, ramp:from=T,to=T or cycle:from=T,to=T");
   }
   t.done();
+  for (const auto &node : nodes)
+    if (node.value < kLowest_c || node.value > kHighest_c)
+      t.fail("a temperature must be from -70 to 230 degrees Celsius");
   return PiecewiseLinear(std::move(nodes));
 }
 

@@ -6,6 +6,7 @@
 //   constant:deg_c=25         ramp:from=-20,to=100        cycle:from=0,to=80
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,10 @@ private:
 
 /// Speed in rad/s over time. Throws Error(INVALID_ARGUMENT) naming what is wrong in the text.
 PiecewiseLinear parse_motion(const std::string &text, double duration_s);
+
+/// One text a kind, with the values that are taken where none is given.
+std::span<const char *const> motion_examples();
+std::span<const char *const> temperature_examples();
 
 /// Temperature in degrees Celsius over time.
 PiecewiseLinear parse_temperature(const std::string &text, double duration_s);

@@ -195,6 +195,21 @@ const std::map<std::string, Case> &source_cases() {
          REFUSED(ada4571_device_list_get(nullptr, 0, &device));
        }},
       {"ada4571_device_list_free", free_takes_null(ada4571_device_list_free)},
+      {"ada4571_stored_init", init_takes_null(ada4571_stored_init)},
+      {"ada4571_stored_list_new",
+       [](const Handles &) {
+         Untouched<ada4571_stored_list> list;
+         REFUSED(ada4571_stored_list_new(nullptr, nullptr));
+         REFUSED(ada4571_stored_list_new("-no name-", &list));
+       }},
+      {"ada4571_stored_list_count",
+       [](const Handles &) { EXPECT_EQ(ada4571_stored_list_count(nullptr), 0u); }},
+      {"ada4571_stored_list_get",
+       [](const Handles &) {
+         auto stored = initialised(ada4571_stored_init);
+         REFUSED(ada4571_stored_list_get(nullptr, 0, &stored));
+       }},
+      {"ada4571_stored_list_free", free_takes_null(ada4571_stored_list_free)},
   };
   return cases;
 }
@@ -338,6 +353,14 @@ const std::map<std::string, Case> &model_cases() {
          REFUSED(ada4571_catalogue_parameter(0, 0, nullptr));
          REFUSED(ada4571_catalogue_parameter(0, SIZE_MAX, &parameter));
          REFUSED(ada4571_catalogue_parameter(SIZE_MAX, 0, &parameter));
+       }},
+      {"ada4571_catalogue_range",
+       [](const Handles &) {
+         double minimum = 0, maximum = 0;
+         REFUSED(ada4571_catalogue_range(0, 0, nullptr, &maximum));
+         REFUSED(ada4571_catalogue_range(0, 0, &minimum, nullptr));
+         REFUSED(ada4571_catalogue_range(0, SIZE_MAX, &minimum, &maximum));
+         REFUSED(ada4571_catalogue_range(SIZE_MAX, 0, &minimum, &maximum));
        }},
       {"ada4571_model_new",
        [](const Handles &) {
@@ -558,6 +581,10 @@ const std::map<std::string, Case> &pins_and_simulation_cases() {
        }},
       {"ada4571_pins_free", free_takes_null(ada4571_pins_free)},
       {"ada4571_simulation_options_init", init_takes_null(ada4571_simulation_options_init)},
+      {"ada4571_motion_example",
+       [](const Handles &) { EXPECT_EQ(ada4571_motion_example(SIZE_MAX), nullptr); }},
+      {"ada4571_temperature_example",
+       [](const Handles &) { EXPECT_EQ(ada4571_temperature_example(SIZE_MAX), nullptr); }},
       {"ada4571_simulation_new",
        [](const Handles &h) {
          Untouched<ada4571_simulation> simulation;
@@ -644,6 +671,21 @@ const std::map<std::string, Case> &diagnosis_cases() {
        [](const Handles &) { EXPECT_STREQ(ada4571_diagnosis_json(nullptr), ""); }},
       {"ada4571_diagnosis_text",
        [](const Handles &) { EXPECT_STREQ(ada4571_diagnosis_text(nullptr), ""); }},
+      {"ada4571_finding_init", init_takes_null(ada4571_finding_init)},
+      {"ada4571_diagnosis_finding_count",
+       [](const Handles &) { EXPECT_EQ(ada4571_diagnosis_finding_count(nullptr), 0u); }},
+      {"ada4571_diagnosis_finding",
+       [](const Handles &) {
+         auto finding = initialised(ada4571_finding_init);
+         REFUSED(ada4571_diagnosis_finding(nullptr, 0, &finding));
+       }},
+      {"ada4571_diagnosis_parameter",
+       [](const Handles &) {
+         auto parameter = initialised(ada4571_parameter_init);
+         REFUSED(ada4571_diagnosis_parameter(nullptr, 0, 0, &parameter));
+       }},
+      {"ada4571_diagnosis_alternative",
+       [](const Handles &) { EXPECT_EQ(ada4571_diagnosis_alternative(nullptr, 0, 0), nullptr); }},
       {"ada4571_diagnosis_model",
        [](const Handles &) {
          Untouched<ada4571_model> model;
