@@ -146,7 +146,7 @@ Picture ladder_picture(const std::vector<LadderStep> &steps, double noise_rms_v,
   const double right = high * std::pow(high / low, 0.3); // for the last number
   std::string s =
       panel({kHalf.width, 62 + 25 * static_cast<int>(steps.size())},
-            angle ? "angle error, deg rms (logarithmic)" : "residual, mV rms (logarithmic)", "");
+            angle ? "angle error, deg rms (log)" : "residual, mV rms (log)", "");
   s += log_range("x", low / 1.25, right);
   s += fmt::format("set yrange [0.4:{:g}]\nset ytics ({})\nset tmargin 0.6\nunset xzeroaxis\nset "
                    "bmargin 3.4\n",
