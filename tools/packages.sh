@@ -19,7 +19,7 @@ declare -A PACKAGES=(
   [test]="libgtest-dev libbenchmark-dev libsleef-dev libumockdev-dev umockdev libiio-utils iiod
     device-tree-compiler mandoc python3-pytest shellcheck chromium
     poppler-utils slurmctld slurmd slurm-client munge sqlite3
-    python3-pandas libsystemd-dev tmux"
+    python3-pandas libsystemd-dev tmux zsh fish"
   [kernel]="qemu-system-x86 busybox-static cpio kmod xz-utils zstd bc gcc make perl gpiod udev
     systemd iproute2"
   [where-offered]="dt-schema"

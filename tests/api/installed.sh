@@ -20,7 +20,8 @@ fail() {
 installed_whole() {
   local prefix=$1 path=$2 file
   for file in bin/iio-angle include/ada4571.h share/man/man1/iio-angle.1 \
-    share/bash-completion/completions/iio-angle lib/udev/rules.d/60-ada4571.rules \
+    share/bash-completion/completions/iio-angle share/zsh/site-functions/_iio-angle \
+    share/fish/vendor_completions.d/iio-angle.fish lib/udev/rules.d/60-ada4571.rules \
     lib/udev/ada4571-permissions lib/systemd/system/ada4571-{gc,pd}@.service \
     share/doc/libada4571/{LICENSE,README.md,NEWS.md,docs/index.md,examples/{read_angle.c,tutorial.py}}; do
     [[ -e $prefix/$file ]] || fail "not installed: $file"

@@ -37,20 +37,146 @@ check_help_teaches_every_verb() {
 
 check_wrong_usage_ends_with_2_and_says_so_on_standard_error() {
   local arguments
-  for arguments in "" "nonsense" "record" "record --duration 1" "record -o x.csv" \
+  for arguments in "" "nonsense" "record" "record --duration 1" \
     "record --duration 1 --samples 2 -o x.csv" "record --duration -1 -o x.csv" "simulate" \
     "simulate -o x.csv --no-such-option" "simulate --rate nonsense -o x.csv" \
     "simulate --effect no-such-effect -o x.csv" "simulate --effect weak-field:z=1 -o x.csv" \
     "simulate --motion no-such-motion -o x.csv" "convert x.csv -o y.csv" "calibrate" \
     "calibrate single" "calibrate single x.csv -o y.toml --method guess" "read --format xml" \
-    "list -s name -u local:" "emulate --port 70000" "pins gc sideways" "pins xx on" "check" \
-    "diagnose" "figures no-such-figure"; do
+    "list -s name -u local:" "list --sin foo" "list --no-calibration" "emulate --port 70000" \
+    "pins gc sideways" "pins xx on" "check" \
+    "diagnose" "figures no-such-figure" "simulate --seed -1 -o x.csv" "simulate --seed 1.5 -o x.csv" \
+    "simulate --temperature constant:deg_c=9999 -o x.csv" "diagnose --report y.pdf x.csv" \
+    "calibrate single x.csv -o y.txt" "diagnose --extend y.json x.csv" "help nonsense" \
+    "catalogue nonsense" "simulate --rate 10parsec -o x.csv" "check --samples"; do
     # shellcheck disable=SC2086
     status 2 iio-angle $arguments
     empty out
-    [[ -s err ]] || fail "'$arguments' is refused without a word"
+    same "lines about '$arguments'" "$(lines err)" 1
+    says err '^iio-angle: '
   done
-  absent x.csv y.csv y.toml
+  absent x.csv y.csv y.toml y.pdf y.txt y.json
+}
+
+# suggests WORD ARGUMENTS...: wrong usage, and what was meant.
+suggests() {
+  local meant=$1
+  shift
+  status 2 iio-angle "$@"
+  says err "did you mean '$meant'"
+}
+
+check_what_was_mistyped_is_guessed() {
+  suggests record recrod
+  suggests single calibrate sinlge
+  suggests --effect simulate --efect x -o x.csv
+  suggests --duration record --duraton=10 -o x.csv
+  suggests --report diagnose --raport x.html x.csv
+  suggests amplitude-mismatch simulate --effect amplitude-mismach -o x.csv
+  suggests channel-skew simulate --effect skew -o x.csv
+  suggests direction_deg simulate --effect stray-field:b=1,direction=3 -o x.csv
+  suggests constant simulate --motion constnat:rpm=3 -o x.csv
+  suggests ramp simulate --temperature rmap:from=1 -o x.csv
+  suggests csv read --format cvs
+  suggests mismatch figures mismach
+  suggests hysteresis catalogue hysterisis
+  status 2 iio-angle qqqqqq
+  grep -q 'did you mean' err && fail "'qqqqqq' was meant for nothing"
+  absent x.csv x.html
+}
+
+check_wrong_values_name_their_option_first() {
+  names() { # names OPTION ARGUMENTS...
+    local option=$1
+    shift
+    status 2 iio-angle "$@"
+    says err "^iio-angle: $option: "
+  }
+  names --effect simulate --effect nonsense -o x.csv
+  names --effect simulate --effect weak-field:q=77 -o x.csv
+  names --motion simulate --motion nonsense -o x.csv
+  names --motion simulate --motion steps:transition=7 -o x.csv
+  names --temperature simulate --temperature constant:deg_c=9999 -o x.csv
+  names --rate simulate --rate 10parsec -o x.csv
+  names --seed simulate --seed -1 -o x.csv
+  names --bits simulate --bits 33 -o x.csv
+  names --report diagnose --report y.pdf x.csv
+  names --output calibrate single x.csv -o y.txt
+  names --format read --format xml
+  names --output simulate -o
+  names --duration record --duration 1 --samples 2 -o x.csv
+  names --sin list --sin foo
+  ! grep -qE '[0-9]{30}' err || fail "a number of thirty digits is no help"
+}
+
+check_units_are_taken() {
+  local pair
+  status 0 iio-angle simulate --seed 1 --rate 2000 --duration 0.5 --noise 0.0005 \
+    --effect channel-skew:dt_s=4e-6 --motion steps:rpm=600/-60 --temperature constant:deg_c=-20 -o a.csv
+  status 0 iio-angle simulate --seed 1 --rate 2kHz --duration 500ms --noise 0.5mV \
+    --effect channel-skew:dt_s=4us --motion steps:rpm=10Hz/-360deg/s --temperature constant:deg_c=-20C \
+    -o b.csv
+  cmp -s a.csv b.csv || fail "units change the capture"
+  for pair in 1min:60.0 0.0005h:1.8 1500ms:1.5; do
+    status 0 iio-angle simulate --rate 10 --duration "${pair%:*}" --no-vtemp --no-vdd -o c.csv
+    same "rows of ${pair%:*}" "$(column c.csv vsin_v | wc -l)" "$(awk "BEGIN { print ${pair#*:} * 10 }")"
+  done
+  status 2 iio-angle simulate --duration 5m -o d.csv --rate 5V
+  absent d.csv
+}
+
+check_help_and_version_in_their_usual_forms() {
+  local form
+  status 0 iio-angle record --help
+  cp out help
+  for form in "help record" "record -h"; do
+    # shellcheck disable=SC2086
+    status 0 iio-angle $form
+    cmp -s out help || fail "'$form' is not 'record --help'"
+  done
+  status 0 iio-angle help calibrate single
+  says out '^Example:'
+  status 0 iio-angle help
+  says out '^  record '
+  status 0 iio-angle -V
+  says out '^iio-angle 1\.0\.0$'
+  status 0 iio-angle help list
+  # What help and errors point to is there when only the packages are.
+  local verb
+  for verb in "" list record read watch calibrate convert simulate emulate diagnose check pins \
+    catalogue figures; do
+    # shellcheck disable=SC2086
+    iio-angle $verb --help | grep -E '[a-z]+/[a-z-]+\.(md|c|h|cpp)\b' &&
+      fail "help of '$verb' points to a file of the source tree"
+  done
+  return 0
+}
+
+check_the_catalogue_shows_one_effect_or_all_as_text_or_json() {
+  status 0 iio-angle catalogue channel-skew
+  same "effects" "$(grep -c '^[a-z]' out)" 1
+  says out 'dt_s +s +default .* to '
+  status 0 iio-angle catalogue --json
+  python3 -c 'import json, sys
+c = json.load(sys.stdin)
+assert c["schema"] == "ada4571-catalogue/1" and len(c["effects"]) >= 20
+for e in c["effects"]:
+    for p in e["parameters"]:
+        if "choices" in p:
+            assert p["default"] in [None, *p["choices"]], p
+            continue
+        low = -1e300 if p["minimum"] is None else p["minimum"]
+        high = 1e300 if p["maximum"] is None else p["maximum"]
+        assert p["unit"] and low < high and (p["default"] is None or low <= p["default"] <= high), p
+' <out 2>json.err || fail "$(tail -1 json.err)"
+}
+
+check_long_work_shows_progress_on_a_terminal_only() {
+  # Long enough for more than a second on any machine; the terminal is made by script(1).
+  script -qec "iio-angle simulate --duration 100 -o a.csv" /dev/null </dev/null >shown 2>&1
+  says shown '(simulating|writing a\.csv), [0-9]+ s'
+  status 0 iio-angle simulate --duration 100 -o a.csv
+  empty err
 }
 
 check_unusable_files_end_with_1_name_the_place_and_leave_nothing() {

@@ -36,6 +36,56 @@ check_list_names_the_device_and_its_channels() {
   says out "iio-angle read -u $URI"
 }
 
+check_list_shows_one_device_and_json() {
+  emulate
+  status 0 iio-angle list -u "$URI" -d ada4571-sim
+  says out 'vsin.*vcos'
+  status 1 iio-angle list -u "$URI" -d ada4571-smi
+  says err "no usable device is called 'ada4571-smi'; did you mean 'ada4571-sim'"
+  status 0 iio-angle list -u "$URI" --json
+  python3 -c 'import json, sys
+d = json.load(sys.stdin)
+assert d["schema"] == "ada4571-list/1" and d["uri"] == sys.argv[1], d
+assert [x["name"] for x in d["devices"]] == ["ada4571-sim"] and d["devices"][0]["labelled"], d
+' "$URI" <out 2>json.err || fail "$(tail -1 json.err)"
+}
+
+check_a_stored_calibration_stays_until_it_is_asked_away() {
+  emulate
+  local XDG_CONFIG_HOME=$PWD/home
+  export XDG_CONFIG_HOME
+  stored() { grep -c "file = \"$PWD/$1\"" home/ada4571/wheel.toml; }
+  status 0 iio-angle simulate --duration 1 -o a.csv
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  status 0 iio-angle calibrate single a.csv -o b.toml
+  status 1 iio-angle list -u "$URI" --save wheel --calibration nowhere.toml
+  says err nowhere.toml
+  status 1 iio-angle list -u "$URI" --save wheel --calibration a.csv
+  absent home/ada4571/wheel.toml
+  status 0 iio-angle list -u "$URI" --save wheel --calibration a.toml
+  same "after the first" "$(stored a.toml)" 1
+  printf '\n[pins]\ngc = "gc-line"\n' >>home/ada4571/wheel.toml
+  status 0 iio-angle list -u "$URI" --rate 1k --save wheel
+  same "after another rate" "$(stored a.toml)" 1
+  says home/ada4571/wheel.toml '^gc = "gc-line"'
+  says err "calibrated by $PWD/a.toml"
+  status 0 iio-angle list -s wheel --save wheel --calibration b.toml
+  same "after another calibration" "$(stored b.toml)" 1
+  status 0 iio-angle list -s wheel
+  says out "iio-angle read -u $URI"
+  status 0 iio-angle list -u "$URI" --save wheel --no-calibration
+  same "after --no-calibration" "$(grep -c '^file' home/ada4571/wheel.toml)" 0
+  echo nonsense >home/ada4571/wheel.toml
+  status 1 iio-angle list -u "$URI" --save wheel
+  same "what cannot be read" "$(cat home/ada4571/wheel.toml)" nonsense
+}
+
+check_record_without_a_length_goes_on_until_it_is_stopped() {
+  emulate
+  interrupted INT iio-angle record -u "$URI" -o a.csv
+  status 0 iio-angle check a.csv
+}
+
 check_no_device_and_no_server_end_with_1() {
   status 1 iio-angle list -u ip:127.0.0.1:1
   empty out

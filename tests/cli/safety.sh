@@ -240,7 +240,7 @@ check_nothing_given_is_wrong_usage() {
     "record|--samples|nan|-o|x.csv"; do
     IFS='|' read -ra arguments <<<"$words"
     status 2 iio-angle "${arguments[@]}"
-    says err "must be a number"
+    says err "is not"
     [[ $(wc -c <err) -lt 200 ]] || fail "too many words: $(cat err)"
   done
   absent x.csv

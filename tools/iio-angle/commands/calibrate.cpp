@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <cmath>
-#include <map>
 #include <memory>
 
 #include "common/file_roles.h"
 #include "common/handles.h"
+#include "common/option_checks.h"
 #include "common/print.h"
+#include "common/progress.h"
 #include "common/soundness.h"
 #include "common/verb.h"
 
@@ -15,9 +16,14 @@ namespace cli {
 namespace {
 
 struct Options {
-  ada4571_calibration_method method = ADA4571_CALIBRATE_FIT;
-  std::string capture, cold, hot, output;
+  std::string method = "fit", capture, cold, hot, output;
 };
+
+ada4571_calibration_method method_of(const Options &options) {
+  return options.method == "mean"      ? ADA4571_CALIBRATE_MEAN
+         : options.method == "extrema" ? ADA4571_CALIBRATE_EXTREMA
+                                       : ADA4571_CALIBRATE_FIT;
+}
 
 void print_effect(const Model &model, std::size_t index) {
   auto effect = initialised(ada4571_effect_info_init);
@@ -49,9 +55,16 @@ void finish(const Model &model, const std::string &path) {
 }
 
 int single(const Options &options) {
-  const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
-  FileRoles().reads(options.capture, capture).writes(options.output);
-  finish(make<Model>(ada4571_calibrate_single, capture.get(), options.method), options.output);
+  Recording capture;
+  Model model;
+  {
+    Busy busy("reading " + options.capture);
+    capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
+    FileRoles().reads(options.capture, capture).writes(options.output);
+    busy.now("calibrating");
+    model = make<Model>(ada4571_calibrate_single, capture.get(), method_of(options));
+  }
+  finish(model, options.output);
   warn_of_faults(capture, options.capture);
   return kDone;
 }
@@ -64,15 +77,23 @@ double mean_vtemp(const Recording &capture, ada4571_calibration_method method) {
 }
 
 int dual(const Options &options) {
-  const auto cold = make<Recording>(ada4571_recording_open, options.cold.c_str());
-  const auto hot = make<Recording>(ada4571_recording_open, options.hot.c_str());
-  FileRoles().reads(options.cold, cold).reads(options.hot, hot).writes(options.output);
-  const auto model = make<Model>(ada4571_calibrate_dual, cold.get(), hot.get(), options.method);
-  const double cold_v = mean_vtemp(cold, options.method), hot_v = mean_vtemp(hot, options.method);
+  Recording cold, hot;
+  Model model;
+  double cold_v = 0, hot_v = 0;
+  {
+    Busy busy("reading " + options.cold);
+    cold = make<Recording>(ada4571_recording_open, options.cold.c_str());
+    busy.now("reading " + options.hot);
+    hot = make<Recording>(ada4571_recording_open, options.hot.c_str());
+    FileRoles().reads(options.cold, cold).reads(options.hot, hot).writes(options.output);
+    busy.now("calibrating");
+    model = make<Model>(ada4571_calibrate_dual, cold.get(), hot.get(), method_of(options));
+    cold_v = mean_vtemp(cold, method_of(options));
+    hot_v = mean_vtemp(hot, method_of(options));
+  }
   if (hot_v < cold_v)
-    note(
-               "{} is the cold capture (VTEMP {:.3f} V), {} the hot one ({:.3f} V): taken so\n",
-               options.hot, hot_v, options.cold, cold_v);
+    note("{} is the cold capture (VTEMP {:.3f} V), {} the hot one ({:.3f} V): taken so\n",
+         options.hot, hot_v, options.cold, cold_v);
   finish(model, options.output);
   warn_of_faults(cold, options.cold);
   warn_of_faults(hot, options.hot);
@@ -80,17 +101,14 @@ int dual(const Options &options) {
 }
 
 void add_common(CLI::App &verb, Options &options) {
-  const std::map<std::string, ada4571_calibration_method> methods{
-      {"fit", ADA4571_CALIBRATE_FIT},
-      {"mean", ADA4571_CALIBRATE_MEAN},
-      {"extrema", ADA4571_CALIBRATE_EXTREMA}};
   verb.add_option("--method", options.method,
                   "fit: best, needs no whole turn; mean: whole turns; extrema: (max + min)/2 "
                   "(default fit)")
-      ->transform(CLI::Transformer(methods).description("fit|mean|extrema"))
+      ->transform(one_of({"fit", "mean", "extrema"}))
       ->type_name("");
   verb.add_option("-o,--output", options.output, "calibration file to write (.toml)")
       ->required()
+      ->transform(ends_in({".toml"}, "a calibration"))
       ->type_name("FILE");
 }
 

@@ -6,6 +6,7 @@
 
 #include "common/file_roles.h"
 #include "common/handles.h"
+#include "common/option_checks.h"
 #include "common/print.h"
 #include "common/progress.h"
 #include "common/soundness.h"
@@ -94,9 +95,11 @@ void add_diagnose(CLI::App &app, Action &action) {
       ->type_name("CAPTURE")
       ->allow_extra_args(false);
   verb->add_option("--extend", options->extend, "write the extended model, ready for convert")
+      ->transform(ends_in({".toml"}, "a model"))
       ->type_name("FILE");
   verb->add_flag("--json", options->json, "print JSON (ada4571-diagnosis/1) instead of text");
   verb->add_option("--report", options->report, "write one self-contained HTML page")
+      ->transform(ends_in({".html", ".htm"}, "an HTML page"))
       ->type_name("FILE.html");
   verb->add_option("CAPTURE", options->captures,
                    "capture file, or - for standard input; several of one sensor are diagnosed "

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <memory>
 
+#include "common/option_checks.h"
 #include "common/print.h"
 #include "common/simulation_options.h"
 #include "common/source_options.h"
@@ -59,7 +60,7 @@ void add_emulate(CLI::App &app, Action &action) {
   });
   verb->add_option("--port", options->port, "TCP port on 127.0.0.1, 0 picks a free one")
       ->capture_default_str()
-      ->check(CLI::Range(0, 65535))
+      ->transform(whole(0, 65535))
       ->type_name("N");
   example(*verb, "  iio-angle emulate --port 30431 --motion constant:rpm=60 &\n"
                  "  iio-angle read -u ip:127.0.0.1:30431\n"

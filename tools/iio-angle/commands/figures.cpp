@@ -5,7 +5,10 @@
 #include <vector>
 
 #include "common/handles.h"
+#include "common/known_names.h"
+#include "common/option_checks.h"
 #include "common/print.h"
+#include "common/progress.h"
 #include "common/verb.h"
 
 namespace cli {
@@ -18,16 +21,14 @@ struct Options {
   std::uint64_t seed = 1;
 };
 
-std::vector<std::string> all_names() {
-  std::vector<std::string> names;
-  while (const char *name = ada4571_figure_name(names.size()))
-    names.emplace_back(name);
-  return names;
-}
-
 int run(const Options &options) {
-  for (const std::string &name : options.names.empty() ? all_names() : options.names) {
-    check_usage(ada4571_figure_write(name.c_str(), options.seed, options.directory.c_str()));
+  const std::vector<std::string> names = options.names.empty() ? figure_names() : options.names;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string &name = names[i];
+    {
+      Busy busy(fmt::format("figure {} of {}: {}", i + 1, names.size(), name));
+      check_usage(ada4571_figure_write(name.c_str(), options.seed, options.directory.c_str()));
+    }
     print("{}/{}.csv\n", options.directory, name);
   }
   return kDone;
@@ -39,15 +40,17 @@ void add_figures(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("figures", "the application note's figures, from the simulation");
   auto options = std::make_shared<Options>();
   std::string names;
-  for (const std::string &name : all_names())
+  for (const std::string &name : figure_names())
     names += (names.empty() ? "" : ", ") + name;
-  verb->add_option("NAME", options->names, names + " (default: all)");
+  verb->add_option("NAME", options->names, names + " (default: all)")
+      ->transform(one_of(figure_names()).description(""));
   verb->add_option("-o,--output", options->directory, "folder to write to")
       ->capture_default_str()
       ->check(CLI::ExistingDirectory)
       ->type_name("DIRECTORY");
   verb->add_option("--seed", options->seed, "seed of everything random")
       ->capture_default_str()
+      ->transform(whole(0))
       ->type_name("N");
   example(*verb, "  iio-angle figures mismatch -o /tmp");
   verb->callback([options, &action] { action = [options] { return run(*options); }; });

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "common/handles.h"
+#include "common/option_checks.h"
 #include "common/print.h"
 #include "common/stop.h"
 #include "common/verb.h"
@@ -59,9 +60,9 @@ void add_pins(CLI::App &app, Action &action) {
   auto *verb =
       app.add_subcommand("pins", "the sensor's GC (gain control) and PD (power down) lines");
   auto options = std::make_shared<Options>();
-  verb->add_option("PIN", options->pin, "gc or pd")->required()->check(CLI::IsMember({"gc", "pd"}));
+  verb->add_option("PIN", options->pin, "gc or pd")->required()->transform(one_of({"gc", "pd"}));
   verb->add_option("STATE", options->state, "on or off; without it the state is printed")
-      ->check(CLI::IsMember({"on", "off"}));
+      ->transform(one_of({"on", "off"}));
   verb->add_option("-s,--stored", options->stored, "stored configuration that names the lines")
       ->type_name("NAME");
   verb->add_option("--line", options->line,

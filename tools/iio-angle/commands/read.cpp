@@ -7,7 +7,7 @@
 #include "common/angle_text.h"
 #include "common/latency.h"
 #include "common/live.h"
-#include "common/numbers.h"
+#include "common/option_checks.h"
 #include "common/print.h"
 #include "common/source_options.h"
 #include "common/verb.h"
@@ -70,17 +70,17 @@ void add_read(CLI::App &app, Action &action) {
   verb->add_option("--format", options->format,
                    "text: ten lines a second; csv, json: a line a sample")
       ->capture_default_str()
-      ->check(CLI::IsMember({"text", "csv", "json"}))
+      ->transform(one_of({"text", "csv", "json"}))
       ->type_name("");
   verb->add_option("--samples", options->samples, "stop after so many samples")
-      ->check(kPositive)
+      ->transform(whole(1))
       ->type_name("N");
   auto *latency = verb->add_flag("--latency", options->latency,
                                  "measure the time from a sample to its angle, by buffer length");
   verb->add_option("--buffers", options->buffers,
                    "buffer lengths to measure (default: from 1 to what is in use)")
       ->delimiter(',')
-      ->check(kPositive)
+      ->transform(whole(1))
       ->needs(latency)
       ->type_name("N,N...");
   add_reconnect_option(*verb, options->reconnect);

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/live.h"
-#include "common/numbers.h"
+#include "common/option_checks.h"
 #include "common/print.h"
 #include "common/progress.h"
 #include "common/source_options.h"
@@ -69,7 +69,7 @@ public:
     count_ += n;
     if (n > 0)
       last_s_ = frames[n - 1].time_s;
-    progress_.show(fraction(), fmt::format("{} samples, {:.1f} s", count_, last_s_ - first_s_));
+    show_progress();
     complete_ = n < frames.size() || (options_.samples > 0 && count_ == options_.samples);
     return !complete_ && !late();
   }
@@ -127,10 +127,15 @@ private:
            seconds_since_first() > kLate * options_.duration_s + kLate_s;
   }
 
-  double fraction() const {
-    return options_.samples > 0
-               ? static_cast<double>(count_) / static_cast<double>(options_.samples)
-               : (last_s_ - first_s_) / options_.duration_s;
+  void show_progress() {
+    const double length_s = last_s_ - first_s_;
+    const std::string what = fmt::format("{} samples, {:.1f} s", count_, length_s);
+    if (options_.samples > 0)
+      progress_.show(static_cast<double>(count_) / static_cast<double>(options_.samples), what);
+    else if (options_.duration_s > 0)
+      progress_.show(length_s / options_.duration_s, what);
+    else
+      progress_.show(what);
   }
 
   const Options &options_;
@@ -173,14 +178,14 @@ void add_record(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("record", "buffered capture to a file");
   auto options = std::make_shared<Options>();
   add_source_options(*verb, options->source);
-  auto *length = verb->add_option_group("length", "how much; Ctrl-C ends it earlier");
-  length->add_option("--duration", options->duration_s, "seconds")
-      ->check(kPositive)
-      ->type_name("S");
+  auto *length = verb->add_option_group(
+      "length", "how much; without, until Ctrl-C, which ends it earlier in any case");
+  auto *duration = length->add_option("--duration", options->duration_s, "seconds");
+  duration->transform(positive("s"))->type_name("S");
   length->add_option("--samples", options->samples, "number of samples")
-      ->check(kPositive)
+      ->excludes(duration)
+      ->transform(whole(1))
       ->type_name("N");
-  length->require_option(1);
   verb->add_option("-o,--output", options->output,
                    "capture file: .csv, .sigmf-meta, or - for standard output")
       ->required()
@@ -190,7 +195,7 @@ void add_record(CLI::App &app, Action &action) {
   add_reconnect_option(*verb, options->reconnect);
   example(
       *verb,
-      "  iio-angle record --duration 10 -o capture.csv\n"
+      "  iio-angle record --duration 10s -o capture.csv\n"
       "  iio-angle record -u ip:192.168.1.20 -d ad7380 --sin voltage0 --cos voltage1 \\\n"
       "      --samples 1000000 -o capture.sigmf-meta\n"
       "A .csv appears when it is complete. A SigMF recording is on the disk from its first sample\n"

@@ -3,6 +3,8 @@
 #include <memory>
 
 #include "common/file_roles.h"
+#include "common/option_checks.h"
+#include "common/progress.h"
 #include "common/simulation_options.h"
 #include "common/verb.h"
 
@@ -18,7 +20,9 @@ struct Options {
 int run(const Options &options) {
   FileRoles().reads(options.simulation.model).writes(options.output).writes(options.save_model);
   const Simulation simulation = make_simulation(options.simulation);
+  Busy busy("simulating");
   const auto capture = make_as_asked<Recording>(ada4571_simulation_run, simulation.get());
+  busy.now("writing " + options.output);
   check_usage(ada4571_recording_save(capture.get(), options.output.c_str()));
   if (!options.save_model.empty()) {
     const auto model = make<Model>(ada4571_simulation_model, simulation.get());
@@ -39,10 +43,12 @@ void add_simulate(CLI::App &app, Action &action) {
       ->type_name("CAPTURE");
   verb->add_option("--save-model", options->save_model,
                    "also write the model in force, drawn values included")
+      ->transform(ends_in({".toml"}, "a model"))
       ->type_name("FILE");
-  example(*verb, "  iio-angle simulate --seed 7 --motion constant:rpm=600 -o capture.csv\n"
-                 "  iio-angle simulate --effect stray-field:b=0.01,direction_deg=30 \\\n"
-                 "      --effect channel-skew --temperature ramp:from=-20,to=100 -o capture.csv");
+  example(*verb,
+          "  iio-angle simulate --seed 7 --motion constant:rpm=600 --duration 10s -o capture.csv\n"
+          "  iio-angle simulate --effect stray-field:b=0.01,direction_deg=30 \\\n"
+          "      --effect channel-skew:dt_s=4us --temperature ramp:from=-20,to=100 -o capture.csv");
   verb->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

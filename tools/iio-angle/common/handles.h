@@ -51,6 +51,7 @@ template <auto Free> struct Freed {
 
 using Source = std::unique_ptr<ada4571_source, Freed<ada4571_source_free>>;
 using DeviceList = std::unique_ptr<ada4571_device_list, Freed<ada4571_device_list_free>>;
+using StoredList = std::unique_ptr<ada4571_stored_list, Freed<ada4571_stored_list_free>>;
 using Recording = std::unique_ptr<ada4571_recording, Freed<ada4571_recording_free>>;
 using Writer = std::unique_ptr<ada4571_writer, Freed<ada4571_writer_free>>;
 using File = std::unique_ptr<ada4571_file, Freed<ada4571_file_free>>;

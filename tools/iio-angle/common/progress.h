@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// Progress of long work: a line on standard error when that is a terminal, nothing otherwise.
+// Progress of work that takes longer than a second: a line on standard error when that is a
+// terminal, nothing otherwise.
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <string>
+#include <thread>
 
 namespace cli {
 
@@ -25,7 +29,31 @@ public:
 private:
   bool terminal_;
   bool shown_ = false;
-  std::chrono::steady_clock::time_point next_{};
+  std::chrono::steady_clock::time_point next_;
+};
+
+/// For work that does not say how far it is: shows what goes on and for how long, by a thread of
+/// its own.
+class Busy {
+public:
+  explicit Busy(std::string what);
+  ~Busy();
+  Busy(const Busy &) = delete;
+  Busy &operator=(const Busy &) = delete;
+
+  /// From here on something else goes on.
+  void now(std::string what);
+
+private:
+  void tick();
+
+  Progress progress_;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  std::string what_;
+  bool over_ = false;
+  std::thread ticker_; ///< last: it begins when the rest is there
 };
 
 } // namespace cli

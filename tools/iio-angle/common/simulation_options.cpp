@@ -8,7 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "common/numbers.h"
+#include "common/known_names.h"
+#include "common/option_checks.h"
+#include "common/quantity.h"
+#include "common/spelling.h"
 
 namespace cli {
 
@@ -47,6 +50,66 @@ std::string effect_text(const Model &model, std::size_t index) {
   return text;
 }
 
+/// "'constnat' is not a motion" and what may have been meant, before the library refuses it with
+/// less of a clue.
+void require_known(const char *option, std::string_view what, std::string_view name,
+                   const std::vector<std::string> &known, const char *see) {
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw Failure(kWrongUsage, fmt::format("{}: '{}' is no {}{}", option, name, what,
+                                           did_you_mean(name, known, see)));
+}
+
+constexpr const char *kSeeManual = "man iio-angle-simulate";
+
+/// Names are checked, and 4us, 10% and 600rpm turned into the plain numbers that the library takes.
+SimulationOptions in_plain_numbers(SimulationOptions options) {
+  for (std::string &effect : options.effects) {
+    const std::string name(kind_of(effect));
+    require_known("--effect", "effect", name, effect_names(), "iio-angle catalogue");
+    effect = with_plain_numbers(effect, [&](std::string_view key) {
+      require_known("--effect", "parameter of " + name, key, parameter_names(name),
+                    ("iio-angle catalogue " + name).c_str());
+      return parameter_unit(name, key);
+    });
+  }
+  if (!options.motion.empty())
+    require_known("--motion", "motion", kind_of(options.motion), kinds_of(motion_examples()),
+                  kSeeManual);
+  if (!options.temperature.empty())
+    require_known("--temperature", "course of the temperature", kind_of(options.temperature),
+                  kinds_of(temperature_examples()), kSeeManual);
+  options.motion = with_plain_numbers(options.motion, [](std::string_view key) {
+    return std::string(key == "transition" ? "1" : "rpm");
+  });
+  options.temperature = with_plain_numbers(options.temperature, [](auto) { return "C"; });
+  return options;
+}
+
+/// What the library refuses of an option, with the option's name before it.
+void require_option(const char *option, ada4571_status status) {
+  if (status == ADA4571_ERROR_INVALID_ARGUMENT)
+    throw Failure(kWrongUsage, fmt::format("{}: {}", option, ada4571_last_error()));
+  check(status);
+}
+
+void add_effect(const Model &model, const std::string &text) {
+  require_option("--effect", ada4571_model_add_effect(model.get(), text.c_str()));
+}
+
+/// Tries the texts one by one, so that what is refused has an option's name.
+void require_profiles(const ada4571_simulation_options &numbers) {
+  const auto attempt = [](const char *option, const char *ada4571_simulation_options::*member,
+                          const char *text) {
+    auto only = initialised(ada4571_simulation_options_init);
+    only.*member = text;
+    ada4571_simulation *simulation = nullptr;
+    require_option(option, ada4571_simulation_new(nullptr, &only, 0, &simulation));
+    ada4571_simulation_free(simulation);
+  };
+  attempt("--motion", &ada4571_simulation_options::motion, numbers.motion);
+  attempt("--temperature", &ada4571_simulation_options::temperature, numbers.temperature);
+}
+
 /// The sensor that the seed alone gives, but for what `--effect` says otherwise.
 Model drawn_model(const SimulationOptions &options, const ada4571_simulation_options &numbers) {
   const auto plain = make_as_asked<Simulation>(
@@ -77,47 +140,50 @@ void add_simulation_options(CLI::App &verb, SimulationOptions &options) {
       ->allow_extra_args(false);
   verb.add_option("--seed", options.seed, "seed of everything random")
       ->capture_default_str()
+      ->transform(whole(0))
       ->type_name("N");
   verb.add_option("--motion", options.motion,
-                  "constant:rpm=600, steps:rpm=60/600/-600, ... (docs/simulation.md)")
+                  "constant:rpm=600, ramp:from=R,to=R, steps:rpm=60/600/-600,transition=PART")
       ->type_name("PROFILE");
   verb.add_option("--temperature", options.temperature,
-                  "constant:deg_c=25, ramp:from=-20,to=100, cycle:...")
+                  "constant:deg_c=25, ramp:from=-20,to=100, cycle:from=0,to=80")
       ->type_name("PROFILE");
   verb.add_option("--rate", n.sample_rate_hz, "sample rate, in Hz")
       ->capture_default_str()
-      ->check(kPositive)
+      ->transform(positive("Hz"))
       ->type_name("HZ");
   verb.add_option("--duration", n.duration_s, "length, in s")
       ->capture_default_str()
-      ->check(kNonNegative)
+      ->transform(from_zero("s"))
       ->type_name("S");
   verb.add_option("--noise", n.noise_rms_v, "white noise, in V rms")
       ->capture_default_str()
-      ->check(kNonNegative)
+      ->transform(from_zero("V"))
       ->type_name("V");
   verb.add_option("--bits", n.adc_bits, "bits of the converter, 0 for none")
       ->capture_default_str()
-      ->check(CLI::Range(0, 32))
+      ->transform(whole(0, 32))
       ->type_name("N");
   verb.add_option("--adc-reference", n.adc_reference_v, "full scale of the converter, in V")
       ->capture_default_str()
-      ->check(kPositive)
+      ->transform(positive("V"))
       ->type_name("V");
   verb.add_flag("--no-vtemp", options.no_vtemp, "leave the VTEMP channel out");
   verb.add_flag("--no-vdd", options.no_vdd, "leave the VDD channel out");
   verb.add_flag("--no-reference", options.no_reference, "leave the reference encoder out");
 }
 
-Simulation make_simulation(const SimulationOptions &options) {
+Simulation make_simulation(const SimulationOptions &as_written) {
+  const SimulationOptions options = in_plain_numbers(as_written);
   const ada4571_simulation_options numbers = for_library(options);
+  require_profiles(numbers);
   Model model;
   if (!options.model.empty())
     model = make<Model>(ada4571_model_load, options.model.c_str());
   else if (!options.effects.empty())
     model = drawn_model(options, numbers);
   for (const std::string &effect : options.effects)
-    check_usage(ada4571_model_add_effect(model.get(), effect.c_str()));
+    add_effect(model, effect);
   const auto simulate = [&](const ada4571_model *of) {
     return make_as_asked<Simulation>(ada4571_simulation_new, of, &numbers, options.seed);
   };

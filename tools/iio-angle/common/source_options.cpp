@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include "common/source_options.h"
 
-#include "common/numbers.h"
+#include "common/option_checks.h"
 
 namespace cli {
 
@@ -61,19 +61,19 @@ void add_source_options(CLI::App &verb, SourceOptions &options) {
   verb.add_option("--trigger", options.trigger, "IIO trigger to use (default: what is set)")
       ->type_name("NAME");
   verb.add_option("--rate", options.rate_hz, "sample rate to set (default: what is set)")
-      ->check(kPositive)
+      ->transform(positive("Hz"))
       ->type_name("HZ");
   verb.add_option("--supply", options.supply_v, "supply of the sensor (default 5)")
-      ->check(kPositive)
+      ->transform(positive("V"))
       ->type_name("V");
   verb.add_option("--periods", options.periods_per_turn,
                   "electrical periods a turn: 2 for AMR, 1 for GMR, TMR and Hall (default 2)")
-      ->check(CLI::Range(1, 1000))
+      ->transform(whole(1, 1000))
       ->type_name("N");
   verb.add_option("--within", options.latency_s,
                   "longest wait of a sample for its buffer: short costs processor time "
                   "(default 0.05)")
-      ->check(CLI::Range(1e-6, 60.0))
+      ->transform(between(1e-6, 60.0, "s"))
       ->type_name("S");
   verb.parse_complete_callback([&verb] { refuse_both_ways(verb); });
 }

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+#include "common/option_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "common/quantity.h"
+#include "common/spelling.h"
+
+namespace cli {
+
+namespace {
+
+template <class Sound>
+CLI::Validator quantity(const char *unit, const Sound &sound, const std::string &limits,
+                        const std::string &description) {
+  return {[=](std::string &text) -> std::string {
+            const auto value = parse_quantity(text, unit);
+            if (!value)
+              return not_a_quantity(text, unit);
+            if (!sound(*value))
+              return fmt::format("'{}' is not {}", text, limits);
+            text = fmt::format("{}", *value);
+            return {};
+          },
+          description};
+}
+
+std::string listed(const std::vector<std::string> &words, const char *last) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? last : ", ") + words[i];
+  return text;
+}
+
+} // namespace
+
+CLI::Validator positive(const char *unit) {
+  return quantity(
+      unit, [](double x) { return x > 0; }, "above 0", "POSITIVE");
+}
+
+CLI::Validator from_zero(const char *unit) {
+  return quantity(
+      unit, [](double x) { return x >= 0; }, "0 or above", "NONNEGATIVE");
+}
+
+CLI::Validator between(double low, double high, const char *unit) {
+  const std::string limits = fmt::format("from {:g} to {:g}", low, high);
+  return quantity(
+      unit, [=](double x) { return x >= low && x <= high; }, limits,
+      fmt::format("in [{:g} - {:g}]", low, high));
+}
+
+CLI::Validator whole(std::uint64_t low, std::uint64_t high) {
+  const bool bounded = high != std::numeric_limits<std::uint64_t>::max();
+  const std::string limits = bounded ? fmt::format("a whole number from {} to {}", low, high)
+                                     : fmt::format("a whole number, {} or above", low);
+  return {[=](std::string &text) -> std::string {
+            // As digits first: a double does not hold all of 64 bits.
+            const bool digits =
+                !text.empty() && text.size() < 20 &&
+                std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+            const double value = parse_quantity(text, "1").value_or(-1.0);
+            constexpr double kExact = 9007199254740992.0; // 2^53
+            if (!digits && !(value >= 0 && value == std::floor(value) && value <= kExact))
+              return fmt::format("'{}' is not {}", text, limits);
+            const std::uint64_t number =
+                digits ? std::stoull(text) : static_cast<std::uint64_t>(value);
+            if (number < low || number > high)
+              return fmt::format("'{}' is not {}", text, limits);
+            text = std::to_string(number);
+            return {};
+          },
+          bounded   ? fmt::format("in [{} - {}]", low, high)
+          : low > 0 ? "POSITIVE"
+                    : "NONNEGATIVE"};
+}
+
+CLI::Validator one_of(std::vector<std::string> words) {
+  const std::string description = "{" + CLI::detail::join(words, ",") + "}";
+  return {[words = std::move(words)](std::string &text) -> std::string {
+            if (std::find(words.begin(), words.end(), text) != words.end())
+              return {};
+            constexpr std::size_t kMostListed = 8;
+            const std::string what = words.size() > kMostListed
+                                         ? fmt::format("none of the {} known names", words.size())
+                                         : "not " + listed(words, " or ");
+            return fmt::format("'{}' is {}{}", text, what, did_you_mean(text, words));
+          },
+          description};
+}
+
+CLI::Validator ends_in(std::vector<std::string> endings, const char *what) {
+  return {[endings = std::move(endings), what](std::string &path) -> std::string {
+            std::error_code ignored;
+            const auto kind = std::filesystem::status(path, ignored).type();
+            const bool in_place = path == "-" || (kind != std::filesystem::file_type::regular &&
+                                                  kind != std::filesystem::file_type::not_found);
+            const bool ends = std::any_of(endings.begin(), endings.end(), [&](const auto &ending) {
+              return path.size() > ending.size() && path.ends_with(ending);
+            });
+            if (ends || in_place)
+              return {};
+            return fmt::format("'{}' is no name for {}: let it end in {}", path, what,
+                               listed(endings, " or "));
+          },
+          ""};
+}
+
+} // namespace cli
