@@ -54,7 +54,7 @@ check_a_stored_calibration_stays_until_it_is_asked_away() {
   emulate
   local XDG_CONFIG_HOME=$PWD/home
   export XDG_CONFIG_HOME
-  stored() { grep -c "file = \"$PWD/$1\"" home/ada4571/wheel.toml; }
+  stored() { grep -c "^file = .$PWD/$1.\$" home/ada4571/wheel.toml; }
   status 0 iio-angle simulate --duration 1 -o a.csv
   status 0 iio-angle calibrate single a.csv -o a.toml
   status 0 iio-angle calibrate single a.csv -o b.toml
@@ -65,9 +65,9 @@ check_a_stored_calibration_stays_until_it_is_asked_away() {
   status 0 iio-angle list -u "$URI" --save wheel --calibration a.toml
   same "after the first" "$(stored a.toml)" 1
   printf '\n[pins]\ngc = "gc-line"\n' >>home/ada4571/wheel.toml
-  status 0 iio-angle list -u "$URI" --rate 1k --save wheel
-  same "after another rate" "$(stored a.toml)" 1
-  says home/ada4571/wheel.toml '^gc = "gc-line"'
+  status 0 iio-angle list -u "$URI" --supply 4.9V --save wheel
+  same "after another supply" "$(stored a.toml)" 1
+  says home/ada4571/wheel.toml '^gc = .gc-line.$'
   says err "calibrated by $PWD/a.toml"
   status 0 iio-angle list -s wheel --save wheel --calibration b.toml
   same "after another calibration" "$(stored b.toml)" 1
