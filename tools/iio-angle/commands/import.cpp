@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/file_roles.h"
-#include "common/numbers.h"
+#include "common/option_checks.h"
 #include "common/print.h"
 #include "common/progress.h"
 #include "common/verb.h"
@@ -165,14 +165,14 @@ int run(const CLI::App &verb, const Options &options) {
 void add_text_options(CLI::App &verb, Options &options) {
   verb.add_option("--separator", options.separator,
                   "between the columns: comma, semicolon, tab, blank, bar (default: found out)")
-      ->check(CLI::IsMember({"comma", "semicolon", "tab", "blank", "bar", ",", ";", "\t", " ", "|"})
-                  .description(""))
+      ->transform(one_of({"comma", "semicolon", "tab", "blank", "bar", ",", ";", "\t", " ", "|"})
+                      .description(""))
       ->type_name("WORD");
   verb.add_option("--decimal", options.decimal, "decimal mark, . or , (default: found out)")
-      ->check(CLI::IsMember({".", ","}).description(""))
+      ->transform(one_of({".", ","}).description(""))
       ->type_name("MARK");
   verb.add_option("--skip", options.header_lines, "lines before the first row (default: found out)")
-      ->check(CLI::Range(0, 100000))
+      ->transform(whole(0, 100000))
       ->type_name("N");
 }
 
@@ -182,14 +182,14 @@ void add_value_options(CLI::App &verb, Options &options) {
                     std::string(column.help) + ": its name or its number, or none")
         ->type_name("COLUMN");
   verb.add_option("--rate", options.rate_hz, "sample rate, instead of a column of times")
-      ->check(kPositive)
+      ->transform(positive("Hz"))
       ->type_name("HZ");
   verb.add_option("--time-unit", options.time_unit, "unit of the times (default: by the file, or s)")
-      ->check(CLI::IsMember({"s", "ms", "us", "ns", "min"}))
+      ->transform(one_of({"s", "ms", "us", "ns", "min"}))
       ->type_name("");
   verb.add_option("--reference-unit", options.reference_unit,
                   "unit of the reference (default: by the file)")
-      ->check(CLI::IsMember({"deg", "rad", "turn"}))
+      ->transform(one_of({"deg", "rad", "turn"}))
       ->type_name("");
   verb.add_option("--scale", options.scales,
                   "factor from the numbers of a channel to volts, seconds or degrees, as in "
@@ -201,12 +201,12 @@ void add_value_options(CLI::App &verb, Options &options) {
       ->type_name("CHANNEL=VALUE");
   verb.add_option("--supply", options.supply_v, "supply of the sensor, in V")
       ->capture_default_str()
-      ->check(kPositive)
+      ->transform(positive("V"))
       ->type_name("V");
   verb.add_option("--periods", options.periods,
                   "electrical periods a turn: 2 for AMR, 1 for GMR, TMR and Hall")
       ->capture_default_str()
-      ->check(CLI::Range(1, 64))
+      ->transform(whole(1, 64))
       ->type_name("N");
   verb.add_option("--serial", options.serial, "serial number of the sensor")->type_name("TEXT");
 }

@@ -16,7 +16,7 @@
 
 #include "common/file_roles.h"
 #include "common/handles.h"
-#include "common/numbers.h"
+#include "common/option_checks.h"
 #include "common/print.h"
 #include "common/progress.h"
 #include "common/verb.h"
@@ -222,7 +222,7 @@ void add_run(CLI::App &study, Action &action) {
   auto options = std::make_shared<RunOptions>();
   verb->add_option("--jobs", options->jobs, "processes at once (default: all processors)")
       ->type_name("N")
-      ->check(CLI::Range(1, 4096));
+      ->transform(whole(1, 4096));
   verb->add_option("--shard", options->shard,
                    "do only the captures whose names fall to part K of N, for one machine of N")
       ->type_name("K/N");
@@ -232,13 +232,13 @@ void add_run(CLI::App &study, Action &action) {
                    "leave the diagnosis out: a hundred times as fast, the ellipse and the tables "
                    "remain")
       ->type_name("STEP")
-      ->check(CLI::IsMember({"diagnose"}));
+      ->transform(one_of({"diagnose"}));
   verb->add_option("--reports", options->reports, "write a page for each capture there")
       ->type_name("FOLDER");
   verb->add_option("--limit", options->limit_s, "longest time of one capture, in s; 0 for none")
       ->capture_default_str()
       ->type_name("S")
-      ->check(kNonNegative);
+      ->transform(from_zero("s"));
   verb->add_flag("--again", options->again,
                  "do those again that failed, or that another version did");
   verb->add_option("-o,--output", options->output, "study, an SQLite database")

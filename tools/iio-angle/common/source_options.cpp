@@ -83,7 +83,7 @@ void add_replay_options(CLI::App &verb, std::string &capture, double &speed) {
                    ->type_name("CAPTURE");
   verb.add_option("--speed", speed, "play it so many times as fast as it was recorded")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1e6))
+      ->transform(between(0.0, 1e6))
       ->needs(file)
       ->type_name("N");
 }
