@@ -110,6 +110,41 @@ inline constexpr double kLeastOfPair = 0.5;
 /// none: three of them, which chance makes once in 400.
 inline constexpr double kClear = 9.0;
 
+// --- naming causes
+
+/// Samples of the search: for looking around, and for a first fit.
+inline constexpr std::size_t kQuick = 16000, kCoarse = 6000;
+/// Candidates that get a joint fit, and effects of a model at most.
+inline constexpr std::size_t kShortlist = 5;
+inline constexpr int kMostEffects = 10;
+/// A cause must be worth this many nats on held-out data, and more for each coordinate: the likeliest
+/// of some fifty shapes gains e^-12 of them by chance, and a coordinate that is fitted to nothing one
+/// nat on the average.
+inline constexpr double kLeastNats = 12.0, kNatsPerCoordinate = 3.0;
+/// What every pair has need only be likelier than not by this, beside what has no name.
+inline constexpr double kExpectedNats = 0.0;
+/// A moment that was looked for among all samples costs about the logarithm of their number.
+inline constexpr double kNatsPerMoment = 11.0;
+/// Part of the noise that a cause must explain: below it the noise of the whole grows by 0.2 %, and
+/// nobody would care.
+inline constexpr double kLeastOfNoise = 0.06;
+/// Residual, in units of the noise, above which what was found is called into question.
+inline constexpr double kShaken = 1.25;
+inline constexpr std::size_t kMostShaken = 6; ///< effects; beyond so many the work grows too long
+/// Two causes this correlated are one and the same in the data: both together would cancel each other
+/// at sizes that mean nothing. Unless far more is gained than by chance: two speeds just tell two lags
+/// apart.
+inline constexpr double kEntangled = 0.995, kNearlyOne = 0.999, kFarMoreNats = 1000.0;
+/// Part of the best worth from which on another candidate does about as well.
+inline constexpr double kAsWell = 0.98;
+/// A rival that comes this close, in nats, cannot be rejected: odds of e^8 are 3000 to one.
+inline constexpr double kRivalNats = 8.0;
+/// What a cause leaves over of the one that yields to it: as a part of what either explains, and as a
+/// part of the noise, where what stands clear of it tells the two apart.
+inline constexpr double kSlight = 0.02, kHidden = 0.5;
+/// Prior cost of a motion whose own ripple happens to look like an error of the reference, nats.
+inline constexpr double kCoincidence = 20.0;
+
 // --- random causes
 
 /// What one cause may leave over of what several explain, as a part of the mean square.

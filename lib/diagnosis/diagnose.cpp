@@ -4,9 +4,7 @@
 #include "diagnosis/diagnose.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <iterator>
 #include <limits>
@@ -18,10 +16,12 @@
 #include "diagnosis/anonymous/anonymous.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/describe.h"
 #include "diagnosis/first_model.h"
 #include "diagnosis/ladder.h"
 #include "diagnosis/leftovers.h"
 #include "diagnosis/moments.h"
+#include "diagnosis/naming.h"
 #include "diagnosis/noise_causes.h"
 #include "diagnosis/parts.h"
 #include "diagnosis/random_causes.h"
@@ -38,26 +38,6 @@ constexpr double kAboveNoise = 1.25;
 constexpr std::size_t kSearchTrain = 30000, kSearchHeldout = 15000;
 /// For the last fits; more only narrow errors that are far below anything physical.
 constexpr std::size_t kFitTrain = 160000, kFitHeldout = 80000;
-
-std::string now_utc() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(
-                                                  std::chrono::system_clock::now())));
-}
-
-void describe_capture(const Capture &capture, const Scene &scene, Diagnosis &d) {
-  d.samples = capture.size();
-  d.duration_s = capture.size() > 1 ? capture.time_s.back() - capture.time_s.front() : 0.0;
-  d.turns = std::isfinite(scene.turns) ? scene.turns : 0.0; // equal times have no speed
-  d.periods_per_turn = scene.periods;
-  d.channels = {"vsin_v", "vcos_v"};
-  if (capture.has_vtemp())
-    d.channels.push_back("vtemp_v");
-  if (capture.has_vdd())
-    d.channels.push_back("vdd_v");
-  if (capture.has_reference())
-    d.channels.push_back("reference_deg");
-  d.has_reference = capture.has_reference();
-}
 
 /// The parts of a diagnosis that work on one pair of training and held-out data.
 class Work {
@@ -109,14 +89,15 @@ public:
     }
     if (!scene_.has_reference && (!found_.order.empty() || found_.supply_rms_fraction > 0.0))
       search_causes(true);
-    if (!scene_.has_reference && found_.supply_rms_fraction > 0.0 && !supply_accounts_for_radius())
+    if (!scene_.has_reference && found_.supply_rms_fraction > 0.0 && !accounts_for_radius(parts_.heldout, found_.fit.model, found_.supply_rms_fraction, floor()))
       found_.supply_rms_fraction = 0.0;
     for (Observations *o : {&scene_.all, &scene_.spiked}) {
       o->disturbed = found_.disturbed;
       o->weight_along = found_.weight_along;
     }
     found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
-    name_against_anonymous();
+    found_ = name_against_anonymous(
+        {scene_, judge(), found_baseline(), noise_, options_.progress}, parts_, std::move(found_));
     take(build_ladder(parts_, found_));
     while (drop_what_harms() || drop_what_is_unclear())
       take(build_ladder(parts_, found_));
@@ -176,15 +157,15 @@ private:
     scene_ = prepare(*freed_, options_.heldout == nullptr);
   }
 
+  const Scene &judge() const { return options_.heldout ? *judge_ : scene_; }
   double floor() const { return std::max(noise_, scene_.white_noise_v); }
 
   void search_causes(bool thorough) {
-    const Scene &judge = options_.heldout ? *judge_ : scene_;
     parts_.has_reference = scene_.has_reference;
     parts_.second_capture = judge_.has_value();
     parts_.train = scene_.all.select(thin(scene_.train, kFitTrain));
     parts_.heldout =
-        options_.heldout ? judge.all : scene_.all.select(thin(scene_.heldout, kFitHeldout));
+        options_.heldout ? judge_->all : scene_.all.select(thin(scene_.heldout, kFitHeldout));
     Model start = first_model(scene_, baseline());
     // Without a reference the angle is the pair's own, lag and all: a common delay is free.
     free_lag_ = !scene_.has_reference && !scene_.radius_only &&
@@ -194,16 +175,17 @@ private:
       start.effects.push_back({&the_effect(is_common_delay), {0.0}, {}});
     const auto search = [&] {
       return Search({&scene_, scene_.all.select(thin(scene_.train, kSearchTrain)),
-                     options_.heldout ? judge.all
+                     options_.heldout ? judge_->all
                                       : scene_.all.select(thin(scene_.heldout, kSearchHeldout)),
-                     &judge},
+                     &judge()},
                     start, noise_, options_.progress);
     };
     found_ = search().run(false);
     if (!thorough)
       return;
-    const double unnamed_v2 = unnamed_on_angle(anonymous_of(scene_, parts_, found_.fit.model));
     const Model physical = found_.fit.model;
+    const double unnamed_v2 = unnamed_on_angle(scene_, parts_, physical,
+                                               anonymous_of(scene_, parts_, physical));
     // What is left over is looked at against what has no name: second thoughts come there.
     found_ = search().run(false, &physical, unnamed_v2);
     if (!anonymous_of(scene_, parts_, found_.fit.model).any()) {
@@ -295,96 +277,6 @@ private:
     return finding;
   }
 
-  /// Whether a supply that only the radius shows accounts for what the radius does. Otherwise it
-  /// would hide what nothing explains.
-  bool supply_accounts_for_radius() const {
-    constexpr double kMore = 1.5;
-    const Observations &data = parts_.heldout;
-    const ResidualColumns r = residual_columns(data, found_.fit.model);
-    double radial2 = 0.0, reach2 = 0.0;
-    for (std::size_t i = 0; i < data.size(); ++i) {
-      const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
-      const double square = std::max(s * s + c * c, 1e-12);
-      const double radial = r.sin[i] * s + r.cos[i] * c;
-      const double reach = data.vsin[i] * s + data.vcos[i] * c;
-      radial2 += radial * radial / square;
-      reach2 += reach * reach / square;
-    }
-    const double n = static_cast<double>(std::max<std::size_t>(1, data.size()));
-    const double f = found_.supply_rms_fraction;
-    return radial2 / n < kMore * (floor() * floor() + f * f * reach2 / n);
-  }
-
-  /// Causes are named against what nobody can name: its coefficients count as noise with the
-  /// variance that is left of them, which falls with every true cause and rises with every false
-  /// one that goes.
-  void name_against_anonymous() {
-    constexpr int kMostRounds = 3;
-    for (int round = 0; round < kMostRounds; ++round) {
-      const Anonymous left = anonymous_of(scene_, parts_, found_.fit.model);
-      if (!left.any())
-        break;
-      const Discrepancy discrepancy = discrepancy_of(left.basis, left.selection, left.from);
-      SearchData data{&scene_, parts_.train, parts_.heldout, options_.heldout ? &*judge_ : &scene_};
-      Search search(std::move(data), found_baseline(), noise_, options_.progress);
-      SearchResult next =
-          search.run_against(discrepancy, unnamed_on_angle(left), found_.fit.model);
-      const bool same = names_of(next) == names_of(found_);
-      found_ = std::move(next);
-      parts_.train.coloured = std::make_shared<Coloured>(discrepancy, thinned_train());
-      if (!exchange_for_a_rival(left.selection.noise_v2) && same)
-        break;
-    }
-  }
-
-  /// Of causes that stand equally well beside what has no name, the one leads that leaves less of it:
-  /// less of the residual above the noise.
-  bool exchange_for_a_rival(double noise_v2) {
-    const auto unnamed_v2 = [&](const Model &model) {
-      return white_sum_of_squares(parts_.heldout, as_seen_by(parts_.heldout, model)) /
-                 (2.0 * static_cast<double>(parts_.heldout.size())) -
-             noise_v2;
-    };
-    double least = criteria::kOfRival * unnamed_v2(found_.fit.model);
-    const Model *better = nullptr;
-    for (const std::vector<Rival> &rivals : found_.alternatives)
-      for (const Rival &rival : rivals)
-        if (const double left = unnamed_v2(rival.model); left < least) {
-          least = left;
-          better = &rival.model;
-        }
-    if (!better)
-      return false;
-    found_.fit.model = Model(*better);
-    return true;
-  }
-
-  /// Mean square of what repeats with the angle and has no physical name, signatures included.
-  double unnamed_on_angle(const Anonymous &left) const {
-    Model physical = found_.fit.model;
-    const auto dropped = std::erase_if(physical.effects, [](const EffectInstance &e) {
-      return e.effect->info().signature;
-    });
-    return (dropped > 0 ? anonymous_of(scene_, parts_, physical) : left)
-        .selection.share_v2[static_cast<std::size_t>(Axis::angle)];
-  }
-
-  /// Training data of a size that the coloured fits can hold.
-  Observations &thinned_train() {
-    std::vector<std::uint32_t> all(parts_.train.size());
-    std::iota(all.begin(), all.end(), 0u);
-    parts_.train.keep(thin(all, criteria::kAnonymousTrain, 100));
-    return parts_.train;
-  }
-
-  static std::vector<std::string_view> names_of(const SearchResult &found) {
-    std::vector<std::string_view> out;
-    for (std::size_t k : found.order)
-      out.push_back(found.fit.model.effects[k].effect->info().id);
-    std::sort(out.begin(), out.end());
-    return out;
-  }
-
   /// What the search began with: the model without its findings.
   Model found_baseline() const {
     Model out = first_model(scene_, baseline());
@@ -447,27 +339,8 @@ private:
     out_.extended = with_remainder(scene_, unnamed_, everything(), out_.extended);
     out_.remainder_rms_v = judged.remainder->rms() * judged.baseline.amplitude_v;
     if (parts_.has_reference)
-      out_.remainder_angle_rms_deg = remainder_angle_rms_deg();
+      out_.remainder_angle_rms_deg = remainder_angle_rms(parts_.heldout, out_.extended);
     last_ = after;
-  }
-
-  /// What the remainder turns the vector by over a turn, rms, mechanical degrees.
-  double remainder_angle_rms_deg() const {
-    Model without = out_.extended;
-    without.remainder.reset();
-    const ResidualColumns all = residual_columns(parts_.heldout, out_.extended);
-    const ResidualColumns rest = residual_columns(parts_.heldout, without);
-    double sum = 0.0;
-    for (std::size_t i = 0; i < all.sin.size(); ++i) {
-      const double s = rest.model_sin[i] - parts_.heldout.centre_sin_v;
-      const double c = rest.model_cos[i] - parts_.heldout.centre_cos_v;
-      const double ds = all.model_sin[i] - rest.model_sin[i];
-      const double dc = all.model_cos[i] - rest.model_cos[i];
-      const double turn = (ds * c - dc * s) / std::max(s * s + c * c, 1e-12);
-      sum += turn * turn;
-    }
-    const double n = static_cast<double>(std::max<std::size_t>(1, all.sin.size()));
-    return std::sqrt(sum / n) * kDegPerRad / scene_.periods;
   }
 
   /// All usable samples: the numbers of a remainder that held-out data have confirmed are taken from
@@ -584,22 +457,6 @@ private:
                                  scene_.has_reference ? 0.0 : out_.noise.along_v);
     if (!random_.empty() || !causes.empty())
       explained_noise_ = std::max(noise_, left);
-  }
-
-  /// Noise where it is loudest, V rms of a channel: it may grow with the speed, and a spike stands
-  /// out of the noise about it. Stretches of 64 samples; a tenth of them may hold spikes.
-  static double loudest_noise(const Observations &data, const Model &model) {
-    constexpr std::size_t kStretch = 64;
-    constexpr double kMost = 0.9;
-    const ResidualColumns r = residuals_alone(data, model);
-    std::vector<double> rms;
-    for (std::size_t from = 0; from + kStretch <= r.sin.size(); from += kStretch) {
-      double sum = 0.0;
-      for (std::size_t i = from; i < from + kStretch; ++i)
-        sum += r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
-      rms.push_back(std::sqrt(0.5 * sum / kStretch));
-    }
-    return quantile(std::move(rms), kMost);
   }
 
   /// Whether a spectrum over time means anything: an even clock, and a motion that is known.
@@ -743,40 +600,8 @@ private:
     const double noise = std::sqrt(unnamed_.selection.noise_v2);
     for (const BudgetLine &line : out_.budget)
       if (line.axis != Axis::noise && line.unnamed_rms_v > criteria::kWorthAWord * noise)
-        out_.structure.push_back({std::string(axis_name(line.axis)), unnamed_sentence(line),
+        out_.structure.push_back({std::string(axis_name(line.axis)), unnamed_sentence(line, unnamed_.selection, scene_),
                                   line.unnamed_rms_v});
-  }
-
-  std::string unnamed_sentence(const BudgetLine &line) const {
-    const int order = unnamed_.selection.orders[static_cast<std::size_t>(line.axis)];
-    const double mv = 1e3 * line.unnamed_rms_v;
-    switch (line.axis) {
-    case Axis::angle:
-      return fmt::format("{:.3g} mV rms repeat with the angle, up to order {} of the {}, and no named "
-                         "cause explains them", mv, order,
-                         in_turns(scene_) ? "turn" : "electrical period");
-    case Axis::speed:
-      return fmt::format("{:.3g} mV rms change with speed or direction, and no named cause explains "
-                         "them", mv);
-    case Axis::time:
-      return fmt::format("{:.3g} mV rms change slowly over the record, and no named cause explains "
-                         "them", mv);
-    case Axis::frequency:
-      return fmt::format("{:.3g} mV rms lie in lines of the spectrum, and no named cause explains "
-                         "them", mv);
-    default:
-      return fmt::format("{:.3g} mV rms change with {}, and no named cause explains them", mv,
-                         line.axis == Axis::supply ? "the supply" : "temperature");
-    }
-  }
-
-  /// Residual rms of a channel as it is, without what a supply that is not recorded does.
-  double rms_of_all() const {
-    Observations plain = parts_.heldout;
-    if (plain.disturbed != Direction::supply)
-      plain.weight_along = 1.0;
-    const double n = static_cast<double>(std::max<std::size_t>(1, plain.size()));
-    return std::sqrt(sum_of_squares(plain, out_.extended) / (2.0 * n));
   }
 
   bool supply_is_inferred() const {
@@ -816,7 +641,7 @@ private:
     for (EffectInstance &e : recorded_)
       out_.extended.effects.push_back(std::move(e));
     out_.extended.noise_rms_v = last_.in_sample.residual_rms_v;
-    add_provenance();
+    out_.extended.provenance = provenance_of(worked_on(), last_);
     for (const Effect *effect : catalogue())
       note_invisible(*effect);
     out_.verdict = verdict();
@@ -841,23 +666,6 @@ private:
                          parts_.rung(bare).heldout.log_likelihood) *
                         static_cast<double>(parts_.heldout.size());
     return nats > criteria::kAdmittedNats;
-  }
-
-  void add_provenance() {
-    Provenance &p = out_.extended.provenance;
-    const Capture &capture = worked_on();
-    p.serial = capture.meta.serial;
-    p.date = now_utc();
-    p.method = "diagnose";
-    p.capture_identity = capture.identity;
-    p.generator = std::string("libada4571 ") + ADA4571_VERSION_STRING;
-    p.gain_control = capture.meta.gain_control;
-    p.fit_residual_rms_v = last_.in_sample.residual_rms_v;
-    p.heldout_residual_rms_v = last_.heldout.residual_rms_v;
-    if (capture.has_vtemp()) {
-      p.vtemp_min_v = *std::min_element(capture.vtemp_v.begin(), capture.vtemp_v.end());
-      p.vtemp_max_v = *std::max_element(capture.vtemp_v.begin(), capture.vtemp_v.end());
-    }
   }
 
   const Capture &given_;

@@ -9,6 +9,7 @@
 #include <complex>
 
 #include "base/angle.h"
+#include "base/robust.h"
 #include "diagnosis/fit.h"
 #include "model/residual.h"
 
@@ -256,6 +257,20 @@ double rms_in_any_direction(const Observations &data, const Model &model, bool h
   }
   const double least = has_reference ? *std::min_element(sum.begin(), sum.end()) : sum.back();
   return std::sqrt(least / static_cast<double>(std::max<std::size_t>(1, data.size())));
+}
+
+double loudest_noise(const Observations &data, const Model &model) {
+  constexpr std::size_t kStretch = 64; // samples
+  constexpr double kMost = 0.9;        // of the stretches; a tenth of them may hold spikes
+  const ResidualColumns r = residuals_alone(data, model);
+  std::vector<double> rms;
+  for (std::size_t from = 0; from + kStretch <= r.sin.size(); from += kStretch) {
+    double sum = 0.0;
+    for (std::size_t i = from; i < from + kStretch; ++i)
+      sum += r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
+    rms.push_back(std::sqrt(0.5 * sum / kStretch));
+  }
+  return quantile(std::move(rms), kMost);
 }
 
 } // namespace ada

@@ -31,4 +31,8 @@ Spikes spikes_against(const Scene &scene, const Model &model,
 /// all alike. Without a reference only the radius is no matter of the motion.
 double rms_in_any_direction(const Observations &data, const Model &model, bool has_reference);
 
+/// Noise where it is loudest, V rms of a channel: it may grow with the speed, and a spike stands out
+/// of the noise about it.
+double loudest_noise(const Observations &data, const Model &model);
+
 } // namespace ada

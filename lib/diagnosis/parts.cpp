@@ -15,8 +15,6 @@ namespace ada {
 
 namespace {
 
-/// RMS error of the corrected angle on these samples against the magnet's angle: the reference,
-/// with what the model knows to be wrong with the reference and the drive.
 /// Takes out of the outputs what the model knows of this capture alone, such as a step at a moment or
 /// a tone: no correction of other captures could.
 void take_out_what_no_file_corrects(const Observations &data, const Model &model,
@@ -35,6 +33,8 @@ void take_out_what_no_file_corrects(const Observations &data, const Model &model
   }
 }
 
+/// RMS error of the corrected angle on these samples against the magnet's angle: the reference,
+/// with what the model knows to be wrong with the reference and the drive.
 double angle_error(const Observations &data, const Model &model) {
   const AngleSolver solver(model);
   Conditions at = data.conditions();

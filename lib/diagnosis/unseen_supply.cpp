@@ -292,4 +292,21 @@ std::optional<Capture> with_free_vtemp(const Capture &capture, const Scene &scen
   return unrest(out.vtemp_v) < unrest(capture.vtemp_v) ? std::optional(out) : std::nullopt;
 }
 
+bool accounts_for_radius(const Observations &data, const Model &model, double rms_fraction,
+                         double noise_v) {
+  constexpr double kMore = 1.5;
+  const ResidualColumns r = residual_columns(data, model);
+  double radial2 = 0.0, reach2 = 0.0;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
+    const double square = std::max(s * s + c * c, 1e-12);
+    const double radial = r.sin[i] * s + r.cos[i] * c;
+    const double reach = data.vsin[i] * s + data.vcos[i] * c;
+    radial2 += radial * radial / square;
+    reach2 += reach * reach / square;
+  }
+  const double n = static_cast<double>(std::max<std::size_t>(1, data.size()));
+  return radial2 / n < kMore * (noise_v * noise_v + rms_fraction * rms_fraction * reach2 / n);
+}
+
 } // namespace ada

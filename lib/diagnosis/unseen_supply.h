@@ -25,4 +25,9 @@ std::optional<Capture> with_unseen_supply(const Capture &capture);
 std::optional<Capture> with_free_vtemp(const Capture &capture, const Scene &scene,
                                        const Model &model);
 
+/// Whether a supply that only the radius shows, of this rms as a fraction, accounts for what the
+/// radius does beyond noise of `noise_v`. Otherwise it would hide what nothing explains.
+bool accounts_for_radius(const Observations &data, const Model &model, double rms_fraction,
+                         double noise_v);
+
 } // namespace ada

@@ -39,4 +39,7 @@ NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &m
 /// baseline; without one where held-out data did not confirm any.
 Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data, Model model);
 
+/// What the remainder of a model turns the vector by, rms over the data, mechanical degrees.
+double remainder_angle_rms(const Observations &data, const Model &model);
+
 } // namespace ada

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/admission.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "diagnosis/candidates.h"
+#include "diagnosis/criteria.h"
+#include "diagnosis/doubt.h"
+
+namespace ada {
+
+namespace {
+
+/// How far the leak of VCOS into VTEMP is from what the model makes it, in standard errors.
+double leak_left(const SearchData &data, const Model &model) {
+  const Observations &train = data.train;
+  if (train.vtemp_on_vcos_error <= 0.0)
+    return 0.0;
+  return (train.vtemp_on_vcos - vtemp_on_vcos(model)) / train.vtemp_on_vcos_error;
+}
+
+} // namespace
+
+std::size_t coordinates(const EffectInstance &e) {
+  return e.effect->to_coordinates(e.values).size();
+}
+
+double price(const EffectInstance &e) {
+  double nats = criteria::kNatsPerCoordinate * static_cast<double>(coordinates(e));
+  for (const ParameterInfo &p : e.effect->info().parameters)
+    if (p.role == Role::chosen && p.unit == "s")
+      nats += criteria::kNatsPerMoment;
+  return nats;
+}
+
+double least_of_noise(const Effect &effect) {
+  for (const ParameterInfo &p : effect.info().parameters)
+    if (p.name == "order" || p.name == "frequency_hz")
+      return 2.5 * criteria::kLeastOfNoise;
+  return criteria::kLeastOfNoise;
+}
+
+bool of_the_angle(const Effect &effect) {
+  return is_static(effect) || effect.info().stage == Stage::motion;
+}
+
+bool leaks(const EffectInstance &e) {
+  return e.effect->vtemp_on_vcos(e.values) != 0.0;
+}
+
+bool leak_unexplained(const SearchData &data, const Model &model) {
+  return 0.5 * leak_left(data, model) * leak_left(data, model) > criteria::kLeastNats;
+}
+
+double side_evidence(const SearchData &data, const Model &model) {
+  double sum = -0.5 * leak_left(data, model) * leak_left(data, model);
+  std::array<double, 2> ripple{0.0, 0.0};
+  for (const EffectInstance &e : model.effects) {
+    const auto part = e.effect->reference_ripple(e.values);
+    ripple[0] += part[0];
+    ripple[1] += part[1];
+  }
+  if (data.scene->reference_ripple_error > 0.0) {
+    // The reference's own error must show against a smooth motion, unless the motion ripples so.
+    const double dc = data.scene->reference_cos - ripple[0];
+    const double ds = data.scene->reference_sin - ripple[1];
+    const double z2 = (dc * dc + ds * ds) /
+                      (data.scene->reference_ripple_error * data.scene->reference_ripple_error);
+    sum -= std::min(0.5 * z2, criteria::kCoincidence);
+  }
+  return sum;
+}
+
+double Search::contribution(const State &with, const State &less) const {
+  return std::sqrt(std::max(0.0, less.heldout - with.heldout) /
+                   (2.0 * static_cast<double>(data_.heldout.size())));
+}
+
+/// The same in volts as they are, however residuals are weighed.
+double Search::volts_explained(const State &with, const State &less) const {
+  if (data_.heldout.weight_along == 1.0)
+    return contribution(with, less);
+  Observations plain = data_.heldout;
+  plain.weight_along = 1.0;
+  const double fall = sum_of_squares(plain, less.judged) - sum_of_squares(plain, with.judged);
+  return std::max(contribution(with, less),
+                  std::sqrt(std::max(0.0, fall) / (2.0 * static_cast<double>(plain.size()))));
+}
+
+/// How much an effect moves a channel with everything else unchanged, V rms: what other causes can
+/// take over is still in it.
+double Search::reach(const Model &model, std::size_t effect) const {
+  Model less = model;
+  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  const ResidualColumns a = residual_columns(quick_, model), b = residual_columns(quick_, less);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.sin.size(); ++i) {
+    const double s = a.sin[i] - b.sin[i], c = a.cos[i] - b.cos[i];
+    sum += s * s + c * c;
+  }
+  return std::sqrt(sum / (2.0 * static_cast<double>(a.sin.size())));
+}
+
+/// What each effect moves beyond the baseline's own freedom (offsets, amplitude and zero), V^2:
+/// products of each with each, means of a channel.
+Eigen::MatrixXd Search::own_moves(const Model &model) const {
+  const auto n = static_cast<Eigen::Index>(model.effects.size());
+  const ResidualColumns all = residual_columns(coarse_, model);
+  const auto samples = static_cast<Eigen::Index>(coarse_.size());
+  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(2 * samples, n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    if (model.effects[static_cast<std::size_t>(k)].effect->info().evidence != Evidence::signal)
+      continue;
+    Model less = model;
+    less.effects.erase(less.effects.begin() + k);
+    const ResidualColumns rest = residuals_alone(coarse_, less);
+    for (Eigen::Index i = 0; i < samples; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      moved(2 * i, k) = rest.sin[at] - all.sin[at];
+      moved(2 * i + 1, k) = rest.cos[at] - all.cos[at];
+    }
+  }
+  Eigen::MatrixXd free(2 * samples, 4);
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double y = all.model_sin[at] - coarse_.centre_sin_v;
+    const double x = all.model_cos[at] - coarse_.centre_cos_v;
+    free.row(2 * i) << 1.0, 0.0, y, x;
+    free.row(2 * i + 1) << 0.0, 1.0, x, -y;
+  }
+  const Eigen::MatrixXd onto = free.transpose() * moved;
+  const Eigen::Matrix4d within = free.transpose() * free;
+  return (moved.transpose() * moved - onto.transpose() * within.ldlt().solve(onto)) /
+         (2.0 * static_cast<double>(samples));
+}
+
+/// Whether an effect stands by itself: it is no larger than what there is to explain, and no other
+/// cancels it.
+bool Search::stands_alone(const Eigen::MatrixXd &own, std::size_t effect) const {
+  const auto k = static_cast<Eigen::Index>(effect);
+  const auto square = [](double v) { return v * v; };
+  if (own(k, k) > square(criteria::kMostOfDiscrepancy * discrepancy_v_))
+    return false;
+  for (Eigen::Index j = 0; j < own.rows(); ++j)
+    if (j != k && own(k, k) + own(j, j) + 2.0 * own(j, k) <
+                      square(criteria::kLeastOfPair) * std::max(own(j, j), own(k, k)))
+      return false;
+  return true;
+}
+
+bool Search::all_stand_alone(const Model &model) const {
+  const Eigen::MatrixXd own = own_moves(model);
+  for (std::size_t k = given_; k < model.effects.size(); ++k)
+    if (!stands_alone(own, k))
+      return false;
+  return true;
+}
+
+/// What an effect explains, V rms: no more than it moves, and where the evidence stands beside the
+/// pair all of that.
+double Search::size_of(const State &with, const State &less, std::size_t effect) const {
+  const double moved = reach(with.fit.model, effect);
+  if (data_.train.coloured) // what it gains counts against what has no name, and not against noise
+    return moved;
+  const EffectInstance &e = with.fit.model.effects[effect];
+  if (leak_unexplained(data_, less.fit.model) &&
+      (leaks(e) || !leak_unexplained(data_, with.fit.model)))
+    return moved;
+  return std::min(volts_explained(with, less), moved);
+}
+
+/// What an effect must explain beyond what is not known to second order, V rms: a coarse
+/// converter's error is no noise, and looks like a little of many effects.
+double Search::doubt_v(const Model &model) const {
+  constexpr double kOfStep = 0.1;
+  return std::max(second_order(*data_.scene, quick_, model), kOfStep * data_.scene->coarse_step_v);
+}
+
+/// What every pair has is expected: it need only stand out of what has no name. Anything else is
+/// looked for among many.
+bool Search::worth_keeping(double worth, const Effect &effect) const {
+  const bool expected = data_.train.coloured && effect.info().prior_rank == 0;
+  return worth > (expected ? criteria::kExpectedNats : criteria::kLeastNats);
+}
+
+/// A true cause makes no part of the record worse: one that helps here at the cost of there stands
+/// for something that comes and goes. Judged in stretches that each are worth so much that chance
+/// makes none of them worse, and hold whole turns.
+bool Search::helps_everywhere(const State &with, const State &less) const {
+  const Observations &data = data_.heldout;
+  const ResidualColumns a = residual_columns(data, with.judged), b = residual_columns(data, less.judged);
+  std::vector<double> gain(data.size());
+  double left = 0.0;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    double as = a.sin[i], ac = a.cos[i], bs = b.sin[i], bc = b.cos[i];
+    data.whiten(i, a.model_sin[i], a.model_cos[i], as, ac);
+    data.whiten(i, b.model_sin[i], b.model_cos[i], bs, bc);
+    left += as * as + ac * ac;
+    gain[i] = bs * bs + bc * bc - as * as - ac * ac;
+  }
+  const double n = static_cast<double>(data.size());
+  const double nats = std::accumulate(gain.begin(), gain.end(), 0.0) * n /
+                      std::max(left, criteria::kLeastMeanSquare * n);
+  const double turns = n / static_cast<double>(std::max<std::size_t>(1, data_.scene->all.size())) *
+                       data_.scene->turns;
+  const auto stretches = static_cast<std::size_t>(std::max(
+      0.0, std::min({criteria::kMostStretchesOfGain, nats / criteria::kNatsOfStretch,
+                     turns / criteria::kTurnsOfStretch})));
+  if (stretches < criteria::kFewestStretchesOfGain)
+    return true;
+  std::vector<double> of_stretch(stretches, 0.0);
+  for (std::size_t i = 0; i < data.size(); ++i)
+    of_stretch[i * stretches / data.size()] += gain[i];
+  double better = 0.0, worse = 0.0;
+  for (double g : of_stretch)
+    (g > 0.0 ? better : worse) += std::abs(g);
+  return worse < criteria::kMostHarm * better;
+}
+
+/// What nobody knows of the residual, V rms of a channel.
+double Search::unknown_v(const State &now) const {
+  const double rss = white_sum_of_squares(data_.train, now.fit.model);
+  const double noise = std::max(noise_v_, data_.scene->white_noise_v);
+  return std::sqrt(
+      std::max(0.0, rss / (2.0 * static_cast<double>(data_.train.size())) - noise * noise));
+}
+
+/// Whether what was measured rules an effect out as it was fitted.
+bool Search::refuted(const State &state, std::size_t effect) const {
+  const Model &model = state.fit.model;
+  const ResidualColumns columns = residual_columns(quick_, model);
+  const Residual view = residual_view(*data_.scene, quick_, columns, data_.scene->white_noise_v,
+                                      model.baseline.amplitude_v);
+  return model.effects[effect].effect->refuted(model.effects[effect].values, view);
+}
+
+/// A signature describes one term of what repeats with the angle. It is worth a name of its own while
+/// it holds more than all the terms smaller than it together.
+bool Search::dominates(double size_v, std::size_t effect, const Model &model) const {
+  if (unnamed_v2_ <= 0.0)
+    return true;
+  double rest = unnamed_v2_ - size_v * size_v;
+  for (std::size_t k = 0; k < model.effects.size(); ++k)
+    if (k != effect && model.effects[k].effect->info().signature)
+      if (const double other = reach(model, k); other > size_v)
+        rest -= other * other;
+  return size_v * size_v > rest;
+}
+
+} // namespace ada

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What speaks for a cause and against it, apart from the search that asks.
+#pragma once
+
+#include "diagnosis/search.h"
+
+namespace ada {
+
+/// Coordinates of a fit that an effect brings along.
+std::size_t coordinates(const EffectInstance &e);
+
+/// What an effect must be worth on held-out data beyond criteria::kLeastNats, for the freedom that it
+/// has.
+double price(const EffectInstance &e);
+
+/// Part of the noise that an effect must explain. One that may come at any order or frequency meets
+/// every small imperfection of the rest.
+double least_of_noise(const Effect &effect);
+
+/// Whether it is a function of the angle alone. A ripple of the motion is one, too, and what that is
+/// to second order nobody knows.
+bool of_the_angle(const Effect &effect);
+
+/// Whether it lets VTEMP follow VCOS.
+bool leaks(const EffectInstance &e);
+
+/// Whether VTEMP follows VCOS by more than the model has it.
+bool leak_unexplained(const SearchData &data, const Model &model);
+
+/// Log likelihood of what stands beside the pair: VTEMP and the motion of the reference.
+double side_evidence(const SearchData &data, const Model &model);
+
+} // namespace ada

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What a diagnosis says of the capture, of what it leaves without a name, and of where its model comes
+// from.
+#pragma once
+
+#include "diagnosis/anonymous/anonymous.h"
+#include "diagnosis/result.h"
+#include "recording/capture.h"
+
+namespace ada {
+
+void describe_capture(const Capture &capture, const Scene &scene, Diagnosis &d);
+
+/// A line of the budget whose part without a name is worth a word.
+std::string unnamed_sentence(const BudgetLine &line, const Selection &unnamed, const Scene &scene);
+
+Provenance provenance_of(const Capture &capture, const Rung &fitted);
+
+} // namespace ada

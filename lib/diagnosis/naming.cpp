@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/naming.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "diagnosis/criteria.h"
+
+namespace ada {
+
+namespace {
+
+std::vector<std::string_view> names_of(const SearchResult &found) {
+  std::vector<std::string_view> out;
+  for (std::size_t k : found.order)
+    out.push_back(found.fit.model.effects[k].effect->info().id);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// Training data of a size that coloured fits can hold.
+Observations thinned(const Observations &train) {
+  std::vector<std::uint32_t> all(train.size());
+  std::iota(all.begin(), all.end(), 0u);
+  Observations out = train;
+  out.keep(thin(all, criteria::kAnonymousTrain, 100));
+  return out;
+}
+
+/// Of causes that stand equally well beside what has no name, the one leads that leaves less of it:
+/// less of the residual above the noise. The model with it; nothing where none leaves so little.
+std::optional<Model> with_better_rival(const Parts &parts, const SearchResult &found,
+                                       double noise_v2) {
+  const auto unnamed_v2 = [&](const Model &model) {
+    return white_sum_of_squares(parts.heldout, as_seen_by(parts.heldout, model)) /
+               (2.0 * static_cast<double>(parts.heldout.size())) -
+           noise_v2;
+  };
+  double least = criteria::kOfRival * unnamed_v2(found.fit.model);
+  const Model *better = nullptr;
+  for (const std::vector<Rival> &rivals : found.alternatives)
+    for (const Rival &rival : rivals)
+      if (const double left = unnamed_v2(rival.model); left < least) {
+        least = left;
+        better = &rival.model;
+      }
+  return better ? std::optional(*better) : std::nullopt;
+}
+
+} // namespace
+
+double unnamed_on_angle(const Scene &scene, const Parts &parts, const Model &model,
+                        const Anonymous &left) {
+  Model physical = model;
+  const auto dropped = std::erase_if(physical.effects, [](const EffectInstance &e) {
+    return e.effect->info().signature;
+  });
+  return (dropped > 0 ? anonymous_of(scene, parts, physical) : left)
+      .selection.share_v2[static_cast<std::size_t>(Axis::angle)];
+}
+
+SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, SearchResult found) {
+  constexpr int kMostRounds = 3;
+  const auto search = [&] {
+    return Search({&start.scene, parts.train, parts.heldout, &start.judge}, start.baseline,
+                  start.noise_v, start.report);
+  };
+  bool exchanged = false;
+  for (int round = 1; round <= kMostRounds; ++round) {
+    const Model known = found.fit.model;
+    const Anonymous left = anonymous_of(start.scene, parts, known);
+    if (!left.any()) {
+      if (exchanged) { // what took a rival's place left nothing without a name
+        parts.train.coloured.reset();
+        return search().run(true, &known);
+      }
+      return found;
+    }
+    const Discrepancy discrepancy = discrepancy_of(left.basis, left.selection, left.from);
+    SearchResult next = search().run_against(
+        discrepancy, unnamed_on_angle(start.scene, parts, known, left), known);
+    const bool same = names_of(next) == names_of(found);
+    found = std::move(next);
+    parts.train = thinned(parts.train);
+    parts.train.coloured = std::make_shared<Coloured>(discrepancy, parts.train);
+    const auto better = round < kMostRounds
+                            ? with_better_rival(parts, found, left.selection.noise_v2)
+                            : std::nullopt;
+    if (better)
+      found.fit.model = *better; // the next round orders and weighs it anew
+    else if (same)
+      return found;
+    exchanged = better.has_value();
+  }
+  return found;
+}
+
+} // namespace ada

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Causes held against what nobody can name.
+#pragma once
+
+#include "diagnosis/anonymous/anonymous.h"
+#include "diagnosis/search.h"
+
+namespace ada {
+
+/// What a search for causes begins with.
+struct SearchStart {
+  const Scene &scene, &judge; ///< of the training and of the held-out data
+  Model baseline;             ///< without any finding
+  double noise_v;
+  Report report;
+};
+
+/// Mean square of what repeats with the angle and has no physical name, signatures included, V^2 of a
+/// channel. `left`: what `model` leaves over.
+double unnamed_on_angle(const Scene &scene, const Parts &parts, const Model &model,
+                        const Anonymous &left);
+
+/// Goes on from what was found, with what nobody can name as a part of the noise: its coefficients have
+/// the variance that is left of them, which falls with every true cause and rises with every false
+/// one that goes. Thins the training data to what such fits can hold and colours them, unless nothing
+/// is left without a name.
+SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, SearchResult found);
+
+} // namespace ada

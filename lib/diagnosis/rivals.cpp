@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What else it may be: causes in the place of one that was found.
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/admission.h"
+#include "diagnosis/candidates.h"
+#include "diagnosis/criteria.h"
+#include "diagnosis/doubt.h"
+#include "diagnosis/moments.h"
+
+namespace ada {
+
+/// Choices that no search for a place decides, such as where a transfer is straight, are tried both
+/// ways.
+void Search::choose(State &now, std::size_t effect) const {
+  const EffectInstance e = now.fit.model.effects[effect];
+  for (auto &values : e.effect->choices(e.values)) {
+    Model model = now.fit.model;
+    model.effects[effect].values = std::move(values);
+    State other = evaluate(model);
+    if (other.fit.determined && other.score > now.score + criteria::kNatsPerCoordinate)
+      now = std::move(other);
+  }
+}
+
+std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *better) const {
+  std::vector<Rival> out;
+  const State less = without(now, effect);
+  const Effect *self = now.fit.model.effects[effect].effect;
+  const double part = contribution(now, less);
+  // A rival of the same leading shape differs in its higher terms only, which the order of the
+  // stages blurs: what those can leave over is no reason to reject it.
+  const double n = static_cast<double>(data_.heldout.size());
+  const Baseline &base = now.fit.model.baseline;
+  const double offset = std::hypot(base.offset_sin_v, base.offset_cos_v);
+  const std::vector<Candidate> list =
+      candidates(*data_.scene, quick_, less.fit.model,
+                 {.signatures = signatures_, .invisible = !data_.scene->has_reference});
+  const double my_side = side_evidence(data_, now.fit.model);
+  const double in_transfer = offsets_in_transfer(quick_, now.fit.model);
+  // Which of two stages acts first is not known to second order.
+  const double others = sizes_at_rest(*data_.scene, quick_, less.fit.model).sum();
+  const double noise = std::max(noise_v_, data_.scene->white_noise_v);
+  double highest = 0.0;
+  for (const Candidate &c : list)
+    if (c.effect == self)
+      highest = c.gain;
+  if (highest == 0.0 && !list.empty())
+    highest = list.front().gain;
+  for (const Candidate &c : list) {
+    if (c.effect == self || c.gain < 0.8 * highest)
+      continue;
+    // A signature is no rival of a physical cause; without a reference nothing tells them apart.
+    if (c.effect->info().signature && !self->info().signature && data_.scene->has_reference)
+      continue;
+    State rival = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
+    choose(rival, rival.fit.model.effects.size() - 1);
+    const bool at_rest = of_the_angle(*self) && of_the_angle(*c.effect);
+    if (!rival.fit.determined || !in_range(rival.fit.model, given_) ||
+        !all_stand_alone(rival.fit.model) ||
+        refuted(rival, rival.fit.model.effects.size() - 1))
+      continue;
+    const double side = side_evidence(data_, rival.fit.model) - my_side;
+    // Beside what has no name the variance of that covers what is not known to second order.
+    const double blurred =
+        at_rest && !data_.train.coloured ? std::max({std::min(4.0 * part * (part + offset) / base.amplitude_v, 0.3 * part),
+                            in_transfer, 4.0 * part * others / base.amplitude_v})
+                : 0.0;
+    const double left = std::sqrt(std::max(0.0, rival.heldout - now.heldout) / (2.0 * n));
+    if (side < -criteria::kRivalNats || (rival.score - side < now.score - criteria::kRivalNats && left > blurred))
+      continue;
+    out.push_back({std::string(c.effect->info().id), rival.fit.model});
+    const double saved =
+        price(now.fit.model.effects[effect]) - price(rival.fit.model.effects.back());
+    const bool yields = self->info().yields_to == c.effect->info().id;
+    const double needed = yields ? -criteria::kRivalNats : criteria::kRivalNats;
+    if (better && c.visible && saved >= 0.0 &&
+        (rival.score + saved > now.score + needed ||
+         c.effect->info().prior_rank < self->info().prior_rank ||
+         (yields && left <= std::min({blurred, criteria::kSlight * part, criteria::kHidden * noise}))) &&
+        (!c.effect->info().signature || self->info().signature) &&
+        (better->score == 0.0 || rival.score > better->score))
+      *better = std::move(rival);
+  }
+  return out;
+}
+
+bool Search::sideways(State &now) {
+  for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k) {
+    State better{};
+    known_rivals_[{now.score, k}] = rivals(now, k, &better);
+    if (better.score != 0.0) {
+      now = std::move(better);
+      return true;
+    }
+  }
+  return false;
+}
+
+} // namespace ada
