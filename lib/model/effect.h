@@ -141,6 +141,9 @@ public:
 
   // --- how it is fitted
 
+  /// Periods a turn of its direction or phase.
+  virtual double multiplicity() const { return 1.0; }
+
   /// Coordinates in which the effect is smooth and zero means absent. The default: the fitted
   /// parameters themselves.
   virtual std::vector<double> to_coordinates(Values values) const;

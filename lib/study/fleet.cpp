@@ -26,11 +26,12 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// direction alike, 1: all the same).
 constexpr double kDirected = 0.7;
 
-/// After how much a parameter is the same again, 0: never. An off-axis error has two periods a
-/// turn.
+/// After how much a parameter is the same again, 0: never.
 double cycle_of(const std::string &cause, const std::string &parameter) {
-  if (parameter == "direction_deg")
-    return cause == "sensor-off-axis" ? 180.0 : 360.0;
+  if (parameter == "direction_deg") {
+    const Effect *effect = find_effect(cause);
+    return 360.0 / (effect != nullptr ? effect->multiplicity() : 1.0);
+  }
   return parameter == "phase_deg" ? 360.0 : 0.0;
 }
 

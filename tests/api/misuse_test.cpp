@@ -719,11 +719,83 @@ const std::map<std::string, Case> &diagnosis_cases() {
   return cases;
 }
 
+const std::map<std::string, Case> &study_cases() {
+  static const std::map<std::string, Case> cases{
+      {"ada4571_study_options_init", init_takes_null(ada4571_study_options_init)},
+      {"ada4571_study_open",
+       [](const Handles &) {
+         Untouched<ada4571_study> study;
+         auto options = initialised(ada4571_study_options_init);
+         REFUSED(ada4571_study_open(nullptr, &options, &study));
+         REFUSED(ada4571_study_open("s.db", &options, nullptr));
+         options.struct_size = 0;
+         REFUSED(ada4571_study_open("s.db", &options, &study));
+       }},
+      {"ada4571_study_list",
+       [](const Handles &) {
+         const char *capture = "a.csv";
+         REFUSED(ada4571_study_list(nullptr, &capture, 1));
+       }},
+      {"ada4571_study_find_waiting",
+       [](const Handles &) {
+         std::size_t count = 0;
+         REFUSED(ada4571_study_find_waiting(nullptr, 0, &count));
+       }},
+      {"ada4571_study_waiting",
+       [](const Handles &) { EXPECT_EQ(ada4571_study_waiting(nullptr, 0), nullptr); }},
+      {"ada4571_study_analyse",
+       [](const Handles &) {
+         Untouched<ada4571_study_row> row;
+         auto options = initialised(ada4571_study_options_init);
+         REFUSED(ada4571_study_analyse(nullptr, &options, &row));
+         REFUSED(ada4571_study_analyse("a.csv", &options, nullptr));
+         options.struct_size = 0;
+         REFUSED(ada4571_study_analyse("a.csv", &options, &row));
+       }},
+      {"ada4571_study_row_failed",
+       [](const Handles &) {
+         Untouched<ada4571_study_row> row;
+         REFUSED(ada4571_study_row_failed(nullptr, "why", &row));
+         REFUSED(ada4571_study_row_failed("a.csv", nullptr, &row));
+         REFUSED(ada4571_study_row_failed("a.csv", "why", nullptr));
+       }},
+      {"ada4571_study_row_text",
+       [](const Handles &) { EXPECT_STREQ(ada4571_study_row_text(nullptr), ""); }},
+      {"ada4571_study_row_reason",
+       [](const Handles &) { EXPECT_STREQ(ada4571_study_row_reason(nullptr), ""); }},
+      {"ada4571_study_row_free", free_takes_null(ada4571_study_row_free)},
+      {"ada4571_study_put",
+       [](const Handles &) { REFUSED(ada4571_study_put(nullptr, "{}")); }},
+      {"ada4571_study_merge",
+       [](const Handles &) {
+         const char *part = "part.db";
+         REFUSED(ada4571_study_merge(nullptr, 1, "whole.db"));
+         REFUSED(ada4571_study_merge(&part, 1, nullptr));
+       }},
+      {"ada4571_study_missing",
+       [](const Handles &) { EXPECT_STREQ(ada4571_study_missing(nullptr), ""); }},
+      {"ada4571_study_json",
+       [](const Handles &) {
+         const char *json = nullptr;
+         REFUSED(ada4571_study_json(nullptr, &json));
+       }},
+      {"ada4571_study_text",
+       [](const Handles &) {
+         const char *text = nullptr;
+         REFUSED(ada4571_study_text(nullptr, &text));
+       }},
+      {"ada4571_study_report",
+       [](const Handles &) { REFUSED(ada4571_study_report(nullptr, "page.html")); }},
+      {"ada4571_study_free", free_takes_null(ada4571_study_free)},
+  };
+  return cases;
+}
+
 std::map<std::string, Case> all_cases() {
   std::map<std::string, Case> all;
   for (const auto *section :
        {&status_cases(), &source_cases(), &recording_cases(), &model_cases(), &conversion_cases(),
-        &pins_and_simulation_cases(), &diagnosis_cases()})
+        &pins_and_simulation_cases(), &diagnosis_cases(), &study_cases()})
     all.insert(section->begin(), section->end());
   return all;
 }

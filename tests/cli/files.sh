@@ -173,9 +173,9 @@ for e in c["effects"]:
 
 check_long_work_shows_progress_on_a_terminal_only() {
   # Long enough for more than a second on any machine; the terminal is made by script(1).
-  script -qec "iio-angle simulate --duration 100 -o a.csv" /dev/null </dev/null >shown 2>&1
+  script -qec "iio-angle simulate --duration 400 -o a.csv" /dev/null </dev/null >shown 2>&1
   says shown '(simulating|writing a\.csv), [0-9]+ s'
-  status 0 iio-angle simulate --duration 100 -o a.csv
+  status 0 iio-angle simulate --duration 400 -o a.csv
   empty err
 }
 

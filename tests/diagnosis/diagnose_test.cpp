@@ -106,6 +106,20 @@ TEST(Diagnose, the_verdict_on_a_model_does_not_depend_on_how_one_came_to_it) {
             third.findings.empty() ? Verdict::unexplained : Verdict::partly_explained);
 }
 
+TEST(Diagnose, a_wild_sample_decides_nothing) {
+  std::mt19937_64 rng(fresh_seed());
+  for (const bool reference : {true, false}) {
+    Capture c = with({}, rng);
+    if (!reference)
+      c.reference_deg.clear();
+    const auto at = std::uniform_int_distribution<std::size_t>(100, c.size() - 100)(rng);
+    (at % 2 == 0 ? c.vsin_v : c.vcos_v)[at] = at % 3 == 0 ? 999999.0 : -4000.0;
+    const Diagnosis d = diagnose(c, {});
+    EXPECT_EQ(d.verdict, Verdict::no_discrepancy) << "sample " << at;
+    EXPECT_NEAR(d.extended_quality.heldout.residual_rms_v, 5e-4, 3e-5);
+  }
+}
+
 TEST(Diagnose, names_both_of_two_that_look_the_same) {
   std::mt19937_64 rng(fresh_seed());
   const Diagnosis d = diagnose(with({"weak-field:q=0.012"}, rng), {});

@@ -166,7 +166,8 @@ TEST_F(HiddenLaws, NothingIsInventedInEmptyFleets) {
   }
   std::printf("of 100 empty fleets with a dependence %d, a group %d, an outlier %d\n", dependences,
               groups, outliers);
-  EXPECT_LE(invented, 5);
+  // Five of 100 are allowed; at that rate more than twelve come once in 700 runs.
+  EXPECT_LE(invented, 12);
 }
 
 } // namespace

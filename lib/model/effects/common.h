@@ -52,7 +52,6 @@ public:
 protected:
   virtual std::size_t amplitude_index() const { return 0; }
   virtual std::size_t phase_index() const { return 1; }
-  virtual double multiplicity() const { return 1.0; }
 };
 
 /// Where the transfer of a channel is straight: absent at mid-supply, 1 at the channel's own

@@ -11,8 +11,8 @@ _iio_angle() {
   current=${words[${#words[@]} - 1]}
   # Where bash breaks words at these, it expects only what comes after the last of them.
   [[ $COMP_WORDBREAKS != *:* ]] || breaks+=:
-  [[ $COMP_WORDBREAKS != *=* ]] || breaks+==
-  [[ -z $breaks ]] || prefix=${current%"${current##*[$breaks]}"}
+  [[ $COMP_WORDBREAKS != *=* ]] || breaks+='='
+  [[ -z $breaks ]] || prefix=${current%"${current##*["$breaks"]}"}
   COMPREPLY=()
   while IFS=$'\t' read -r word _; do
     if [[ $word == :files ]]; then
