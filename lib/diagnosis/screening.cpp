@@ -58,6 +58,20 @@ Polar polar(const std::vector<double> &vsin, const std::vector<double> &vcos,
   return out;
 }
 
+/// From the electrical angle within a period to the unwrapped mechanical one. Where a channel reads
+/// what it never can, the pair says nothing of the angle, and could lead the unwrapping into another
+/// period: that of the sample before stays.
+void unwrap_believed(Screened &look) {
+  const Capture &c = look.capture;
+  const Reach sin = fence(c.vsin_v), cos = fence(c.vcos_v);
+  for (std::size_t i = 1; i < c.size(); ++i)
+    if (!sin.holds(c.vsin_v[i]) || !cos.holds(c.vcos_v[i]))
+      look.angle[i] = look.angle[i - 1];
+  unwrap(look.angle, kTwoPi);
+  for (double &a : look.angle)
+    a /= c.meta.periods_per_turn;
+}
+
 /// Unwrapped mechanical angle from the pair, good to about a degree. Where a recorded supply moves
 /// the outputs, their ratio to it is what turns with the shaft.
 void rough_angle(Screened &look) {
@@ -80,9 +94,7 @@ void rough_angle(Screened &look) {
   look.centre_sin_v = range_of(c.vsin_v, look.usable).middle;
   look.centre_cos_v = range_of(c.vcos_v, look.usable).middle;
   look.angle = std::move(best.angle);
-  unwrap(look.angle, kTwoPi);
-  for (double &a : look.angle)
-    a /= c.meta.periods_per_turn;
+  unwrap_believed(look);
 }
 
 /// The same by the ellipse that the pair draws: in a part of a turn the middle of a range is no
@@ -106,9 +118,7 @@ void angle_of_ellipse(Screened &look) {
   for (std::size_t i = 0; i < c.size(); ++i)
     look.angle[i] = std::atan2(inverse.sine(c.vsin_v[i], c.vcos_v[i]),
                                inverse.cosine(c.vsin_v[i], c.vcos_v[i]));
-  unwrap(look.angle, kTwoPi);
-  for (double &a : look.angle)
-    a /= c.meta.periods_per_turn;
+  unwrap_believed(look);
 }
 
 /// Sample-to-sample noise from differences, in which slow signals vanish: the higher their order
