@@ -13,12 +13,14 @@ unset NO_COLOR
 . "$(dirname "$0")/words.sh"
 
 mux() {
-  tmux -L "watch$BASHPID_OF_CHECK" -f /dev/null "$@"
+  tmux -L "$SOCKET" -f /dev/null "$@"
 }
 
 # terminal COLUMNS ROWS COMMAND: in a terminal of that size; its exit status goes to `status`.
 terminal() {
-  BASHPID_OF_CHECK=$BASHPID
+  # A server of its own for each: one that is ending would take the next session with it.
+  TERMINALS=$((${TERMINALS:-0} + 1))
+  SOCKET=watch$BASHPID-$TERMINALS
   trap 'mux kill-server 2>/dev/null; stop_emulator' EXIT
   mux new-session -d -x "$1" -y "$2" "$3; echo \$? >status; sleep 60"
 }
@@ -40,6 +42,18 @@ shows() {
     sleep 0.1
   done
   fail "the screen has no '$missing': $(cat shot)"
+}
+
+# gone PATTERN: waits up to 20 s until the screen no longer has it; one that is taken while it is drawn
+# has the old and the new.
+gone() {
+  local i
+  for ((i = 0; i < 200; i++)); do
+    screen >shot
+    grep -qE -- "$1" shot || return 0
+    sleep 0.1
+  done
+  fail "the screen still has '$1': $(cat shot)"
 }
 
 ended() {
@@ -178,7 +192,7 @@ check_losses_and_returns_are_told_in_the_picture() {
   rm uri
   emulate --temperature constant:deg_c=25 --port "$port"
   shows 'back after [0-9.]+ s' 'lost [1-9]'
-  ! grep -q AWAY shot || fail "still away"
+  gone AWAY
   mux send-keys q
   ended 0
 }
