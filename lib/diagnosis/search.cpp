@@ -172,9 +172,10 @@ bool Search::backward(State &now) {
 
 /// Forward until nothing more is confirmed.
 void Search::climb(State &now) {
+  bool supply_seen = false; // once a climb, whatever becomes of it
   while (now.fit.model.effects.size() < given_ + criteria::kMostEffects) {
     progress("searching for a cause");
-    if (notice_supply(now))
+    if (!supply_seen && (supply_seen = notice_supply(now)))
       continue;
     if (!forward(now))
       break;

@@ -157,8 +157,10 @@ bool Search::notice_supply_in_radius(State &now) {
   const double slope = (n * gv - g1 * v1) / (n * g2 - g1 * g1);
   const double intercept = (v1 - slope * g1) / n;
   const double noise2 = noise_v_ * noise_v_;
-  if (slope * g1 / n < 0.5 * noise2 || intercept > 2.0 * noise2 ||
-      intercept < -0.3 * slope * g1 / n)
+  // What is no number shows no supply.
+  const bool shown = slope > 0.0 && slope * g1 / n >= 0.5 * noise2 && intercept <= 2.0 * noise2 &&
+                     intercept >= -0.3 * slope * g1 / n;
+  if (!shown)
     return false;
   supply_rms_fraction_ = std::sqrt(slope);
   return true;

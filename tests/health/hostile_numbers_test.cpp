@@ -68,13 +68,8 @@ TEST_P(HostileNumbers, get_an_answer_or_a_reason) {
     }
 }
 
-std::string name_of(const testing::TestParamInfo<Hostile> &info) {
-  static const char *const names[] = {"denormal",   "huge",        "constant",  "alternating",
-                                      "decreasing", "equal_pairs", "sprinkled", "not_finite"};
-  return names[static_cast<int>(info.param)];
-}
-
-INSTANTIATE_TEST_SUITE_P(Kinds, HostileNumbers, testing::ValuesIn(kHostile), name_of);
+INSTANTIATE_TEST_SUITE_P(Kinds, HostileNumbers, testing::ValuesIn(kHostile),
+                         [](const auto &kind) { return name_of(kind.param); });
 
 } // namespace
 } // namespace ada::test

@@ -25,13 +25,23 @@ enum class Hostile {
   equal_pairs,
   sprinkled, ///< a sound column with some values from all over the range
   not_finite,
+  tiny, ///< a sound column, so small that its squares vanish
+  vast, ///< and so large that little of a sample is left beside it
 };
 inline constexpr std::array kHostile = {
     Hostile::denormal,   Hostile::huge,        Hostile::constant,  Hostile::alternating,
-    Hostile::decreasing, Hostile::equal_pairs, Hostile::sprinkled, Hostile::not_finite};
+    Hostile::decreasing, Hostile::equal_pairs, Hostile::sprinkled, Hostile::not_finite,
+    Hostile::tiny,       Hostile::vast};
 inline constexpr std::array kHostileColumns = {&Capture::time_s, &Capture::vsin_v,
                                                &Capture::vcos_v, &Capture::vtemp_v,
                                                &Capture::vdd_v,  &Capture::reference_deg};
+
+inline std::string name_of(Hostile kind) {
+  static const char *const names[] = {"denormal",   "huge",        "constant",  "alternating",
+                                      "decreasing", "equal_pairs", "sprinkled", "not_finite",
+                                      "tiny",       "vast"};
+  return names[static_cast<int>(kind)];
+}
 
 inline double hostile_value(Hostile kind, std::size_t i, double sound, std::mt19937_64 &rng) {
   const auto x = static_cast<double>(i);
@@ -55,6 +65,10 @@ inline double hostile_value(Hostile kind, std::size_t i, double sound, std::mt19
     return rng() % 10 ? sound : std::copysign(std::pow(10.0, draw(-320, 308)), draw(-1, 1));
   case Hostile::not_finite:
     return rng() % 3 ? sound : rng() % 2 ? std::nan("") : std::copysign(INFINITY, draw(-1, 1));
+  case Hostile::tiny:
+    return 1e-310 * sound;
+  case Hostile::vast:
+    return 1e12 * sound;
   }
   return sound;
 }
