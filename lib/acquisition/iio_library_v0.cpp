@@ -328,6 +328,11 @@ ContextV0::network_buffer(const iio_device *dev, const std::vector<const iio_cha
   if (error == ECONNREFUSED)
     throw Error(ADA4571_ERROR_DISCONNECTED,
                 where + "no IIO server answers there; is iiod running?");
+  if (uri == "ip:")
+    throw Error(ADA4571_ERROR_NOT_FOUND,
+                where + "no IIO server was found by Avahi on this network: give ip:HOST");
+  if (uri.starts_with("ip:") && error == ENOENT)
+    throw Error(ADA4571_ERROR_NOT_FOUND, where + "there is no such host, or no such port");
   if (error == EINVAL || error == ENOSYS)
     throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
                 where + "not a URI of libiio; use local:, ip:HOST, ip:HOST:PORT or usb:");

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/explain.h"
 
@@ -39,7 +40,7 @@ std::string to_text(const Diagnosis &d) {
   if (d.verdict == Verdict::insufficient_data)
     return out + verdict_sentence(d) + "\n";
   const Quality &base = d.baseline_quality.heldout;
-  out += fmt::format("model: {}: residual {:.4g} mV rms on held-out data{}\n", d.baseline_name,
+  out += fmt::format("model: {}: residual {:.4g} mV rms on held-out data{}\n", printable(d.baseline_name),
                      1e3 * base.residual_rms_v, error_of(base));
   int n = 0;
   for (const Finding &f : d.findings) {

@@ -21,6 +21,7 @@
 #include "recording/identity.h"
 #include "recording/line_reader.h"
 #include "recording/metadata.h"
+#include "recording/out_of_range.h"
 
 namespace ada {
 
@@ -199,7 +200,7 @@ private:
     if (result.ec == std::errc::invalid_argument || result.ptr != cell.data() + cell.size())
       fail("is not a number");
     if (result.ec != std::errc() || !(std::fabs(value) <= column.limit))
-      fail(std::isnan(value) ? "is not a number" : "is out of range");
+      fail(std::isnan(value) ? "is not a number" : out_of_range(column, value).c_str());
     return value;
   }
 

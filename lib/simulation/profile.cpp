@@ -120,6 +120,8 @@ constexpr const char *kTemperatures[] = {"constant:deg_c=25", "ramp:from=-20,to=
 
 /// VTEMP is within the supply there; the part itself is made for less.
 constexpr double kLowest_c = -70.0, kHighest_c = 230.0;
+/// Beyond any shaft: at that speed one of 0.2 mm has a rim at 10 km/s.
+constexpr double kFastest_rpm = 1e9;
 
 /// Plateaus with straight transitions between them; `transition` is a part of each plateau.
 std::vector<PiecewiseLinear::Node> plateaus(const std::vector<double> &levels, double transition,
@@ -154,8 +156,11 @@ PiecewiseLinear parse_motion(const std::string &text, double duration_s) {
     t.fail("a motion is constant:rpm=R, ramp:from=R,to=R or steps:rpm=R/R/...,transition=PART");
   }
   t.done();
-  for (auto &node : nodes)
+  for (auto &node : nodes) {
+    if (std::fabs(node.value) > kFastest_rpm)
+      t.fail("a speed must be from -1e9 to 1e9 rpm");
     node.value *= rad_per_s;
+  }
   return PiecewiseLinear(std::move(nodes));
 }
 

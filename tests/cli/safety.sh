@@ -206,6 +206,38 @@ check_data_is_1_and_usage_2() {
   done
 }
 
+# A name of a file, and what it quotes, has no power over a terminal, and does not end a line.
+check_names_are_printed_on_one_line_and_without_control_characters() {
+  local odd=$'a\e[31m\nQb'
+  capture "$odd.csv"
+  status 0 iio-angle calibrate single "$odd.csv" -o "$odd.toml"
+  says err '^written: a\\x1b\[31m\\nQb\.toml$'
+  sed -i 's/^# supply_v = .*/# supply_v = 4/' "$odd.csv"
+  local verb
+  for verb in "check $odd.csv" "check $odd.c" "check --model$odd x" "$odd" "simulate -o $odd" \
+    "diagnose $odd.csv --model $odd.toml" "convert $odd.csv -o x.csv --calibration $odd.c" \
+    "simulate -o x.csv --effect $odd" "study run -o x.db $odd.c" "list -s $odd" "list -u $odd"; do
+    local words
+    IFS=' ' read -r -d '' -a words <<<"$verb" || true
+    words[-1]=${words[-1]%$'\n'}
+    iio-angle "${words[@]}" >out 2>err </dev/null
+    ! grep -q $'\e' out err || fail "'${verb%% *}' hands on control characters: $(cat -v out err)"
+    ! grep -q '^Qb' out err || fail "'${verb%% *}' breaks the line: $(cat -v out err)"
+  done
+}
+
+check_what_is_implausible_is_said_beside_a_result() {
+  capture a.csv
+  sed -i 's/^# supply_v = .*/# supply_v = 4/' a.csv
+  local verb
+  for verb in "diagnose a.csv" "calibrate single a.csv -o a.toml"; do
+    # shellcheck disable=SC2086
+    status 0 iio-angle $verb
+    says err '^but a.csv is not sound'
+    says err '^supply +failed .*4.000 V is stated'
+  done
+}
+
 # limited COMMAND...: no file may grow beyond a few kilobytes.
 limited() {
   bash -c 'ulimit -f 8; exec "$@"' limited "$@"
@@ -237,10 +269,11 @@ check_nothing_given_is_wrong_usage() {
     same "sentences of '$words'" "$(lines err)" 1
   done
   for words in "simulate|--duration|-1|-o|x.csv" "simulate|--rate|0|-o|x.csv" \
-    "record|--samples|nan|-o|x.csv"; do
+    "record|--samples|nan|-o|x.csv" "simulate|--motion|constant:rpm=1e300|-o|x.csv" \
+    "simulate|--motion|ramp:from=0,to=-1e12|-o|x.csv"; do
     IFS='|' read -ra arguments <<<"$words"
     status 2 iio-angle "${arguments[@]}"
-    says err "is not"
+    says err "is not|must be from"
     [[ $(wc -c <err) -lt 200 ]] || fail "too many words: $(cat err)"
   done
   absent x.csv

@@ -184,6 +184,15 @@ const Malformed kMalformed[] = {
     {"NotANumber", COLUMNS "0,1,nan\n", ":3:5: vcos_v is not a number: 'nan'"},
     {"Infinite", COLUMNS "-inf,1,2\n", ":3:1: time_s is out of range: '-inf'"},
     {"Overflow", COLUMNS "0,1e999,2\n", ":3:3: vsin_v is out of range: '1e999'"},
+    {"Milliseconds", COLUMNS "1760000000000,1,2\n",
+     ":3:1: time_s is out of range, it looks like milliseconds since 1970: give seconds, from any "
+     "origin: '1760000000000'"},
+    {"Microseconds", COLUMNS "1760000000000000,1,2\n",
+     ":3:1: time_s is out of range, it looks like microseconds since 1970: give seconds, from any "
+     "origin: '1760000000000000'"},
+    {"Nanoseconds", COLUMNS "1.76e18,1,2\n",
+     ":3:1: time_s is out of range, it looks like nanoseconds since 1970: give seconds, from any "
+     "origin: '1.76e18'"},
     {"HugeVolts", COLUMNS "0,1e7,2\n", ":3:3: vsin_v is out of range: '1e7'"},
     {"Control", COLUMNS "0,1\x01,2\n", ":3:3: vsin_v is not a number: '1?'"},
     {"TimeGoesBack", HEAD "vsin_v,vcos_v,time_s\n1,2,3\n1,2,2.5\n",

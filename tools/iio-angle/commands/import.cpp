@@ -143,7 +143,7 @@ int run(const CLI::App &verb, const Options &options) {
   if (is_capture(options.input))
     return change_form(verb, options);
   const Import import = open_import(options);
-  note("{}", ada4571_import_text(import.get()));
+  remark(ada4571_import_text(import.get()));
   if (options.explain)
     return kDone;
   const Writer writer = open_writer(import, options);

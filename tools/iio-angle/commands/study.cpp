@@ -193,7 +193,7 @@ int merge(const MergeOptions &options) {
   const auto study = make<Study>(ada4571_study_open, options.output.c_str(),
                                  static_cast<const ada4571_study_options *>(nullptr));
   const std::string missing = ada4571_study_missing(study.get());
-  note("{}", missing);
+  remark(missing);
   return missing.empty() ? kDone : kUnusable;
 }
 

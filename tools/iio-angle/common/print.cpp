@@ -66,6 +66,24 @@ void flush_output() {
   }
 }
 
+std::string plain(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    auto byte = static_cast<unsigned char>(text[i]);
+    const bool eight_bits = byte == 0xc2 && i + 1 < text.size() &&
+                            (static_cast<unsigned char>(text[i + 1]) & 0xe0) == 0x80; // U+0080 on
+    if (eight_bits)
+      byte = static_cast<unsigned char>(text[++i]);
+    if (byte == '\n')
+      out += "\\n";
+    else if (byte < 0x20 || byte == 0x7f || eight_bits)
+      out += fmt::format("\\x{:02x}", byte);
+    else
+      out += static_cast<char>(byte);
+  }
+  return out;
+}
+
 int end_by_closed_pipe() {
   std::signal(SIGPIPE, SIG_DFL);
   std::raise(SIGPIPE);

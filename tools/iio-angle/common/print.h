@@ -5,7 +5,10 @@
 // failure of the program, and remarks on standard error, where it is none.
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -36,9 +39,26 @@ void print(fmt::format_string<Arguments...> format, Arguments &&...arguments) {
   put(fmt::format(format, std::forward<Arguments>(arguments)...));
 }
 
+/// `text` without power over a terminal: what controls one as \n or \xNN. Names of files are given
+/// by others.
+std::string plain(std::string_view text);
+
+/// What note() prints of an argument: text is plain.
+template <class Argument> auto plain_argument(const Argument &argument) {
+  if constexpr (std::is_convertible_v<const Argument &, std::string_view>)
+    return plain(argument);
+  else
+    return argument;
+}
+
+/// A remark; its arguments stay on the line, its format says where one ends.
 template <class... Arguments>
-void note(fmt::format_string<Arguments...> format, Arguments &&...arguments) {
-  remark(fmt::format(format, std::forward<Arguments>(arguments)...));
+void note(fmt::format_string<Arguments...> format, const Arguments &...arguments) {
+  std::apply(
+      [format](const auto &...plain) {
+        remark(fmt::vformat(format, fmt::make_format_args(plain...)));
+      },
+      std::make_tuple(plain_argument(arguments)...));
 }
 
 } // namespace cli
