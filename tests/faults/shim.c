@@ -5,6 +5,7 @@
  * (open, write, fsync, rename, link, truncate). FAULT_HOW is the number of an errno, "kill" to end the program
  * before the call, "killed" to end it after. With FAULT_ON every later call fails as well, as
  * on a disk that is full. FAULT_LOG is a file that gets a line a call, to know how many there are.
+ * With FAULT_SHRINK a recording's data file is cut short as soon as it is mapped.
  * Counted is only what changes files: opens for writing, writes to regular files and to standard
  * output. */
 #define _GNU_SOURCE
@@ -14,8 +15,10 @@
 #include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -103,4 +106,14 @@ int linkat(int from_folder, const char *from, int to_folder, const char *to, int
 
 int ftruncate(int fd, off_t length) {
   FAULTY(int, "truncate", 1, syscall(SYS_ftruncate, fd, length));
+}
+
+void *mmap(void *start, size_t length, int protection, int flags, int fd, off_t offset) {
+  void *const map = (void *)syscall(SYS_mmap, start, length, protection, flags, fd, offset);
+  char link[64], path[4096] = "";
+  snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
+  if (fd >= 0 && getenv("FAULT_SHRINK") && readlink(link, path, sizeof path - 1) > 0 &&
+      strstr(path, ".sigmf-data"))
+    syscall(SYS_truncate, path, (off_t)1000);
+  return map;
 }
