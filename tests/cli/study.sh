@@ -55,6 +55,11 @@ check_a_bad_capture_is_a_row_with_its_sentence_and_the_rest_goes_on() {
   same schema "$(json out "j['schema']")" ada4571-study/1
 }
 
+check_a_list_without_lines_is_no_list() {
+  status 1 iio-angle study run --list /dev/zero -o s.db
+  says err '^iio-angle: /dev/zero: this is no list of names'
+}
+
 check_restarted_it_does_only_what_is_left_or_changed() {
   quick_captures 4
   ls c*.csv >names

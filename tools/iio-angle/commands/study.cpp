@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <climits>
 #include <chrono>
 #include <fstream>
 #include <iostream>
@@ -60,7 +62,9 @@ std::vector<std::string> names_of(const std::string &list) {
   }
   std::istream &in = list == "-" ? std::cin : file;
   std::vector<std::string> names;
-  for (std::string line; std::getline(in, line);) {
+  std::array<char, PATH_MAX> part; // no name is longer
+  while (in.getline(part.data(), part.size())) {
+    std::string line = part.data();
     if (line.ends_with('\r'))
       line.pop_back();
     if (!line.empty())
@@ -68,6 +72,8 @@ std::vector<std::string> names_of(const std::string &list) {
   }
   if (in.bad())
     throw Failure(kUnusable, list + ": cannot be read");
+  if (!in.eof())
+    throw Failure(kUnusable, list + ": this is no list of names: a line is longer than any name");
   return names;
 }
 
