@@ -9,8 +9,6 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 
-#include "base/descriptor.h"
-
 namespace ada {
 
 MappedFile::MappedFile(const std::string &path) {
@@ -34,11 +32,22 @@ void MappedFile::map(int fd, const std::string &shown) {
   const auto size = static_cast<std::size_t>(info.st_size);
   if (size == 0)
     return;
+  shown_ = shown;
+  fd_ = Descriptor(::fcntl(fd, F_DUPFD_CLOEXEC, 0));
+  if (fd_.get() < 0)
+    throw system_error(errno, shown, "cannot open");
   void *start = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
   if (start == MAP_FAILED)
     throw system_error(errno, shown, "cannot map into memory");
   ::madvise(start, size, MADV_SEQUENTIAL);
   bytes_ = {static_cast<const std::byte *>(start), size};
+}
+
+void MappedFile::check_holds(std::size_t bytes) const {
+  struct stat info {};
+  if (bytes > 0 &&
+      (::fstat(fd_.get(), &info) != 0 || static_cast<std::size_t>(info.st_size) < bytes))
+    throw Error(ADA4571_ERROR_FORMAT, shown_ + ": the file was cut short while it was read");
 }
 
 MappedFile::~MappedFile() {

@@ -6,10 +6,13 @@
 #include <span>
 #include <string>
 
+#include "base/descriptor.h"
+
 namespace ada {
 
-/// A regular file mapped into memory for reading from front to back. The file must not be cut
-/// short by another program meanwhile: the system ends a process that reads past the end.
+/// A regular file mapped into memory for reading from front to back. When another program cuts it
+/// short, the system ends a process that reads past the end (SIGBUS): what is read over a longer
+/// time is checked before each part of it.
 class MappedFile {
 public:
   explicit MappedFile(const std::string &path);
@@ -20,11 +23,15 @@ public:
   ~MappedFile();
 
   std::span<const std::byte> bytes() const { return bytes_; }
+  /// Throws Error(ADA4571_ERROR_FORMAT) where the file is shorter now than so many bytes.
+  void check_holds(std::size_t bytes) const;
 
 private:
   void map(int fd, const std::string &shown);
 
   std::span<const std::byte> bytes_;
+  std::string shown_;
+  Descriptor fd_; ///< another one of the same file
 };
 
 } // namespace ada

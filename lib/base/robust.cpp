@@ -31,27 +31,49 @@ Reach fence(std::span<const double> x) {
   return {middle.low - middle.width(), middle.high + middle.width()};
 }
 
-std::vector<std::size_t> standing_out(std::span<const double> x, double threshold, double floor) {
-  constexpr std::size_t kFewest = 20, kReach = 3, kRare = 60;
-  const std::size_t n = x.size();
+namespace {
+
+/// Difference of a value from the median of seven about it.
+double off_median(std::span<const double> x, std::size_t i) {
+  constexpr std::size_t kReach = 3;
+  double window[2 * kReach + 1];
+  std::size_t m = 0;
+  for (std::size_t k = i > kReach ? i - kReach : 0; k < std::min(x.size(), i + kReach + 1); ++k)
+    if (!std::isnan(x[k]))
+      window[m++] = x[k];
+  std::nth_element(window, window + m / 2, window + m);
+  return m > 0 ? x[i] - window[m / 2] : 0.0;
+}
+
+} // namespace
+
+double standing_out_limit(std::span<const double> x, double threshold, double floor) {
+  std::vector<double> off(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i)
+    off[i] = off_median(x, i);
+  return threshold * std::max({robust_spread(off), floor, 1e-9});
+}
+
+std::vector<std::size_t> beyond_median(std::span<const double> x, double limit) {
   std::vector<std::size_t> places;
-  if (n < kFewest)
-    return places;
-  std::vector<double> off(n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    double window[2 * kReach + 1];
-    std::size_t m = 0;
-    for (std::size_t k = i > kReach ? i - kReach : 0; k < std::min(n, i + kReach + 1); ++k)
-      if (!std::isnan(x[k]))
-        window[m++] = x[k];
-    std::nth_element(window, window + m / 2, window + m);
-    off[i] = m > 0 ? x[i] - window[m / 2] : 0.0;
-  }
-  const double sigma = std::max({robust_spread(off), floor, 1e-9});
-  for (std::size_t i = 0; i < n; ++i)
-    if (std::abs(off[i]) > threshold * sigma)
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    // Where a value lies beyond the median, so it does beyond half of its neighbours: one of any
+    // three is as far from it.
+    if (i >= 3 && i + 3 < x.size() && std::abs(x[i - 1] - x[i]) <= limit &&
+        std::abs(x[i + 1] - x[i]) <= limit && std::abs(x[i + 2] - x[i]) <= limit)
+      continue;
+    if (std::abs(off_median(x, i)) > limit)
       places.push_back(i);
-  if (places.size() > n / kRare)
+  }
+  return places;
+}
+
+std::vector<std::size_t> standing_out(std::span<const double> x, double threshold, double floor) {
+  constexpr std::size_t kFewest = 20;
+  if (x.size() < kFewest)
+    return {};
+  std::vector<std::size_t> places = beyond_median(x, standing_out_limit(x, threshold, floor));
+  if (places.size() > x.size() / kRareSample)
     places.clear();
   return places;
 }

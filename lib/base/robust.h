@@ -71,6 +71,14 @@ inline double noise_between(std::span<const double> x, std::span<const char> usa
 /// one in sixty does: what is not rare is structure.
 std::vector<std::size_t> standing_out(std::span<const double> x, double threshold, double floor);
 
+/// The two halves of that, for a column that is measured in one place and searched in others: the
+/// limit of the difference, and the places beyond it, however many.
+double standing_out_limit(std::span<const double> x, double threshold, double floor);
+std::vector<std::size_t> beyond_median(std::span<const double> x, double limit);
+
+/// One in so many samples that stand out is still rare.
+inline constexpr std::size_t kRareSample = 60;
+
 /// Median of the positive steps of an ascending column.
 inline double median_step(std::span<const double> time) {
   std::vector<double> dt;

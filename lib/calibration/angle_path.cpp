@@ -25,8 +25,6 @@ constexpr std::size_t kMissedSamples = 4;
 
 /// Of noise alone next to nothing leaps so far, and what does is a sample less.
 constexpr double kLeapSigmas = kOutlierSigmas;
-/// One leap in so many samples at the most.
-constexpr std::size_t kRare = 60;
 
 /// Samples of `path` that leap are left out.
 std::vector<std::size_t> without_leaps(const AnglePath &path) {
@@ -39,29 +37,57 @@ std::vector<std::size_t> without_leaps(const AnglePath &path) {
 
 } // namespace
 
-std::vector<std::size_t> leaps(std::span<const double> psi, double sigmas, double floor_rad,
-                               double ways) {
-  const auto turn = [&psi](std::size_t from, std::size_t to) {
-    return wrap_centred(psi[to] - psi[from], kTwoPi);
-  };
-  // From the line through two angles, one step on from the second.
-  const auto beyond = [&](std::size_t first, std::size_t second, std::size_t i) {
-    return std::abs(wrap_centred(psi[i] - psi[second] - turn(first, second), kTwoPi));
-  };
+namespace {
+
+double turn(std::span<const double> psi, std::size_t from, std::size_t to) {
+  return wrap_centred(psi[to] - psi[from], kTwoPi);
+}
+
+/// Distance of an angle from the middle of its neighbours.
+double off_middle(std::span<const double> psi, std::size_t i) {
+  return wrap_centred(turn(psi, i - 1, i) - 0.5 * turn(psi, i - 1, i + 1), kTwoPi);
+}
+
+/// The same in a few operations, of angles of one turn; not a number where steps are long.
+double off_middle_of_short_steps(std::span<const double> psi, std::size_t i) {
+  const auto step = [](double d) { return d - (d > kPi ? kTwoPi : d < -kPi ? -kTwoPi : 0.0); };
+  const double to = step(psi[i] - psi[i - 1]), from = step(psi[i + 1] - psi[i]);
+  return std::abs(to) < 0.5 * kPi && std::abs(from) < 0.5 * kPi ? 0.5 * (to - from) : NAN;
+}
+
+} // namespace
+
+double leap_limit(std::span<const double> psi, double sigmas, double floor_rad) {
   std::vector<double> between(psi.size(), 0.0);
   for (std::size_t i = 1; i + 1 < psi.size(); ++i)
-    between[i] = wrap_centred(turn(i - 1, i) - 0.5 * turn(i - 1, i + 1), kTwoPi);
-  const double limit = sigmas * std::max(robust_spread(between), floor_rad);
+    between[i] = off_middle(psi, i);
+  return sigmas * std::max(robust_spread(between), floor_rad);
+}
+
+std::vector<std::size_t> leaps_beyond(std::span<const double> psi, double limit, double ways) {
+  // From the line through two angles, one step on from the second.
+  const auto beyond = [&](std::size_t first, std::size_t second, std::size_t i) {
+    return std::abs(wrap_centred(psi[i] - psi[second] - turn(psi, first, second), kTwoPi));
+  };
   std::vector<std::size_t> places;
   for (std::size_t i = 2; i + 2 < psi.size(); ++i) {
+    if (std::abs(off_middle_of_short_steps(psi, i)) <= limit)
+      continue;
     const double least =
-        std::min({beyond(i - 2, i - 1, i), beyond(i + 2, i + 1, i), std::abs(between[i])});
-    const double way = std::max(
-        {std::abs(turn(i - 2, i - 1)), std::abs(turn(i + 1, i + 2)), std::abs(turn(i - 1, i + 1))});
+        std::min({beyond(i - 2, i - 1, i), beyond(i + 2, i + 1, i), std::abs(off_middle(psi, i))});
+    const double way =
+        std::max({std::abs(turn(psi, i - 2, i - 1)), std::abs(turn(psi, i + 1, i + 2)),
+                  std::abs(turn(psi, i - 1, i + 1))});
     if (least > limit && least > ways * way)
       places.push_back(i);
   }
-  return places.size() > psi.size() / kRare ? std::vector<std::size_t>() : places;
+  return places;
+}
+
+std::vector<std::size_t> leaps(std::span<const double> psi, double sigmas, double floor_rad,
+                               double ways) {
+  std::vector<std::size_t> places = leaps_beyond(psi, leap_limit(psi, sigmas, floor_rad), ways);
+  return places.size() > psi.size() / kRareSample ? std::vector<std::size_t>() : places;
 }
 
 AnglePath path_of(const Capture &capture, std::vector<std::size_t> samples,

@@ -26,6 +26,11 @@ struct AnglePath {
 std::vector<std::size_t> leaps(std::span<const double> psi, double sigmas, double floor_rad,
                                double ways);
 
+/// The two halves of that, for angles that are measured in one place and searched in others: what
+/// counts as far, rad, and the places, however many.
+double leap_limit(std::span<const double> psi, double sigmas, double floor_rad);
+std::vector<std::size_t> leaps_beyond(std::span<const double> psi, double limit_rad, double ways);
+
 /// The given samples about an ellipse. Each step is taken the shortest way; across up to
 /// kMissedSamples samples that the list leaves out, the shortest way from where the step before
 /// them leads on to, so that a spike at a high speed does not cost a period.

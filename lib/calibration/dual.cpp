@@ -42,9 +42,10 @@ Known parameter(const PairEstimate &e, EllipseIndex i) {
   return {values[i], e.std_error[i]};
 }
 
-PairEstimate estimate_named(const Capture &capture, CalibrationMethod method, const char *name) {
+PairEstimate estimate_named(const Recording &recording, CalibrationMethod method,
+                            const char *name) {
   try {
-    PairEstimate e = estimate_pair(capture, method);
+    PairEstimate e = estimate_pair(RecordingToFit(recording), method);
     if (!e.vtemp_mean_v)
       throw Error(ADA4571_ERROR_UNUSABLE_DATA, "it has no VTEMP");
     return e;
@@ -53,20 +54,21 @@ PairEstimate estimate_named(const Capture &capture, CalibrationMethod method, co
   }
 }
 
-void refuse_strangers(const Capture &cold, const Capture &hot) {
-  if (cold.meta.periods_per_turn != hot.meta.periods_per_turn)
+void refuse_strangers(const Recording &cold, const Recording &hot) {
+  if (cold.meta().periods_per_turn != hot.meta().periods_per_turn)
     throw Error(ADA4571_ERROR_UNUSABLE_DATA,
                 "the two captures differ in periods_per_turn: not the same sensor");
-  if (!cold.meta.serial.empty() && !hot.meta.serial.empty() && cold.meta.serial != hot.meta.serial)
+  if (!cold.meta().serial.empty() && !hot.meta().serial.empty() &&
+      cold.meta().serial != hot.meta().serial)
     throw Error(ADA4571_ERROR_UNUSABLE_DATA, "the two captures are of different sensors, '" +
-                                                 cold.meta.serial + "' and '" + hot.meta.serial +
-                                                 "'");
-  if (cold.meta.supply_v != hot.meta.supply_v)
+                                                 cold.meta().serial + "' and '" +
+                                                 hot.meta().serial + "'");
+  if (cold.meta().supply_v != hot.meta().supply_v)
     throw Error(ADA4571_ERROR_UNUSABLE_DATA,
                 "the two captures differ in supply_v: the same supply is needed at both "
                 "temperatures");
-  if (cold.meta.gain_control && hot.meta.gain_control &&
-      *cold.meta.gain_control != *hot.meta.gain_control)
+  if (cold.meta().gain_control && hot.meta().gain_control &&
+      *cold.meta().gain_control != *hot.meta().gain_control)
     throw Error(ADA4571_ERROR_UNUSABLE_DATA,
                 "gain control is on in one capture and off in the other");
 }
@@ -86,14 +88,14 @@ double span_of(const PairEstimate &cold, const PairEstimate &hot, double supply_
 
 } // namespace
 
-Model calibrate_dual(const Capture &cold, const Capture &hot, CalibrationMethod method) {
+Model calibrate_dual(const Recording &cold, const Recording &hot, CalibrationMethod method) {
   refuse_strangers(cold, hot);
   PairEstimate a = estimate_named(cold, method, "cold");
   PairEstimate b = estimate_named(hot, method, "hot");
   const bool exchanged = *b.vtemp_mean_v < *a.vtemp_mean_v;
   if (exchanged)
     std::swap(a, b);
-  const double span = span_of(a, b, cold.meta.supply_v);
+  const double span = span_of(a, b, cold.meta().supply_v);
 
   // At the middle of the two temperatures the lines are known best, and level and slope are
   // nearly uncorrelated.
@@ -116,9 +118,10 @@ Model calibrate_dual(const Capture &cold, const Capture &hot, CalibrationMethod 
   both.vtemp_min_v = std::min(*a.vtemp_min_v, *b.vtemp_min_v);
   both.vtemp_max_v = std::max(*a.vtemp_max_v, *b.vtemp_max_v);
 
-  Model model = model_of(both, cold, std::string("dual ") + method_name(method));
+  Model model =
+      model_of(both, cold.meta(), cold.identity(), std::string("dual ") + method_name(method));
   model.provenance.capture_identity =
-      exchanged ? hot.identity + " " + cold.identity : cold.identity + " " + hot.identity;
+      exchanged ? hot.identity() + " " + cold.identity() : cold.identity() + " " + hot.identity();
   const Known tc_sin = slope(parameter(a, kCentreSin), parameter(b, kCentreSin), span);
   const Known tc_cos = slope(parameter(a, kCentreCos), parameter(b, kCentreCos), span);
   model.effects.push_back(effect_instance("offset-temperature-drift", {tc_sin.value, tc_cos.value},
@@ -128,6 +131,10 @@ Model calibrate_dual(const Capture &cold, const Capture &hot, CalibrationMethod 
   if (std::abs(tc.value) > kSignificant * tc.error)
     model.effects.push_back(effect_instance("amplitude-temperature-drift", {tc.value}, {tc.error}));
   return model;
+}
+
+Model calibrate_dual(const Capture &cold, const Capture &hot, CalibrationMethod method) {
+  return calibrate_dual(*recording_of(cold), *recording_of(hot), method);
 }
 
 } // namespace ada

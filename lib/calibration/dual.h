@@ -15,6 +15,7 @@ namespace ada {
 inline constexpr double kMinVtempSpan = 0.03;
 
 /// The order of the two does not matter: the one with the lower VTEMP is the cold one.
+Model calibrate_dual(const Recording &cold, const Recording &hot, CalibrationMethod method);
 Model calibrate_dual(const Capture &cold, const Capture &hot, CalibrationMethod method);
 
 } // namespace ada

@@ -54,6 +54,7 @@ struct EllipseFit {
   std::size_t directions = 0; ///< angles at which samples stand, kDirectionDeg apart at least
   std::size_t free_parameters = 0;
   std::size_t used = 0, rejected = 0;
+  double limit_v = 0;                  ///< distance beyond which samples were rejected
   std::vector<unsigned char> accepted; ///< one a sample
 
   double std_error(EllipseIndex i) const;

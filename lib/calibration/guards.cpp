@@ -137,6 +137,10 @@ void refuse_dead_channels(const Capture &capture) {
   };
   stuck("VSIN", sin_travel, cos_travel);
   stuck("VCOS", cos_travel, sin_travel);
+}
+
+void refuse_stuck_stretches(const Capture &capture) {
+  const double sin_travel = travel(capture.vsin_v), cos_travel = travel(capture.vcos_v);
   // Less than what a fit leaves out anyway does no harm: a stretch at a rail, say.
   const double most = kMaxRejected * static_cast<double>(capture.size());
   const auto partly = [&](const char *name, const std::optional<Stuck> &found) {
@@ -165,7 +169,7 @@ std::string why_no_circle(const EllipseFit &fit) {
 
 void refuse_scattered(const Capture &capture, const EllipseFit &fit) {
   const double fraction = static_cast<double>(fit.rejected) /
-                          static_cast<double>(std::max<std::size_t>(fit.accepted.size(), 1));
+                          static_cast<double>(std::max<std::size_t>(fit.used + fit.rejected, 1));
   if (fraction <= kMaxRejected)
     return;
   refuse(number("%.0f", 100 * fraction) +

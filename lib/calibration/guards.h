@@ -12,9 +12,11 @@
 
 namespace ada {
 
-/// Both channels at rest, or a channel that stays put while the other moves, always or for a part
-/// of the capture. To be called before a fit.
+/// Both channels at rest, or a channel that stays put while the other moves. To be called before a
+/// fit.
 void refuse_dead_channels(const Capture &capture);
+/// The same for a part of the capture, whose samples must be neighbours.
+void refuse_stuck_stretches(const Capture &capture);
 
 /// Two signals that do not turn with a magnet: noise, or levels that they only jump between. A
 /// magnet leaves no sample near the centre. Where kOutlierSigmas of the scatter about the ellipse

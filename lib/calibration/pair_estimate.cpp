@@ -9,6 +9,7 @@
 
 #include "base/angle.h"
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/robust.h"
 #include "calibration/extrema_method.h"
 #include "calibration/guards.h"
@@ -41,10 +42,11 @@ bool ellipse_is_worthwhile(const EllipseFit &circle, const EllipseFit &ellipse) 
 }
 
 /// The ellipse where the data carry it; on a short arc the circle, unless the data contradict it.
-EllipseFit fit_with_what_the_data_carry(const Capture &capture, bool &circle_only) {
+EllipseFit fit_with_what_the_data_carry(const RecordingToFit &what, bool &circle_only) {
   circle_only = false;
-  const int p = capture.meta.periods_per_turn;
-  EllipseFit circle = fit_ellipse(capture.vsin_v, capture.vcos_v, {.circle = true});
+  const int p = what.recording.meta().periods_per_turn;
+  // Which shows how much of the circle there is.
+  EllipseFit circle = fit_ellipse_to_sample(what, {.circle = true});
   if (circle.coverage_deg < kMinCoverageDeg) {
     char text[160];
     std::snprintf(text, sizeof text,
@@ -55,13 +57,15 @@ EllipseFit fit_with_what_the_data_carry(const Capture &capture, bool &circle_onl
   }
   std::optional<EllipseFit> ellipse;
   try {
-    ellipse = fit_ellipse(capture.vsin_v, capture.vcos_v, {});
+    ellipse = fit_ellipse(what, {});
   } catch (const Error &) {
     // On a short arc the five may have no minimum; the circle stands.
   }
   if (ellipse &&
       (error_deg(*ellipse, p) <= kGoodErrorDeg || ellipse->coverage_deg >= kGoodCoverageDeg))
     return *std::move(ellipse);
+  if (what.is_long)
+    circle = fit_ellipse(what, {.circle = true});
   if (ellipse && ellipse_is_worthwhile(circle, *ellipse))
     return *std::move(ellipse);
   circle_only = true;
@@ -84,22 +88,43 @@ void refuse_uncertain(const EllipseFit &fit, int periods) {
   throw Error(ADA4571_ERROR_UNUSABLE_DATA, text);
 }
 
-/// A spike of VTEMP tells nothing of the temperature.
-void describe_temperature(const Capture &capture, PairEstimate &estimate) {
-  const Reach believed = fence(capture.vtemp_v);
+struct Temperature {
+  Block block;
   double sum = 0, n = 0, low = INFINITY, high = -INFINITY;
-  for (const double v : capture.vtemp_v)
-    if (believed.holds(v)) {
-      sum += v;
-      n += 1;
-      low = std::min(low, v);
-      high = std::max(high, v);
-    }
-  if (n == 0)
+};
+
+/// A spike of VTEMP tells nothing of the temperature.
+void describe_temperature(const RecordingToFit &what, PairEstimate &estimate) {
+  if (!what.recording.channels().vtemp)
     return;
-  estimate.vtemp_mean_v = sum / n;
-  estimate.vtemp_min_v = low;
-  estimate.vtemp_max_v = high;
+  const Reach believed = fence(what.sample->vtemp_v);
+  Temperature all;
+  in_order<Temperature>(
+      what.recording.blocks(),
+      [&](std::size_t k, Temperature &t) {
+        what.recording.read(k, kVtempColumn, t.block);
+        t.sum = t.n = 0;
+        t.low = INFINITY;
+        t.high = -INFINITY;
+        for (const double v : t.block.vtemp_v)
+          if (believed.holds(v)) {
+            t.sum += v;
+            t.n += 1;
+            t.low = std::min(t.low, v);
+            t.high = std::max(t.high, v);
+          }
+      },
+      [&](std::size_t, const Temperature &t) {
+        all.sum += t.sum;
+        all.n += t.n;
+        all.low = std::min(all.low, t.low);
+        all.high = std::max(all.high, t.high);
+      });
+  if (all.n == 0)
+    return;
+  estimate.vtemp_mean_v = all.sum / all.n;
+  estimate.vtemp_min_v = all.low;
+  estimate.vtemp_max_v = all.high;
 }
 
 } // namespace
@@ -116,10 +141,15 @@ const char *method_name(CalibrationMethod method) {
   return "";
 }
 
-PairEstimate estimate_pair(const Capture &capture, CalibrationMethod method) {
+PairEstimate estimate_pair(const RecordingToFit &what, CalibrationMethod method) {
+  if (what.is_long && method != CalibrationMethod::fit) // those need the path of the angle
+    return estimate_pair(RecordingToFit(what.recording, true), method);
+  const Capture &capture = *what.sample;
   refuse_dead_channels(capture);
+  if (!what.is_long) // stretches do not show it; but then too many samples lie off the ellipse
+    refuse_stuck_stretches(capture);
   bool circle_only = false;
-  const EllipseFit fit = fit_with_what_the_data_carry(capture, circle_only);
+  const EllipseFit fit = fit_with_what_the_data_carry(what, circle_only);
   refuse(why_no_circle(fit));
   refuse(why_clipped(capture, fit));
   refuse_scattered(capture, fit);
@@ -143,8 +173,13 @@ PairEstimate estimate_pair(const Capture &capture, CalibrationMethod method) {
     estimate_by_extrema(capture, fit, estimate);
     break;
   }
-  describe_temperature(capture, estimate);
+  describe_temperature(what, estimate);
   return estimate;
+}
+
+PairEstimate estimate_pair(const Capture &capture, CalibrationMethod method) {
+  const auto recording = recording_of(capture);
+  return estimate_pair(RecordingToFit(*recording), method);
 }
 
 } // namespace ada

@@ -9,8 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "calibration/ellipse_fit.h"
-#include "recording/capture.h"
+#include "calibration/recording_fit.h"
 
 namespace ada {
 
@@ -29,6 +28,8 @@ struct PairEstimate {
 
 /// Calibrates one capture by one method. The reference column is never looked at.
 /// Throws ADA4571_ERROR_UNUSABLE_DATA with the reason when the data cannot carry the method.
+/// Mean and extrema hold a recording in memory, the fit, which the first one makes, does not.
+PairEstimate estimate_pair(const RecordingToFit &what, CalibrationMethod method);
 PairEstimate estimate_pair(const Capture &capture, CalibrationMethod method);
 
 } // namespace ada

@@ -34,12 +34,13 @@ EffectInstance effect_instance(std::string_view id, std::vector<double> values,
   return {effect, std::move(values), std::move(std_errors)};
 }
 
-Model model_of(const PairEstimate &estimate, const Capture &capture, const std::string &method) {
+Model model_of(const PairEstimate &estimate, const CaptureMetadata &meta,
+               const std::string &identity, const std::string &method) {
   const EllipseParameters &e = estimate.value;
   const auto &se = estimate.std_error;
   Model model;
-  model.periods_per_turn = capture.meta.periods_per_turn;
-  model.supply_v = capture.meta.supply_v;
+  model.periods_per_turn = meta.periods_per_turn;
+  model.supply_v = meta.supply_v;
   model.baseline.amplitude_v = e.amplitude_v;
   model.baseline.offset_sin_v = e.centre_sin_v - 0.5 * model.supply_v;
   model.baseline.offset_cos_v = e.centre_cos_v - 0.5 * model.supply_v;
@@ -53,21 +54,26 @@ Model model_of(const PairEstimate &estimate, const Capture &capture, const std::
     model.effects.push_back(
         effect_instance("quadrature-error", {e.delta_rad * kDegPerRad}, {se[kDelta] * kDegPerRad}));
   Provenance &from = model.provenance;
-  from.serial = capture.meta.serial;
+  from.serial = meta.serial;
   from.date = now_utc();
   from.method = method;
-  from.capture_identity = capture.identity;
+  from.capture_identity = identity;
   from.generator = "libada4571 " ADA4571_VERSION_STRING;
   from.vtemp_min_v = estimate.vtemp_min_v;
   from.vtemp_max_v = estimate.vtemp_max_v;
-  from.gain_control = capture.meta.gain_control;
+  from.gain_control = meta.gain_control;
   from.fit_residual_rms_v = estimate.residual_rms_v;
   return model;
 }
 
-Model calibrate_single(const Capture &capture, CalibrationMethod method) {
-  return model_of(estimate_pair(capture, method), capture,
+Model calibrate_single(const RecordingToFit &what, CalibrationMethod method) {
+  return model_of(estimate_pair(what, method), what.recording.meta(), what.recording.identity(),
                   std::string("single ") + method_name(method));
+}
+
+Model calibrate_single(const Capture &capture, CalibrationMethod method) {
+  const auto recording = recording_of(capture);
+  return calibrate_single(RecordingToFit(*recording), method);
 }
 
 } // namespace ada

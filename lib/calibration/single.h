@@ -9,11 +9,13 @@
 
 namespace ada {
 
+Model calibrate_single(const RecordingToFit &what, CalibrationMethod method);
 Model calibrate_single(const Capture &capture, CalibrationMethod method);
 
-/// The model that an estimate is, with its provenance. Mismatch and quadrature error become
-/// effects where they were estimated.
-Model model_of(const PairEstimate &estimate, const Capture &capture, const std::string &method);
+/// The model that an estimate is, with its provenance: of a capture with this metadata and this
+/// identity. Mismatch and quadrature error become effects where they were estimated.
+Model model_of(const PairEstimate &estimate, const CaptureMetadata &meta,
+               const std::string &identity, const std::string &method);
 
 /// An effect of the catalogue with its numbers. Throws ADA4571_ERROR_INTERNAL when the catalogue
 /// does not hold it or counts other parameters.

@@ -19,7 +19,7 @@
 #include "calibration/trend_filter.h"
 #include "calibration/turn_window.h"
 #include "conversion/ellipse.h"
-#include "conversion/gap_detector.h"
+#include "recording/gap_detector.h"
 
 namespace ada {
 

@@ -5,6 +5,7 @@
 #include "calibration/single.h"
 #include "capi/guard.h"
 #include "capi/handles.h"
+#include "capi/to_fit.h"
 
 namespace {
 
@@ -29,7 +30,8 @@ ada4571_status ada4571_calibrate_single(const ada4571_recording *recording,
   return ada::capi::guard([&] {
     ada::capi::require(recording, "recording");
     ada::capi::require(model, "model");
-    *model = new ada4571_model{ada::calibrate_single(*recording->impl, method_of(method))};
+    *model = new ada4571_model{
+        ada::calibrate_single(ada::capi::to_fit(*recording), method_of(method))};
   });
 }
 

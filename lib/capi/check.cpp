@@ -5,6 +5,7 @@
 
 #include "capi/guard.h"
 #include "capi/handles.h"
+#include "capi/to_fit.h"
 #include "health/health.h"
 
 struct ada4571_health {
@@ -20,7 +21,7 @@ ada4571_status ada4571_check(const ada4571_recording *recording, const ada4571_m
     ada::capi::require(recording, "recording");
     ada::capi::require(health, "health");
     const ada::Health result =
-        ada::check_health(*recording->impl, model != nullptr ? &model->impl : nullptr);
+        ada::check_health(ada::capi::to_fit(*recording), model != nullptr ? &model->impl : nullptr);
     *health =
         new ada4571_health{result.sound(), ada::health_text(result), ada::health_json(result)};
   });

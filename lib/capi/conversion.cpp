@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "capi/angle_form.h"
 #include "capi/guard.h"
 #include "capi/handles.h"
 #include "conversion/frame_converter.h"
@@ -100,7 +101,21 @@ ada4571_status ada4571_converter_recording(ada4571_converter *converter,
     if (count == 0)
       return;
     capi::require(angles, "angles");
-    converter->frames.capture(*recording->impl, {angles, count});
+    converter->frames.capture(*recording->impl->whole(), {angles, count});
+  });
+}
+
+ada4571_status ada4571_converter_save(const ada4571_converter *converter,
+                                      const ada4571_recording *recording, const char *path,
+                                      ada4571_angle_form form, ada4571_progress progress,
+                                      void *user) {
+  return capi::guard([&] {
+    capi::require(converter, "converter");
+    capi::require(recording, "recording");
+    capi::require(path, "path");
+    ada::save_angles(
+        converter->model, *recording->impl, path, capi::angle_form_of(form),
+        [&](double done) { capi::report_progress(progress, user, done, "converting"); });
   });
 }
 

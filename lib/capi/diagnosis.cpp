@@ -7,6 +7,7 @@
 
 #include "capi/guard.h"
 #include "capi/handles.h"
+#include "capi/long_capture.h"
 #include "diagnosis/diagnose.h"
 #include "recording/join.h"
 #include "report/report.h"
@@ -24,12 +25,13 @@ namespace {
 
 using CapturePtr = std::shared_ptr<const Capture>;
 
-CapturePtr joined(const ada4571_recording *const *recordings, std::size_t count, const char *name) {
+CapturePtr joined(const ada4571_recording *const *recordings, std::size_t count, const char *name,
+                  LookedAt &looked_at) {
   require(recordings, name);
   std::vector<CapturePtr> captures;
   for (std::size_t k = 0; k < count; ++k) {
     require(recordings[k], name);
-    captures.push_back(recordings[k]->impl);
+    captures.push_back(looked_at.part_of(*recordings[k]->impl));
   }
   return join(captures);
 }
@@ -59,6 +61,7 @@ ada4571_status ada4571_diagnose_captures(const ada4571_recording *const *recordi
     require(diagnosis, "diagnosis");
     DiagnosisOptions o;
     CapturePtr heldout;
+    LookedAt looked_at;
     if (options) {
       require_struct(options, "options");
       if (options->baseline)
@@ -73,7 +76,7 @@ ada4571_status ada4571_diagnose_captures(const ada4571_recording *const *recordi
       for (std::size_t k = 0; k < options->more_heldout_count; ++k)
         judges.push_back(options->more_heldout[k]);
       if (!judges.empty())
-        heldout = joined(judges.data(), judges.size(), "options.heldout");
+        heldout = joined(judges.data(), judges.size(), "options.heldout", looked_at);
       o.heldout = heldout.get();
       if (options->progress)
         o.progress = [options](double fraction, const char *what) {
@@ -82,10 +85,10 @@ ada4571_status ada4571_diagnose_captures(const ada4571_recording *const *recordi
         };
     }
     auto out = std::make_unique<ada4571_diagnosis>();
-    out->capture = joined(recordings, count, "recordings");
+    out->capture = joined(recordings, count, "recordings", looked_at);
     out->impl = diagnose(*out->capture, o);
-    out->json = to_json(out->impl);
-    out->text = to_text(out->impl);
+    out->json = looked_at.with_json(to_json(out->impl));
+    out->text = to_text(out->impl) + looked_at.text();
     *diagnosis = out.release();
   });
 }

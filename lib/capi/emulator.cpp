@@ -29,7 +29,8 @@ ada4571_status ada4571_emulator_new_replay(const ada4571_recording *recording, d
   return guard([&] {
     require(recording, "recording");
     require(emulator, "emulator");
-    *emulator = new ada4571_emulator{Emulator(replayed_context(recording->impl, speed), port)};
+    *emulator = new ada4571_emulator{
+        Emulator(replayed_context(recording->impl->whole(), speed), port)};
   });
 }
 

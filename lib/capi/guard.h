@@ -60,6 +60,13 @@ template <class Range> const auto &at(const Range &range, std::size_t index, con
   return range[index];
 }
 
+/// A caller's progress as the functions of the library call it; throws when that ends the work.
+inline void report_progress(ada4571_progress progress, void *user, double fraction,
+                            const char *what) {
+  if (progress != nullptr && progress(fraction, what, user) != 0)
+    throw Error(ADA4571_ERROR_STATE, std::string(what) + " was stopped");
+}
+
 inline std::string text_or_empty(const char *s) { return s ? std::string(s) : std::string(); }
 
 } // namespace ada::capi

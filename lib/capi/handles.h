@@ -10,10 +10,11 @@
 #include "acquisition/source.h"
 #include "model/effect.h"
 #include "model/model.h"
-#include "recording/capture.h"
+#include "recording/recording.h"
 
 namespace ada {
 class Simulation;
+struct RecordingToFit;
 }
 
 namespace ada::capi {
@@ -25,10 +26,12 @@ struct ada4571_model {
   ada::Model impl;
 };
 
-/// Captures are immutable once read, so a handle shares them.
+/// Recordings are immutable once open, so a handle shares them.
 struct ada4571_recording {
-  std::shared_ptr<const ada::Capture> impl;
+  std::shared_ptr<const ada::Recording> impl;
   mutable std::string metadata_value{}; ///< what ada4571_recording_metadata gave last
+  mutable ada::Block block{};           ///< of which ada4571_recording_read gave frames last
+  mutable std::shared_ptr<const ada::RecordingToFit> to_fit{}; ///< once one was needed
 };
 
 struct ada4571_simulation {

@@ -32,12 +32,20 @@ std::optional<double> or_nothing(double value) {
   return std::isnan(value) ? std::nullopt : std::optional(value);
 }
 
-ada4571_recording_info to_info(const ada::Capture &capture) {
-  const ada::CaptureMetadata &meta = capture.meta;
+/// Sample i, from the block that the handle holds or that it then reads.
+ada::Frame frame_of(const ada4571_recording &recording, std::size_t i) {
+  ada::Block &block = recording.block;
+  if (i < block.first || i - block.first >= block.count)
+    recording.impl->read(recording.impl->block_of(i), ada::kAllColumns, block);
+  return ada::frame_at(block, i - block.first);
+}
+
+ada4571_recording_info to_info(const ada::Recording &recording) {
+  const ada::CaptureMetadata &meta = recording.meta();
   ada4571_recording_info info;
   info.struct_size = sizeof info;
-  info.samples = capture.size();
-  info.duration_s = capture.size() ? capture.time_s.back() - capture.time_s.front() : 0.0;
+  info.samples = recording.size();
+  info.duration_s = recording.last_time_s() - recording.first_time_s();
   info.supply_v = meta.supply_v;
   info.periods_per_turn = meta.periods_per_turn;
   info.gain_control = meta.gain_control ? int{*meta.gain_control} : -1;
@@ -45,12 +53,12 @@ ada4571_recording_info to_info(const ada::Capture &capture) {
   info.sample_rate_hz = or_nan(meta.sample_rate_hz);
   info.adc_bits = or_nan(meta.adc_bits);
   info.adc_reference_v = or_nan(meta.adc_reference_v);
-  info.has_vtemp = capture.has_vtemp();
-  info.has_vdd = capture.has_vdd();
-  info.has_reference = capture.has_reference();
+  info.has_vtemp = recording.channels().vtemp;
+  info.has_vdd = recording.channels().vdd;
+  info.has_reference = recording.channels().reference;
   info.serial = meta.serial.c_str();
   info.origin = meta.origin.c_str();
-  info.data_file = capture.data_file.c_str();
+  info.data_file = recording.facts().data_file.c_str();
   return info;
 }
 
@@ -86,18 +94,17 @@ ada::CaptureWriter &open_writer(ada4571_writer *writer) {
 extern "C" {
 
 void ada4571_recording_info_init(ada4571_recording_info *info) {
-  if (info != nullptr)
-    *info = to_info(ada::Capture());
-  if (info != nullptr)
-    info->serial = info->origin = info->data_file = nullptr; // not into the capture above, which is gone
+  if (info == nullptr)
+    return;
+  *info = to_info(*ada::recording_of(std::make_shared<const ada::Capture>()));
+  info->serial = info->origin = info->data_file = nullptr; // not into the one above, which is gone
 }
 
 ada4571_status ada4571_recording_open(const char *path, ada4571_recording **recording) {
   return guard([&] {
     require(path, "path");
     require(recording, "recording");
-    auto capture = std::make_shared<const ada::Capture>(ada::read_capture(path));
-    *recording = new ada4571_recording{std::move(capture)};
+    *recording = new ada4571_recording{ada::open_recording(path)};
   });
 }
 
@@ -115,7 +122,7 @@ const char *ada4571_recording_metadata(const ada4571_recording *recording, const
   guard([&] {
     require(recording, "recording");
     require(key, "key");
-    if (auto found = ada::find_metadata(recording->impl->meta, key)) {
+    if (auto found = ada::find_metadata(recording->impl->meta(), key)) {
       recording->metadata_value = std::move(*found);
       value = recording->metadata_value.c_str();
     }
@@ -130,12 +137,11 @@ ada4571_status ada4571_recording_read(const ada4571_recording *recording, size_t
     require(count, "count");
     if (capacity > 0)
       require(frames, "frames");
-    const ada::Capture &capture = *recording->impl;
-    const size_t left = first < capture.size() ? capture.size() - first : 0;
-    const size_t copied = std::min(left, capacity);
-    for (size_t i = 0; i < copied; ++i)
-      frames[i] = ada::frame_at(capture, first + i);
-    *count = copied;
+    const size_t size = recording->impl->size();
+    const size_t wanted = std::min(first < size ? size - first : 0, capacity);
+    for (size_t i = 0; i < wanted; ++i)
+      frames[i] = frame_of(*recording, first + i);
+    *count = wanted;
   });
 }
 
@@ -143,7 +149,7 @@ ada4571_status ada4571_recording_save(const ada4571_recording *recording, const 
   return guard([&] {
     require(recording, "recording");
     require(path, "path");
-    ada::write_capture(*recording->impl, path);
+    ada::write_recording(*recording->impl, path);
   });
 }
 

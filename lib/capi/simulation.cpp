@@ -91,7 +91,8 @@ ada4571_status ada4571_simulation_run(const ada4571_simulation *simulation,
   return guard([&] {
     require(simulation, "simulation");
     require(recording, "recording");
-    *recording = new ada4571_recording{std::make_shared<const Capture>(simulation->impl->run())};
+    *recording = new ada4571_recording{
+        recording_of(std::make_shared<const Capture>(simulation->impl->run()))};
   });
 }
 

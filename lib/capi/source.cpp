@@ -145,7 +145,7 @@ ada4571_status ada4571_source_open_recording(const ada4571_recording *recording,
     require(recording, "recording");
     require(source, "source");
     auto handle = std::make_unique<ada4571_source>();
-    handle->impl = make_recording_source(recording->impl);
+    handle->impl = make_recording_source(recording->impl->whole());
     *source = handle.release();
   });
 }
@@ -157,7 +157,7 @@ ada4571_status ada4571_source_open_replay(const ada4571_recording *recording, do
     require(source, "source");
     check_speed(speed);
     auto handle = std::make_unique<ada4571_source>();
-    handle->impl = make_recording_source(recording->impl, speed);
+    handle->impl = make_recording_source(recording->impl->whole(), speed);
     *source = handle.release();
   });
 }

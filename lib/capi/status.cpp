@@ -5,6 +5,7 @@
 #include <exception>
 #include <string>
 
+#include "base/parallel.h"
 #include "base/text.h"
 #include "capi/guard.h"
 
@@ -61,6 +62,10 @@ const char *ada4571_status_name(ada4571_status status) {
 #undef ADA4571_NAME
   }
   return "ADA4571_STATUS_UNKNOWN";
+}
+
+void ada4571_set_jobs(unsigned jobs) {
+  ada::set_jobs(jobs);
 }
 
 } // extern "C"

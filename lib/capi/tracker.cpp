@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 
 #include "calibration/tracker.h"
+#include "capi/angle_form.h"
 #include "capi/guard.h"
 #include "capi/handles.h"
 
@@ -45,6 +46,21 @@ ada4571_status ada4571_tracker_frames(ada4571_tracker *tracker, const ada4571_fr
     capi::require(frames, "frames");
     capi::require(angles, "angles");
     tracker->impl.frames({frames, count}, {angles, count});
+  });
+}
+
+ada4571_status ada4571_tracker_save(ada4571_tracker *tracker, const ada4571_recording *recording,
+                                    const char *path, ada4571_angle_form form,
+                                    ada4571_progress progress, void *user) {
+  return capi::guard([&] {
+    capi::require(tracker, "tracker");
+    capi::require(recording, "recording");
+    capi::require(path, "path");
+    ada::save_angles(
+        [&](auto in, auto out) { tracker->impl.frames(in, out); },
+        360.0 / tracker->impl.model().periods_per_turn, *recording->impl, path,
+        capi::angle_form_of(form),
+        [&](double done) { capi::report_progress(progress, user, done, "converting"); });
   });
 }
 

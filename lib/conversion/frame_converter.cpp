@@ -40,19 +40,17 @@ FrameConverter::FrameConverter(const Model &model) : model_(model), vtemp_v_(kAb
 
 FrameConverter::~FrameConverter() = default;
 
-void FrameConverter::convert(const EllipseModel &ellipse, double &vtemp, const Frame &in,
-                             ada4571_angle &out) const {
-  const int p = ellipse.periods_per_turn();
-  if (!ellipse.follows_temperature()) {
-    convert_sample(inverse_, p, ellipse.zero_rad(), ellipse.supply_v(), in, out);
-    return;
-  }
+ada4571_angle FrameConverter::sample(const Frame &in, double &vtemp_v) const {
+  const int p = ellipse_->periods_per_turn();
+  const double zero = ellipse_->zero_rad(), supply_v = ellipse_->supply_v();
+  ada4571_angle out{in.time_s, kAbsent, kAbsent, ADA4571_SAMPLE_INVALID};
   if (std::isfinite(in.vtemp_v))
-    vtemp = in.vtemp_v;
-  if (std::isfinite(vtemp))
-    convert_sample(ellipse.at(vtemp), p, ellipse.zero_rad(), ellipse.supply_v(), in, out);
-  else
-    out = {in.time_s, kAbsent, kAbsent, ADA4571_SAMPLE_INVALID};
+    vtemp_v = in.vtemp_v;
+  if (!ellipse_->follows_temperature())
+    convert_sample(inverse_, p, zero, supply_v, in, out);
+  else if (std::isfinite(vtemp_v))
+    convert_sample(ellipse_->at(vtemp_v), p, zero, supply_v, in, out);
+  return out;
 }
 
 void FrameConverter::frames(std::span<const Frame> in, std::span<ada4571_angle> out) {
@@ -60,27 +58,41 @@ void FrameConverter::frames(std::span<const Frame> in, std::span<ada4571_angle> 
     solver_->frames(in, out);
   else
     for (std::size_t i = 0; i < in.size(); ++i)
-      convert(*ellipse_, vtemp_v_, in[i], out[i]);
+      out[i] = sample(in[i], vtemp_v_);
   for (std::size_t i = 0; i < in.size(); ++i)
     if (gaps_(in[i].time_s))
       out[i].status |= ADA4571_SAMPLE_GAP;
 }
 
-void FrameConverter::capture(const Capture &in, std::span<ada4571_angle> out) const {
-  if (in.meta.periods_per_turn != model_.periods_per_turn)
+Model FrameConverter::model_for(const Model &model, const CaptureMetadata &meta,
+                                const ChannelSet &channels) {
+  if (meta.periods_per_turn != model.periods_per_turn)
     throw Error(
         ADA4571_ERROR_UNUSABLE_DATA,
-        "the calibration is for periods_per_turn = " + std::to_string(model_.periods_per_turn) +
-            ", the capture says " + std::to_string(in.meta.periods_per_turn));
-  if (in.meta.supply_v != model_.supply_v) {
-    // Everything the sensor puts out is a fraction of its supply, so the calibration scales.
-    FrameConverter(model_.at_supply(in.meta.supply_v)).capture(in, out);
+        "the calibration is for periods_per_turn = " + std::to_string(model.periods_per_turn) +
+            ", the capture says " + std::to_string(meta.periods_per_turn));
+  if (!channels.vtemp && EllipseModel::beyond(model).empty() &&
+      EllipseModel(model).follows_temperature())
+    throw Error(
+        ADA4571_ERROR_UNUSABLE_DATA,
+        "the calibration follows VTEMP and the capture has no column vtemp_v: record VTEMP, "
+        "or use a single-temperature calibration");
+  // Everything the sensor puts out is a fraction of its supply, so the calibration scales.
+  return meta.supply_v != model.supply_v ? model.at_supply(meta.supply_v) : model;
+}
+
+void FrameConverter::capture(const Capture &in, std::span<ada4571_angle> out) const {
+  const Model model = model_for(model_, in.meta, ChannelSet::of(in));
+  if (model.supply_v != model_.supply_v) {
+    FrameConverter(model).capture(in, out);
     return;
   }
+  double vtemp_v = kAbsent;
   if (solver_)
     solver_->capture(in, out);
   else
-    by_ellipse(in, out);
+    for (std::size_t i = 0; i < in.size(); ++i)
+      out[i] = sample(frame_at(in, i), vtemp_v);
   GapDetector gaps; // those that the source did not report
   for (std::size_t i = 0; i < in.size(); ++i)
     if (gaps(in.time_s[i]))
@@ -88,24 +100,6 @@ void FrameConverter::capture(const Capture &in, std::span<ada4571_angle> out) co
   for (const std::size_t gap : in.gaps)
     if (gap < in.size())
       out[gap].status |= ADA4571_SAMPLE_GAP;
-}
-
-void FrameConverter::by_ellipse(const Capture &in, std::span<ada4571_angle> out) const {
-  if (ellipse_->follows_temperature() && !in.has_vtemp())
-    throw Error(
-        ADA4571_ERROR_UNUSABLE_DATA,
-        "the calibration follows VTEMP and the capture has no column vtemp_v: record VTEMP, "
-        "or use a single-temperature calibration");
-  double vtemp = kAbsent;
-  for (std::size_t i = 0; i < in.size(); ++i) {
-    Frame frame = empty_frame();
-    frame.time_s = in.time_s[i];
-    frame.vsin_v = in.vsin_v[i];
-    frame.vcos_v = in.vcos_v[i];
-    if (in.has_vtemp())
-      frame.vtemp_v = in.vtemp_v[i];
-    convert(*ellipse_, vtemp, frame, out[i]);
-  }
 }
 
 } // namespace ada

@@ -11,8 +11,8 @@
 
 #include "base/frame.h"
 #include "conversion/ellipse.h"
-#include "conversion/gap_detector.h"
-#include "recording/capture.h"
+#include "recording/columns.h"
+#include "recording/gap_detector.h"
 
 namespace ada {
 
@@ -36,12 +36,19 @@ public:
   /// ADA4571_ERROR_UNUSABLE_DATA when the model follows VTEMP and the capture has none.
   void capture(const Capture &in, std::span<ada4571_angle> out) const;
 
+  /// The model at the supply of a capture, or why it cannot convert that: refuses as capture().
+  static Model model_for(const Model &model, const CaptureMetadata &meta,
+                         const ChannelSet &channels);
+  /// Whether an angle depends on its own sample alone, but for a VTEMP that is missing.
+  bool sample_by_sample() const { return ellipse_.has_value(); }
+  /// One such sample; `vtemp_v` is the last one seen, before and after it.
+  ada4571_angle sample(const Frame &frame, double &vtemp_v) const;
+  ada4571_angle sample(const Frame &frame) const {
+    double vtemp_v = kAbsent;
+    return sample(frame, vtemp_v);
+  }
+
 private:
-  void convert(const EllipseModel &ellipse, double &vtemp, const Frame &in,
-               ada4571_angle &out) const;
-
-  void by_ellipse(const Capture &in, std::span<ada4571_angle> out) const;
-
   Model model_;
   std::optional<EllipseModel> ellipse_;
   EllipseInverse inverse_{}; ///< where nothing follows VTEMP

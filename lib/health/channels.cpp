@@ -49,7 +49,8 @@ HealthCheck check_stuck(const Evidence &e) {
   if (e.stuck)
     return verdict("stuck", false, static_cast<double>(e.stuck->samples), kAbsent, "samples",
                    fmt::format("{} stops following the angle at {} ({} samples in all)",
-                               e.stuck->name, moment(c, e.stuck->first), e.stuck->samples));
+                               e.stuck->name, moment(e.what.recording, e.stuck->first),
+                               e.stuck->samples));
   if (!e.turns)
     return cannot_tell("stuck", "the magnet does not turn, so nothing shows whether the channels "
                                 "follow it");
@@ -61,19 +62,19 @@ HealthCheck check_short(const Evidence &e) {
   if (!e.turns)
     return cannot_tell("short", "the magnet does not turn, so equal channels prove nothing");
   const Capture &c = e.capture;
-  std::vector<double> difference(c.size());
-  std::transform(c.vsin_v.begin(), c.vsin_v.end(), c.vcos_v.begin(), difference.begin(),
-                 std::minus<>());
+  const std::vector<double> &sin = e.path_sin(), &cos = e.path_cos();
+  std::vector<double> difference(sin.size());
+  std::transform(sin.begin(), sin.end(), cos.begin(), difference.begin(), std::minus<>());
   const double most = std::max(travel(c.vsin_v), travel(c.vcos_v));
   const double apart = travel(difference) / most;
   std::optional<std::size_t> first;
   if (apart < kShortedRatio)
     first = 0;
-  else if (const auto found = stuck_stretches(difference, most, c.vsin_v, most))
+  else if (const auto found = stuck_stretches(difference, most, sin, most))
     first = found->first;
   return verdict("short", !first, apart, kAbsent, "of the travel",
                  first ? fmt::format("VSIN and VCOS move together from {} on: they are shorted",
-                                     moment(c, *first))
+                                     moment(e.what.recording, e.path_place(*first)))
                        : "VSIN and VCOS move apart");
 }
 

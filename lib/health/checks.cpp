@@ -25,23 +25,9 @@ HealthCheck cannot_tell(std::string id, std::string why) {
   return {std::move(id), HealthState::unknown, kAbsent, kAbsent, "", std::move(why)};
 }
 
-std::string moment(const Capture &capture, std::size_t sample) {
-  const double time_s = capture.time_s[sample];
+std::string moment(const Recording &recording, std::size_t sample) {
+  const double time_s = recording.time_s(sample);
   return std::isfinite(time_s) ? moment_text(time_s) : fmt::format("sample {}", sample);
-}
-
-Faults count_faults(std::size_t samples, const std::function<bool(std::size_t)> &faulty) {
-  Faults faults;
-  std::size_t row = 0;
-  for (std::size_t i = 0; i < samples; ++i) {
-    row = faulty(i) ? row + 1 : 0;
-    faults.count += row > 0;
-    if (row > faults.longest) {
-      faults.longest = row;
-      faults.longest_first = i + 1 - row;
-    }
-  }
-  return faults;
 }
 
 bool too_many(const Faults &faults, std::size_t samples) {

@@ -5,7 +5,6 @@
 // else.
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "health/evidence.h"
@@ -42,13 +41,8 @@ HealthCheck verdict(std::string id, bool passed, double measured, double limit, 
 HealthCheck cannot_tell(std::string id, std::string why);
 
 /// "0.5 s", or where the time is no number "sample 17".
-std::string moment(const Capture &capture, std::size_t sample);
+std::string moment(const Recording &recording, std::size_t sample);
 
-/// How many samples have a fault, and the longest row of them.
-struct Faults {
-  std::size_t count = 0, longest = 0, longest_first = 0;
-};
-Faults count_faults(std::size_t samples, const std::function<bool(std::size_t)> &faulty);
 /// More than spikes are (criteria.h).
 bool too_many(const Faults &faults, std::size_t samples);
 

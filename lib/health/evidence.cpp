@@ -15,32 +15,28 @@
 #include "conversion/frame_converter.h"
 #include "health/criteria.h"
 #include "health/spikes.h"
+#include "recording/spread_sample.h"
 
 namespace ada::health {
 
 namespace {
 
-/// First of a row of equal values that noise cannot leave; nothing where the stated noise is so
-/// small that equal values are ordinary.
-std::optional<StuckChannel> frozen(const Capture &capture, const char *name,
-                                   const std::vector<double> &v) {
-  const CaptureMetadata &meta = capture.meta;
+/// A row of equal values that noise cannot leave; nothing where the stated noise is so small that
+/// equal values are ordinary.
+std::optional<StuckChannel> frozen(const CaptureMetadata &meta, const char *name,
+                                   const Faults &same) {
   if (!meta.noise_rms_v || !meta.adc_bits || !meta.adc_reference_v ||
       *meta.noise_rms_v < kFrozenNoiseSteps * *meta.adc_reference_v / std::exp2(*meta.adc_bits))
     return std::nullopt;
-  std::size_t row = 1;
-  for (std::size_t i = 1; i < v.size(); ++i) {
-    row = v[i] == v[i - 1] ? row + 1 : 1;
-    if (row == kFrozenSamples)
-      return StuckChannel{name, i + 1 - row, row};
-  }
-  return std::nullopt;
+  if (same.longest + 1 < kFrozenSamples)
+    return std::nullopt;
+  return StuckChannel{name, same.longest_first - 1, same.longest + 1};
 }
 
 /// `own` against `other`, which moves.
 std::optional<StuckChannel> stuck(const char *name, const std::vector<double> &own,
-                                  const std::vector<double> &other) {
-  const double own_travel = travel(own), other_travel = travel(other);
+                                  double own_travel, const std::vector<double> &other,
+                                  double other_travel) {
   if (own_travel < kStuckRatio * other_travel)
     return StuckChannel{name, 0, own.size()};
   if (const auto found = stuck_stretches(own, own_travel, other, other_travel))
@@ -65,7 +61,7 @@ void find_ellipse(Evidence &e) {
     return;
   }
   try {
-    e.ellipse = fit_ellipse(e.capture.vsin_v, e.capture.vcos_v);
+    e.ellipse = fit_ellipse(e.what);
   } catch (const Error &error) {
     if (error.status() != ADA4571_ERROR_UNUSABLE_DATA)
       throw;
@@ -86,7 +82,8 @@ void choose_yardstick(Evidence &e, const Model *model) {
     return;
   }
   try {
-    e.yardstick = model_of(estimate_pair(e.capture, CalibrationMethod::fit), e.capture, "check");
+    e.yardstick =
+        model_of(estimate_pair(e.what, CalibrationMethod::fit), e.capture.meta, "", "check");
     e.yardstick_name = "the ellipse that fits this capture";
     return;
   } catch (const Error &error) {
@@ -99,26 +96,44 @@ void choose_yardstick(Evidence &e, const Model *model) {
   e.yardstick_name = "a nominal ADA4571 (amplitude 0.29 VDD)";
 }
 
-} // namespace
-
-std::optional<StuckChannel> find_stuck(const Capture &capture) {
-  const auto row =
-      worse(frozen(capture, "VSIN", capture.vsin_v), frozen(capture, "VCOS", capture.vcos_v));
-  if (row || !pair_turns(capture))
+std::optional<StuckChannel> find_stuck(const Evidence &e) {
+  const Capture &c = e.capture;
+  const auto row = worse(frozen(c.meta, "VSIN", e.tally.same_sin.faults()),
+                         frozen(c.meta, "VCOS", e.tally.same_cos.faults()));
+  if (row || !e.turns)
     return row;
-  return worse(stuck("VSIN", capture.vsin_v, capture.vcos_v),
-               stuck("VCOS", capture.vcos_v, capture.vsin_v));
+  const std::vector<double> &sin = e.path_sin(), &cos = e.path_cos();
+  const double sin_travel = travel(c.vsin_v), cos_travel = travel(c.vcos_v);
+  auto found = worse(stuck("VSIN", sin, sin_travel, cos, cos_travel),
+                     stuck("VCOS", cos, cos_travel, sin, sin_travel));
+  if (!found || !e.what.is_long)
+    return found;
+  // Where it begins in the recording, and how many it stands for.
+  const double share =
+      static_cast<double>(e.what.recording.size()) / static_cast<double>(sin.size());
+  found->first = e.path_place(found->first);
+  found->samples = static_cast<std::size_t>(share * static_cast<double>(found->samples));
+  return found;
 }
 
-Evidence gather(const Capture &capture, const Model *model) {
-  Evidence e{.capture = capture};
+} // namespace
+
+std::size_t Evidence::path_place(std::size_t of_path) const {
+  return what.is_long ? sample_place(what.recording.size(), kPathSamples, 1, of_path) : of_path;
+}
+
+Evidence gather(const RecordingToFit &what, const Model *model) {
+  const Capture &capture = *what.sample;
+  Evidence e{.what = what, .capture = capture};
   e.turns = pair_turns(capture);
   find_ellipse(e);
   choose_yardstick(e, model);
   e.angles.resize(capture.size());
   FrameConverter(e.yardstick).capture(capture, e.angles);
-  e.stuck = find_stuck(capture);
-  e.spikes = pair_spikes(capture, e.ellipse);
+  e.usual_step_s = median_step(capture.time_s);
+  const SpikeFinder spikes(capture, what.recording.size(), e.ellipse);
+  e.tally = take_tally(what.recording, e.yardstick, spikes, e.usual_step_s);
+  e.stuck = find_stuck(e);
   return e;
 }
 

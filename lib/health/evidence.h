@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// What all checks look at, made once: the angles against the yardstick, the capture's own ellipse,
-// and the samples that stand alone.
+// What all checks look at, made once: the recording's own ellipse, a sample of it with its angles
+// against the yardstick, and what was counted over all of it.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "calibration/ellipse_fit.h"
+#include "calibration/recording_fit.h"
+#include "health/tally.h"
 #include "model/model.h"
-#include "recording/capture.h"
 
 namespace ada::health {
 
@@ -22,22 +22,33 @@ struct StuckChannel {
 };
 
 struct Evidence {
-  const Capture &capture;
+  const RecordingToFit &what;
+  const Capture &capture; ///< the sample, which is all of a short recording
   Model yardstick{};
   std::string yardstick_name{};
   bool states_noise = false; ///< what was fitted to the capture states no more than it shows
-  std::vector<ada4571_angle> angles{};
+  std::vector<ada4571_angle> angles{}; ///< of the sample
   bool turns = false;                  ///< the pair moves
   std::optional<EllipseFit> ellipse{}; ///< of this capture, where it proves to be one
   std::string no_ellipse{};            ///< why there is none
   bool no_circle = false;              ///< the samples prove that there is none
   std::optional<StuckChannel> stuck{};
-  std::vector<std::size_t> spikes{}; ///< samples of the pair that stand alone, ascending
+  double usual_step_s = 0; ///< of time
+  Tally tally{};
+
+  /// The pair through time, in which a channel may stand: the sample of a short recording, single
+  /// pairs of a long one.
+  const std::vector<double> &path_sin() const {
+    return what.is_long ? tally.path.vsin_v : capture.vsin_v;
+  }
+  const std::vector<double> &path_cos() const {
+    return what.is_long ? tally.path.vcos_v : capture.vcos_v;
+  }
+  /// Sample of the recording that stands at this place of the path.
+  std::size_t path_place(std::size_t of_path) const;
 };
 
 /// `model` as for check_health.
-Evidence gather(const Capture &capture, const Model *model);
-
-std::optional<StuckChannel> find_stuck(const Capture &capture);
+Evidence gather(const RecordingToFit &what, const Model *model);
 
 } // namespace ada::health

@@ -14,30 +14,19 @@
 
 namespace ada {
 
-namespace {
-
-std::size_t usable(const Capture &capture) {
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < capture.size(); ++i)
-    n += std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
-  return n;
-}
-
-} // namespace
-
 bool Health::sound() const {
   return !too_few && std::none_of(checks.begin(), checks.end(), [](const HealthCheck &c) {
     return c.state == HealthState::failed;
   });
 }
 
-Health check_health(const Capture &capture, const Model *model) {
+Health check_health(const RecordingToFit &what, const Model *model) {
   using namespace health;
-  if (capture.size() == 0)
+  if (what.recording.size() == 0)
     throw Error(ADA4571_ERROR_UNUSABLE_DATA, "the capture holds no sample");
   Health out;
-  const Evidence e = gather(capture, model);
-  if (const std::size_t n = usable(capture); n < kFewestSamples) {
+  const Evidence e = gather(what, model);
+  if (const std::size_t n = e.tally.usable; n < kFewestSamples) {
     out.too_few = true;
     out.against = "nothing";
     out.checks = {
@@ -53,6 +42,11 @@ Health check_health(const Capture &capture, const Model *model) {
                 check_short(e),     check_spikes(e), check_numbers(e),  check_gaps(e),
                 check_noise(e)};
   return out;
+}
+
+Health check_health(const Capture &capture, const Model *model) {
+  const auto recording = recording_of(capture);
+  return check_health(RecordingToFit(*recording), model);
 }
 
 } // namespace ada

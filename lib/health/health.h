@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "calibration/recording_to_fit.h"
 #include "model/model.h"
-#include "recording/capture.h"
 
 namespace ada {
 
@@ -41,6 +41,7 @@ struct Health {
 /// `model` NULL: the ellipse that fits the capture, or where none does, a nominal ADA4571.
 /// Throws ADA4571_ERROR_UNUSABLE_DATA for an empty capture, and when the model follows VTEMP and
 /// the capture has none.
+Health check_health(const RecordingToFit &what, const Model *model);
 Health check_health(const Capture &capture, const Model *model);
 
 /// "ada4571-check/1".

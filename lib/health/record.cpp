@@ -18,29 +18,32 @@ namespace ada::health {
 
 namespace {
 
-std::vector<double> times_of(const Capture &capture, const std::vector<std::size_t> &samples) {
+std::vector<double> times_of(const Recording &recording, const std::vector<std::size_t> &samples) {
   std::vector<double> times;
-  for (const std::size_t i : samples)
-    if (times.size() < kMostTimes && std::isfinite(capture.time_s[i]))
-      times.push_back(capture.time_s[i]);
+  for (std::size_t k = 0; k < samples.size() && times.size() < kMostTimes; ++k)
+    if (const double time_s = recording.time_s(samples[k]); std::isfinite(time_s))
+      times.push_back(time_s);
   return times;
 }
 
 /// "2 in VTEMP (at 0.1 s, 2.5 s)"
-std::string spike_text(const Capture &capture, const std::string &where,
+std::string spike_text(const Recording &recording, const std::string &where,
                        const std::vector<std::size_t> &samples) {
   std::vector<std::string> at;
   for (std::size_t k = 0; k < std::min(samples.size(), kTimesInText); ++k)
-    at.push_back(moment(capture, samples[k]));
+    at.push_back(moment(recording, samples[k]));
   return fmt::format("{} in {} (at {}{})", samples.size(), where, fmt::join(at, ", "),
                      samples.size() > kTimesInText ? ", ..." : "");
 }
 
 /// Noise of one channel from the third difference of the radius, which no turning and no slow
 /// change of amplitude reaches: its variance is 20 times that of white noise. Nothing for too few.
-std::optional<double> radial_noise(std::span<const ada4571_angle> angles, double amplitude_v) {
+std::optional<double> radial_noise(const Evidence &e, double amplitude_v) {
+  const std::vector<ada4571_angle> &angles = e.angles;
   std::vector<double> third;
   for (std::size_t i = 3; i < angles.size(); ++i) {
+    if (e.what.is_long && i % kFirstStretch < 3)
+      continue; // not neighbours
     const double d = angles[i].radius - 3 * angles[i - 1].radius + 3 * angles[i - 2].radius -
                      angles[i - 3].radius;
     if (std::isfinite(d))
@@ -51,57 +54,43 @@ std::optional<double> radial_noise(std::span<const ada4571_angle> angles, double
   return robust_spread(third) / std::sqrt(20.0) * amplitude_v;
 }
 
-/// Whether a sample lies farther from the middle of its neighbours than the sensor itself may err.
-bool disturbs(const Capture &c, std::size_t i, double amplitude_v) {
-  if (i == 0 || i + 1 >= c.size())
-    return true;
-  const double sin_v = c.vsin_v[i] - 0.5 * (c.vsin_v[i - 1] + c.vsin_v[i + 1]);
-  const double cos_v = c.vcos_v[i] - 0.5 * (c.vcos_v[i - 1] + c.vcos_v[i + 1]);
-  return !(std::hypot(sin_v, cos_v) <=
-           kAccuracyDeg * c.meta.periods_per_turn * kRadPerDeg * amplitude_v);
-}
-
 } // namespace
 
 HealthCheck check_spikes(const Evidence &e) {
-  const Capture &c = e.capture;
-  const double amplitude_v = e.yardstick.at_supply(c.meta.supply_v).baseline.amplitude_v;
-  const auto large =
-      static_cast<std::size_t>(std::count_if(e.spikes.begin(), e.spikes.end(), [&](std::size_t i) {
-        return disturbs(c, i, amplitude_v);
-      }));
+  const Recording &recording = e.what.recording;
+  const Tally &t = e.tally;
   std::vector<std::string> parts;
-  if (!e.spikes.empty())
-    parts.push_back(spike_text(c, "the pair", e.spikes));
-  for (const auto &[name, column] : {std::pair("VTEMP", &c.vtemp_v), std::pair("VDD", &c.vdd_v)})
-    if (const auto found = column_spikes(*column); !found.empty())
-      parts.push_back(spike_text(c, name, found));
-  const bool failed = too_many({.count = large}, c.size());
+  if (!t.spikes.empty())
+    parts.push_back(spike_text(recording, "the pair", t.spikes));
+  for (const auto &[name, found] :
+       {std::pair("VTEMP", &t.vtemp_spikes), std::pair("VDD", &t.vdd_spikes)})
+    if (!found->empty())
+      parts.push_back(spike_text(recording, name, *found));
+  const bool failed = too_many({.count = t.disturbing}, recording.size());
   HealthCheck check =
-      verdict("spikes", !failed, static_cast<double>(e.spikes.size()), kAbsent, "samples",
+      verdict("spikes", !failed, static_cast<double>(t.spikes.size()), kAbsent, "samples",
               parts.empty() ? "no sample stands alone"
                             : fmt::format("samples that stand alone: {}", fmt::join(parts, ", ")));
-  check.times_s = times_of(c, e.spikes);
+  check.times_s = times_of(recording, t.spikes);
   return check;
 }
 
 HealthCheck check_numbers(const Evidence &e) {
-  const std::size_t n = e.capture.size();
-  const Faults faults = count_faults(
-      n, [&](std::size_t i) { return (e.angles[i].status & ADA4571_SAMPLE_INVALID) != 0; });
+  const std::size_t n = e.what.recording.size();
+  const Faults &faults = e.tally.invalid.faults();
   return verdict("numbers", faults.count == 0,
                  static_cast<double>(faults.count) / static_cast<double>(n), 0, "of the samples",
                  faults.count == 0
                      ? "every sample is a number"
                      : fmt::format("{} samples are no numbers, the longest row {} from {} on",
                                    faults.count, faults.longest,
-                                   moment(e.capture, faults.longest_first)));
+                                   moment(e.what.recording, faults.longest_first)));
 }
 
 HealthCheck check_noise(const Evidence &e) {
   const CaptureMetadata &meta = e.capture.meta;
   const Model model = e.yardstick.at_supply(meta.supply_v);
-  const auto noise = radial_noise(e.angles, model.baseline.amplitude_v);
+  const auto noise = radial_noise(e, model.baseline.amplitude_v);
   if (!noise)
     return cannot_tell("noise", fmt::format("at least {} samples in a row are needed to measure it",
                                             kMinNoiseSamples + 3));

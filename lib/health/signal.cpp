@@ -16,17 +16,15 @@ namespace ada::health {
 namespace {
 
 /// A check of single samples: what is wrong with them, and what is said of a capture without.
-HealthCheck check_samples(const Evidence &e, std::string id,
-                          const std::function<bool(std::size_t)> &faulty, const std::string &fault,
-                          const std::string &fine) {
-  const std::size_t n = e.capture.size();
-  const Faults faults = count_faults(n, faulty);
+HealthCheck check_samples(const Evidence &e, std::string id, const Faults &faults,
+                          const std::string &fault, const std::string &fine) {
+  const std::size_t n = e.what.recording.size();
   const double fraction = static_cast<double>(faults.count) / static_cast<double>(n);
   const bool failed = too_many(faults, n);
   return verdict(std::move(id), !failed, fraction, kMaxFaultyFraction, "of the samples",
                  failed ? fmt::format("{}: {} samples, the longest row {} from {} on", fault,
                                       faults.count, faults.longest,
-                                      moment(e.capture, faults.longest_first))
+                                      moment(e.what.recording, faults.longest_first))
                         : fine);
 }
 
@@ -76,35 +74,27 @@ HealthCheck check_range(const Evidence &e) {
 
 HealthCheck check_radius(const Evidence &e) {
   std::vector<double> radii;
-  std::size_t spike = 0;
-  for (std::size_t i = 0; i < e.angles.size(); ++i) {
-    while (spike < e.spikes.size() && e.spikes[spike] < i)
-      ++spike;
-    const bool alone = spike < e.spikes.size() && e.spikes[spike] == i;
-    if (std::isfinite(e.angles[i].radius) && !alone)
+  const std::vector<std::size_t> &spikes = e.tally.spikes;
+  for (std::size_t i = 0; i < e.angles.size(); ++i)
+    if (std::isfinite(e.angles[i].radius) &&
+        !std::binary_search(spikes.begin(), spikes.end(), e.what.place(i)))
       radii.push_back(e.angles[i].radius);
-  }
-  const double median = quantile(radii, 0.5);
+  const double median = quantile(std::move(radii), 0.5);
+  const bool any = e.tally.least_radius <= e.tally.greatest_radius;
   return check_samples(
-      e, "radius",
-      [&e](std::size_t i) { return (e.angles[i].status & ADA4571_SAMPLE_RADIUS) != 0; },
+      e, "radius", e.tally.radius.faults(),
       fmt::format(
           "the radius leaves its band (median {:.3f}): no magnet, a broken wire, or not the "
           "sensor of this calibration",
           median),
-      fmt::format("median {:.4f}, from {:.4f} to {:.4f}{}", median, quantile(radii, 0.0),
-                  quantile(radii, 1.0), e.spikes.empty() ? "" : " but for the spikes"));
+      fmt::format("median {:.4f}, from {:.4f} to {:.4f}{}", median,
+                  any ? e.tally.least_radius : 0.0, any ? e.tally.greatest_radius : 0.0,
+                  spikes.empty() ? "" : " but for the spikes"));
 }
 
 HealthCheck check_rails(const Evidence &e) {
-  const double supply = e.capture.meta.supply_v, margin = kRailMargin * supply;
-  const auto at_rail = [&](double v) {
-    return std::abs(v) <= margin || std::abs(v - supply) <= margin;
-  };
-  return check_samples(
-      e, "rails",
-      [&](std::size_t i) { return at_rail(e.capture.vsin_v[i]) || at_rail(e.capture.vcos_v[i]); },
-      "a channel sits at ground or at VDD", "no channel sits at a rail");
+  return check_samples(e, "rails", e.tally.rails.faults(), "a channel sits at ground or at VDD",
+                       "no channel sits at a rail");
 }
 
 HealthCheck check_amplitude(const Evidence &e) {

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
+#include "base/angle.h"
 #include "base/robust.h"
 #include "calibration/angle_path.h"
+#include "conversion/vector_kernels.h"
 #include "health/criteria.h"
 
 namespace ada::health {
@@ -25,62 +28,96 @@ double threshold(std::size_t samples) {
 /// median's own.
 constexpr double kTailOverSpread = 1.1 / 0.82;
 
-std::vector<std::size_t> alone(std::span<const double> x, double floor_v) {
-  return standing_out(x, kTailOverSpread * threshold(x.size()), floor_v);
-}
-
-std::vector<std::size_t> both(const std::vector<std::size_t> &a,
-                              const std::vector<std::size_t> &b) {
-  std::vector<std::size_t> out;
-  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(out));
-  return out;
-}
-
 /// Distance from the ellipse in volts, and the angle about it in rad.
 struct Polar {
   std::vector<double> off_v, psi;
 };
 
 Polar polar(const Capture &capture, const EllipseParameters &ellipse) {
-  const EllipseInverse inverse = invert(ellipse);
+  const EllipseInverse e = invert(ellipse);
   Polar p;
-  p.off_v.reserve(capture.size());
-  p.psi.reserve(capture.size());
+  p.off_v.resize(capture.size());
+  p.psi.resize(capture.size());
+  convert_planar_f64(capture.vsin_v.data(), capture.vcos_v.data(), capture.size(),
+                     {e.centre_sin_v, e.centre_cos_v, e.sin_from_sin, e.sin_from_cos, 0,
+                      e.cos_from_sin, e.cos_from_cos, 0, kTwoPi},
+                     p.psi.data(), p.off_v.data());
   double last = 0;
   for (std::size_t i = 0; i < capture.size(); ++i) {
-    const double y = inverse.sine(capture.vsin_v[i], capture.vcos_v[i]);
-    const double x = inverse.cosine(capture.vsin_v[i], capture.vcos_v[i]);
-    p.off_v.push_back(ellipse.amplitude_v * (std::hypot(x, y) - 1));
-    const double psi = std::atan2(y, x);
-    if (std::isfinite(psi))
-      last = psi;
-    p.psi.push_back(last);
+    p.off_v[i] = ellipse.amplitude_v * (p.off_v[i] - 1);
+    last = p.psi[i] = std::isfinite(p.psi[i]) ? p.psi[i] : last;
   }
   return p;
 }
 
 } // namespace
 
-std::vector<std::size_t> column_spikes(std::span<const double> column) {
-  return alone(column, converter_step({column.begin(), column.end()}));
+SpikeFinder::SpikeFinder(const Capture &sample, std::size_t samples,
+                         const std::optional<EllipseFit> &ellipse)
+    : samples_(samples) {
+  vtemp_limit_v_ = column_limit(sample.vtemp_v);
+  vdd_limit_v_ = column_limit(sample.vdd_v);
+  if (!ellipse) {
+    sin_limit_v_ = column_limit(sample.vsin_v);
+    cos_limit_v_ = column_limit(sample.vcos_v);
+    return;
+  }
+  ellipse_ = ellipse->value;
+  const double floor_v =
+      std::max(converter_step(sample.vsin_v), converter_step(sample.vcos_v)) / std::sqrt(12.0);
+  const Polar p = polar(sample, *ellipse_);
+  off_limit_v_ = standing_out_limit(p.off_v, kTailOverSpread * threshold(samples), floor_v);
+  along_limit_rad_ = leap_limit(p.psi, threshold(samples), floor_v / ellipse_->amplitude_v);
 }
 
-std::vector<std::size_t> pair_spikes(const Capture &capture,
-                                     const std::optional<EllipseFit> &ellipse) {
-  if (!ellipse)
-    return both(column_spikes(capture.vsin_v), column_spikes(capture.vcos_v));
-  const double floor_v =
-      std::max(converter_step(capture.vsin_v), converter_step(capture.vcos_v)) / std::sqrt(12.0);
-  const Polar p = polar(capture, ellipse->value);
-  const std::vector<std::size_t> off = alone(p.off_v, floor_v);
+double SpikeFinder::column_limit(const std::vector<double> &column) const {
+  return column.empty() ? 0.0
+                        : standing_out_limit(column, kTailOverSpread * threshold(samples_),
+                                             converter_step(column));
+}
+
+PairPlaces SpikeFinder::pair(const Capture &stretch) const {
+  if (!ellipse_)
+    return {beyond_median(stretch.vsin_v, sin_limit_v_),
+            beyond_median(stretch.vcos_v, cos_limit_v_)};
+  const Polar p = polar(stretch, *ellipse_);
   constexpr double kWays = 2; // a clock that scatters moves a sample by as much
-  std::vector<std::size_t> along =
-      leaps(p.psi, threshold(p.psi.size()), floor_v / ellipse->value.amplitude_v, kWays);
-  std::erase_if(along, [&off](std::size_t i) { // a spike beside it leads nowhere
-    const auto near = std::lower_bound(off.begin(), off.end(), i >= 2 ? i - 2 : 0);
-    return near != off.end() && *near <= i + 2;
-  });
-  return both(off, along);
+  return {beyond_median(p.off_v, off_limit_v_), leaps_beyond(p.psi, along_limit_rad_, kWays)};
+}
+
+std::vector<std::size_t> SpikeFinder::vtemp(std::span<const double> column) const {
+  return beyond_median(column, vtemp_limit_v_);
+}
+
+std::vector<std::size_t> SpikeFinder::vdd(std::span<const double> column) const {
+  return beyond_median(column, vdd_limit_v_);
+}
+
+std::vector<std::size_t> SpikeFinder::spikes(PairPlaces all) const {
+  all.off = spikes(std::move(all.off));
+  all.along = spikes(std::move(all.along));
+  if (ellipse_)
+    std::erase_if(all.along, [&off = all.off](std::size_t i) { // a spike beside it leads nowhere
+      const auto near = std::lower_bound(off.begin(), off.end(), i >= 2 ? i - 2 : 0);
+      return near != off.end() && *near <= i + 2;
+    });
+  return all.both();
+}
+
+std::vector<std::size_t> SpikeFinder::spikes(std::vector<std::size_t> all) const {
+  if (is_structure(all.size()))
+    all.clear();
+  return all;
+}
+
+bool SpikeFinder::is_structure(std::size_t places) const {
+  return places > samples_ / kRareSample;
+}
+
+std::vector<std::size_t> PairPlaces::both() const {
+  std::vector<std::size_t> out;
+  std::set_union(off.begin(), off.end(), along.begin(), along.end(), std::back_inserter(out));
+  return out;
 }
 
 } // namespace ada::health

@@ -13,12 +13,40 @@
 
 namespace ada::health {
 
-/// Of the pair. With an ellipse as distance from it and as angle about it, both in volts: neither
-/// moves much from sample to sample, however fast the magnet turns. Without, channel by channel.
-std::vector<std::size_t> pair_spikes(const Capture &capture,
-                                     const std::optional<EllipseFit> &ellipse);
+/// Places in the pair, ascending: with an ellipse those by the distance from it and those by the
+/// angle about it, without one those of VSIN and of VCOS.
+struct PairPlaces {
+  std::vector<std::size_t> off, along;
+  std::vector<std::size_t> both() const;
+};
 
-/// Of one column that changes slowly.
-std::vector<std::size_t> column_spikes(std::span<const double> column);
+/// Finds them in stretches of a recording, by limits that are measured on a sample of it. How rare
+/// they are, and so whether they are spikes at all, shows only in all of it.
+class SpikeFinder {
+public:
+  /// `samples` of the whole recording, of which `sample` may be all.
+  SpikeFinder(const Capture &sample, std::size_t samples, const std::optional<EllipseFit> &ellipse);
+
+  /// Where the pair stands out in a stretch. Distance and angle do not move much from sample to
+  /// sample, however fast the magnet turns; without an ellipse it is channel by channel.
+  PairPlaces pair(const Capture &stretch) const;
+  /// Of a column that changes slowly.
+  std::vector<std::size_t> vtemp(std::span<const double> column) const;
+  std::vector<std::size_t> vdd(std::span<const double> column) const;
+
+  /// The spikes among all the places of the recording.
+  std::vector<std::size_t> spikes(PairPlaces all) const;
+  std::vector<std::size_t> spikes(std::vector<std::size_t> all) const;
+  /// So many places are none: what is not rare is structure (base/robust.h).
+  bool is_structure(std::size_t places) const;
+
+private:
+  double column_limit(const std::vector<double> &column) const;
+
+  std::size_t samples_;
+  std::optional<EllipseParameters> ellipse_;
+  double sin_limit_v_ = 0, cos_limit_v_ = 0, vtemp_limit_v_ = 0, vdd_limit_v_ = 0;
+  double off_limit_v_ = 0, along_limit_rad_ = 0;
+};
 
 } // namespace ada::health

@@ -74,6 +74,14 @@ ADA4571_API const char *ada4571_last_error(void);
 /* Version of the library that is running, "1.0.0". */
 ADA4571_API const char *ada4571_version(void);
 
+/* Progress from 0 to 1 and what is being done; called in the calling thread. Returning non-zero
+ * ends the work with ADA4571_ERROR_STATE. */
+typedef int (*ada4571_progress)(double fraction, const char *what, void *user);
+
+/* Threads that one call may use for long recordings; 0, and from the start: as many as the process
+ * may run on. Results do not depend on it. Thread-safety: any thread. */
+ADA4571_API void ada4571_set_jobs(unsigned jobs);
+
 /* ------------------------------------------------------------------- frame */
 
 /* One sample of every channel. */
@@ -528,6 +536,20 @@ ADA4571_API ada4571_status ada4571_converter_frames(ada4571_converter *converter
 ADA4571_API ada4571_status ada4571_converter_recording(ada4571_converter *converter,
                                                        const ada4571_recording *recording,
                                                        ada4571_angle *angles);
+
+typedef enum ada4571_angle_form {
+  ADA4571_ANGLES_BY_NAME = 0, /* SigMF where the path ends in .sigmf-meta or .sigmf-data, else text */
+  ADA4571_ANGLES_TEXT = 1,    /* time_s,angle_deg,radius,status in lines; "-" is standard output */
+  ADA4571_ANGLES_SIGMF = 2    /* angle_deg, radius and status as 32-bit floats */
+} ada4571_angle_form;
+
+/* The same into a file, block by block and by several threads (ada4571_set_jobs): it takes no more
+ * memory for a longer recording, unless the model has effects beyond the ellipse. The file appears
+ * whole or not at all. `progress` may be NULL. */
+ADA4571_API ada4571_status ada4571_converter_save(const ada4571_converter *converter,
+                                                  const ada4571_recording *recording,
+                                                  const char *path, ada4571_angle_form form,
+                                                  ada4571_progress progress, void *user);
 /* The vector path: raw samples to mechanical angle in radians [0, 2 pi / p), and the relative
  * radius where radius is not NULL. Offsets, mismatch and quadrature are corrected, and a periodic
  * remainder where it is the same in each of the p parts of a turn; a model with further effects is
@@ -572,6 +594,11 @@ ADA4571_API ada4571_status ada4571_tracker_new(const ada4571_model *model,
 ADA4571_API ada4571_status ada4571_tracker_frames(ada4571_tracker *tracker,
                                                   const ada4571_frame *frames, size_t count,
                                                   ada4571_angle *angles);
+/* A recording into a file of angles, as ada4571_converter_save. */
+ADA4571_API ada4571_status ada4571_tracker_save(ada4571_tracker *tracker,
+                                                const ada4571_recording *recording,
+                                                const char *path, ada4571_angle_form form,
+                                                ada4571_progress progress, void *user);
 /* The calibration in force now, as a model of its own. */
 ADA4571_API ada4571_status ada4571_tracker_model(const ada4571_tracker *tracker,
                                                  ada4571_model **model);
@@ -664,10 +691,6 @@ typedef enum ada4571_verdict {
   ADA4571_UNEXPLAINED = 3,
   ADA4571_INSUFFICIENT_DATA = 4
 } ada4571_verdict;
-
-/* Progress from 0 to 1 and what is being done; called in the calling thread. Returning non-zero
- * ends the work with ADA4571_ERROR_STATE. */
-typedef int (*ada4571_progress)(double fraction, const char *what, void *user);
 
 typedef struct ada4571_diagnosis_options {
   size_t struct_size;

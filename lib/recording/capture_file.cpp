@@ -7,20 +7,12 @@
 #include <array>
 
 #include "base/error.h"
-#include "base/robust.h"
+#include "recording/rate_steps.h"
 #include "recording/sigmf_reader.h"
 #include "recording/sigmf_writer.h"
-#include "recording/text_reader.h"
 #include "recording/text_writer.h"
 
 namespace ada {
-
-namespace {
-
-/// Sample periods from one sample to the next: beyond, one is missing between them.
-constexpr double kLongestStep = 1.5;
-
-} // namespace
 
 namespace {
 
@@ -31,9 +23,7 @@ bool ends_with(std::string_view text, std::string_view end) {
 } // namespace
 
 Capture read_capture(const std::string &path) {
-  if (is_sigmf(path))
-    return read_sigmf_capture(path);
-  return read_text_capture(path);
+  return *open_recording(path)->whole();
 }
 
 std::unique_ptr<CaptureWriter> open_capture_writer(const std::string &path,
@@ -47,41 +37,52 @@ std::unique_ptr<CaptureWriter> open_capture_writer(const std::string &path,
               path + ": the name of a capture must end in .csv or .sigmf-meta");
 }
 
-void write_capture(const Capture &capture, const std::string &path) {
-  const auto writer = open_capture_writer(path, capture.meta, ChannelSet::of(capture));
-  std::array<Frame, 1024> block;
-  auto gap = capture.gaps.begin();
-  for (std::size_t first = 0, count = 0; first < capture.size(); first += count) {
-    count = std::min(block.size(), capture.size() - first);
-    if (gap != capture.gaps.end() && *gap == first) {
-      writer->mark_gap();
-      ++gap;
+void write_recording(const Recording &recording, const std::string &path) {
+  const auto writer = open_capture_writer(path, recording.meta(), recording.channels());
+  const std::vector<std::size_t> &gaps = recording.facts().gaps;
+  auto gap = gaps.begin();
+  std::array<Frame, 1024> frames;
+  Block block;
+  for (std::size_t k = 0; k < recording.blocks(); ++k) {
+    recording.read(k, kAllColumns, block);
+    for (std::size_t i = 0, count = 0; i < block.count; i += count) {
+      const std::size_t first = block.first + i;
+      count = std::min(frames.size(), block.count - i);
+      if (gap != gaps.end() && *gap == first) {
+        writer->mark_gap();
+        ++gap;
+      }
+      if (gap != gaps.end() && *gap < first + count)
+        count = *gap - first; // what is written at once ends where a gap begins
+      for (std::size_t n = 0; n < count; ++n)
+        frames[n] = frame_at(block, i + n);
+      writer->write({frames.data(), count});
     }
-    if (gap != capture.gaps.end() && *gap < first + count)
-      count = *gap - first; // a block ends where a gap begins
-    for (std::size_t i = 0; i < count; ++i)
-      block[i] = frame_at(capture, first + i);
-    writer->write({block.data(), count});
   }
   writer->finish();
 }
 
+void write_capture(const Capture &capture, const std::string &path) {
+  write_recording(*recording_of(capture), path);
+}
+
+namespace {
+
+RateSteps rate_steps(const Capture &capture) {
+  RateSteps steps(capture.meta.sample_rate_hz);
+  for (std::size_t i = 1; i < capture.size(); ++i)
+    steps.add(i, capture.time_s[i] - capture.time_s[i - 1]);
+  return steps;
+}
+
+} // namespace
+
 bool times_follow_rate(const Capture &capture) {
-  if (!capture.meta.sample_rate_hz)
-    return false;
-  const double periods = median_step(capture.time_s) * *capture.meta.sample_rate_hz;
-  return periods <= kLongestStep && periods >= 1 / kLongestStep;
+  return rate_steps(capture).follow_rate();
 }
 
 std::vector<std::size_t> gaps_in_time(const Capture &capture) {
-  std::vector<std::size_t> gaps;
-  if (!times_follow_rate(capture))
-    return gaps;
-  const double longest = kLongestStep / *capture.meta.sample_rate_hz;
-  for (std::size_t i = 1; i < capture.size(); ++i)
-    if (capture.time_s[i] - capture.time_s[i - 1] > longest)
-      gaps.push_back(i);
-  return gaps;
+  return rate_steps(capture).gaps();
 }
 
 } // namespace ada

@@ -12,6 +12,7 @@
 #include "base/frame.h"
 #include "recording/capture.h"
 #include "recording/columns.h"
+#include "recording/recording.h"
 
 namespace ada {
 
@@ -41,6 +42,7 @@ std::unique_ptr<CaptureWriter> open_capture_writer(const std::string &path,
                                                    const CaptureMetadata &meta,
                                                    const ChannelSet &channels);
 
+void write_recording(const Recording &recording, const std::string &path);
 void write_capture(const Capture &capture, const std::string &path);
 
 /// Whether most steps of time are about one period of the stated rate; not where none is stated.

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "recording/capture.h"
@@ -39,9 +40,19 @@ inline double power_of_ten(int decimals) {
   return power;
 }
 
-/// `value` in steps of 10^-decimals, to the nearest; `scale` is power_of_ten(decimals).
+/// `value` in steps of 10^-decimals, to the nearest, halves away from zero; `scale` is
+/// power_of_ten(decimals). As llround, but without a call.
 inline std::int64_t to_steps(double value, double scale) {
-  return std::llround(value * scale);
+  const double steps = value * scale;
+  const auto whole = static_cast<std::int64_t>(steps);
+  const double rest = steps - static_cast<double>(whole); // exact
+  return whole + (rest >= 0.5) - (rest <= -0.5);
 }
+
+/// Longest text of print_steps: sign, 19 digits, point.
+inline constexpr std::size_t kStepsBytes = 24;
+
+/// Writes steps / 10^decimals; returns the end.
+char *print_steps(char *out, std::int64_t steps, int decimals);
 
 } // namespace ada

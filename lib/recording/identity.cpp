@@ -6,13 +6,15 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <limits>
 
 #include <zlib.h>
 
+#include "base/parallel.h"
+#include "recording/columns.h"
 #include "recording/fixed_point.h"
 
 namespace ada {
@@ -26,50 +28,80 @@ std::int64_t little_endian(std::int64_t value) {
   return value;
 }
 
-uLong add_column(uLong crc, const char *name, const std::vector<double> &column, double scale) {
+uLong add_values(uLong crc, std::span<const double> values, double scale) {
   constexpr std::int64_t kMissing = std::numeric_limits<std::int64_t>::min();
-  crc = crc32(crc, reinterpret_cast<const Bytef *>(name), static_cast<uInt>(std::strlen(name)));
-  std::array<std::int64_t, 4096> block;
-  for (std::size_t first = 0; first < column.size(); first += block.size()) {
-    const std::size_t count = std::min(block.size(), column.size() - first);
+  std::array<std::int64_t, 4096> steps;
+  for (std::size_t first = 0; first < values.size(); first += steps.size()) {
+    const std::size_t count = std::min(steps.size(), values.size() - first);
     for (std::size_t i = 0; i < count; ++i) {
-      const double value = column[first + i];
-      block[i] = little_endian(std::isfinite(value) ? to_steps(value, scale) : kMissing);
+      const double value = values[first + i];
+      steps[i] = little_endian(std::isfinite(value) ? to_steps(value, scale) : kMissing);
     }
-    crc = crc32(crc, reinterpret_cast<const Bytef *>(block.data()),
+    crc = crc32(crc, reinterpret_cast<const Bytef *>(steps.data()),
                 static_cast<uInt>(count * sizeof(std::int64_t)));
   }
   return crc;
 }
 
+double steps_of(const Column &column, const CaptureMetadata &meta) {
+  if (column.field == &Frame::time_s)
+    return power_of_ten(kTimeDecimals);
+  return power_of_ten(column.field == &Frame::reference_deg ? kReferenceDecimals
+                                                            : volt_decimals(meta));
+}
+
+struct Sums {
+  Block block;
+  ColumnSums columns;
+};
+
 } // namespace
 
-std::string capture_identity(const Capture &capture) {
-  const double volts = power_of_ten(volt_decimals(capture.meta));
-  struct Column {
-    const char *name;
-    const std::vector<double> &values;
-    double scale;
-  };
-  const std::array columns = {
-      Column{"time_s", capture.time_s, power_of_ten(kTimeDecimals)},
-      Column{"vsin_v", capture.vsin_v, volts},
-      Column{"vcos_v", capture.vcos_v, volts},
-      Column{"vtemp_v", capture.vtemp_v, volts},
-      Column{"vdd_v", capture.vdd_v, volts},
-      Column{"reference_deg", capture.reference_deg, power_of_ten(kReferenceDecimals)},
-  };
-  uLong crc = crc32(0, nullptr, 0);
+ColumnSums::ColumnSums(const Block &block, const CaptureMetadata &meta) {
+  for (std::size_t c = 0; c < kColumns.size(); ++c) {
+    const auto values = block.*kColumns[c].block;
+    crc_[c] = add_values(crc_[c], values, steps_of(kColumns[c], meta));
+    count_[c] = values.size();
+  }
+}
+
+void ColumnSums::append(const ColumnSums &next) {
+  for (std::size_t c = 0; c < kColumns.size(); ++c) {
+    crc_[c] = crc32_combine(crc_[c], next.crc_[c], static_cast<z_off_t>(next.count_[c] * 8));
+    count_[c] += next.count_[c];
+  }
+}
+
+std::string ColumnSums::identity(const ChannelSet &channels, std::size_t samples) const {
+  uLong crc = 0;
   int count = 0;
-  for (const Column &column : columns) {
-    if (column.values.empty())
+  for (std::size_t c = 0; c < kColumns.size(); ++c) {
+    if (!channels.has(kColumns[c]) || samples == 0)
       continue;
-    crc = add_column(crc, column.name, column.values, column.scale);
+    const std::string_view name = kColumns[c].name;
+    crc = crc32(crc, reinterpret_cast<const Bytef *>(name.data()), static_cast<uInt>(name.size()));
+    crc = crc32_combine(crc, crc_[c], static_cast<z_off_t>(count_[c] * 8));
     ++count;
   }
   std::array<char, 64> text;
-  std::snprintf(text.data(), text.size(), "crc32:%08lx/%zux%d", crc, capture.size(), count);
+  std::snprintf(text.data(), text.size(), "crc32:%08lx/%zux%d", crc, samples, count);
   return text.data();
+}
+
+std::string recording_identity(const Recording &recording) {
+  ColumnSums all;
+  in_order<Sums>(
+      recording.blocks(),
+      [&](std::size_t k, Sums &s) {
+        recording.read(k, kAllColumns, s.block);
+        s.columns = ColumnSums(s.block, recording.meta());
+      },
+      [&](std::size_t, const Sums &s) { all.append(s.columns); });
+  return all.identity(recording.channels(), recording.size());
+}
+
+std::string capture_identity(const Capture &capture) {
+  return recording_identity(*recording_of(capture));
 }
 
 } // namespace ada

@@ -15,7 +15,11 @@
 namespace ada {
 
 LineReader::LineReader(int fd, std::string shown)
-    : fd_(fd), shown_(std::move(shown)), buffer_(16 * kMaxLine) {}
+    : fd_(fd), shown_(std::move(shown)), buffer_(16 * kMaxLine), text_(buffer_.data()) {}
+
+LineReader::LineReader(std::string_view text, std::string shown, std::size_t lines_before)
+    : fd_(-1), shown_(std::move(shown)), text_(text.data()), end_(text.size()),
+      line_number_(lines_before), at_end_(true) {}
 
 void LineReader::fail(std::size_t column, const std::string &what) const {
   throw Error(ADA4571_ERROR_FORMAT, shown_ + ":" +
@@ -42,11 +46,11 @@ bool LineReader::fill() {
 bool LineReader::next(std::string_view &line) {
   std::size_t searched = 0;
   while (true) {
-    const char *start = buffer_.data() + begin_;
+    const char *start = text_ + begin_;
     const auto *newline =
         static_cast<const char *>(std::memchr(start + searched, '\n', end_ - begin_ - searched));
     if (newline != nullptr || (at_end_ && begin_ < end_)) {
-      const char *stop = newline ? newline : buffer_.data() + end_;
+      const char *stop = newline ? newline : text_ + end_;
       line = {start, static_cast<std::size_t>(stop - start)};
       consumed_ += line.size() + 1;
       begin_ += line.size() + (newline ? 1 : 0);

@@ -9,13 +9,16 @@
 
 namespace ada {
 
-/// Lines of a descriptor, without their end (LF or CRLF), from a buffer of fixed size.
+/// Lines without their end (LF or CRLF): of a descriptor, from a buffer of fixed size, or of a text
+/// in memory, in place.
 class LineReader {
 public:
   /// Longest line that is read; a longer one is an error rather than an allocation.
   static constexpr std::size_t kMaxLine = std::size_t{1} << 16;
 
   LineReader(int fd, std::string shown);
+  /// `lines_before` the text count in what fail() says.
+  LineReader(std::string_view text, std::string shown, std::size_t lines_before);
 
   /// False at the end of the file. `line` is good until the next call.
   bool next(std::string_view &line);
@@ -32,7 +35,8 @@ private:
   int fd_;
   std::string shown_;
   std::vector<char> buffer_;
-  std::size_t begin_ = 0, end_ = 0; ///< unread part of the buffer
+  const char *text_;                ///< the buffer, or the text in memory
+  std::size_t begin_ = 0, end_ = 0; ///< unread part of it
   std::size_t line_number_ = 0, consumed_ = 0;
   bool at_end_ = false;
 };

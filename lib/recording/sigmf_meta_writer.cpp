@@ -25,7 +25,9 @@ constexpr std::string_view kPrefix = "ada4571:";
 std::string unit_of(const SigmfChannel &channel) {
   if (channel.name == "time_s")
     return channel.type.is_float ? "s" : "ns";
-  return channel.name == "reference_deg" ? "deg" : "V";
+  if (channel.name == "radius" || channel.name == "status")
+    return "1";
+  return channel.name.ends_with("_deg") ? "deg" : "V";
 }
 
 /// Whether all words are of one SigMF datatype, so that any reader of SigMF finds them.

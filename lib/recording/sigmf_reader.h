@@ -3,23 +3,19 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 
-#include "recording/capture.h"
+#include "recording/recording.h"
 #include "recording/sigmf_meta.h"
 
 namespace ada {
 
-/// Reads a SigMF recording; `path` names either of its two files. The data file is mapped, not
-/// read into memory; beside the columns nothing grows with it.
-Capture read_sigmf_capture(const std::string &path);
-
-/// The samples of a data file as a capture. Throws Error(ADA4571_ERROR_FORMAT) with `shown`, the
-/// name of the data file, and the sample.
-Capture decode_sigmf(const SigmfMeta &meta, std::span<const std::byte> data,
-                     const std::string &shown);
+/// Opens a SigMF recording; `path` names either of its two files. The data file is mapped, not read
+/// into memory.
+std::shared_ptr<const Recording> open_sigmf_recording(const std::string &path);
 
 /// The meta file of that name.
 SigmfMeta read_sigmf_meta(const std::string &meta_path);

@@ -4,8 +4,6 @@
 #include "recording/text_writer.h"
 
 #include <array>
-#include <charconv>
-#include <cstring>
 
 #include "base/atomic_file.h"
 #include "recording/fixed_point.h"
@@ -16,33 +14,11 @@ namespace ada {
 
 namespace {
 
-/// Longest text of one number: sign, 19 digits, point.
-constexpr std::size_t kNumberBytes = 24;
-
-/// Appends steps / 10^decimals.
-char *print_fixed(char *out, std::int64_t steps, int decimals) {
-  if (steps < 0)
-    *out++ = '-';
-  const auto magnitude = steps < 0 ? std::uint64_t{0} - static_cast<std::uint64_t>(steps)
-                                   : static_cast<std::uint64_t>(steps);
-  char *end = std::to_chars(out, out + kNumberBytes - 1, magnitude).ptr;
-  // At least one digit stands before the point.
-  const std::ptrdiff_t missing = decimals + 1 - (end - out);
-  if (missing > 0) {
-    std::memmove(out + missing, out, static_cast<std::size_t>(end - out));
-    std::memset(out, '0', static_cast<std::size_t>(missing));
-    end += missing;
-  }
-  std::memmove(end - decimals + 1, end - decimals, static_cast<std::size_t>(decimals));
-  end[-decimals] = '.';
-  return end + 1;
-}
-
 /// Microseconds where that is exact, nanoseconds otherwise.
 char *print_time(char *out, double time_s) {
   const std::int64_t steps = to_steps(time_s, power_of_ten(kTimeDecimals));
-  return steps % 1000 == 0 ? print_fixed(out, steps / 1000, 6)
-                           : print_fixed(out, steps, kTimeDecimals);
+  return steps % 1000 == 0 ? print_steps(out, steps / 1000, 6)
+                           : print_steps(out, steps, kTimeDecimals);
 }
 
 class TextWriter final : public CaptureWriter {
@@ -82,16 +58,16 @@ private:
   }
 
   void write_row(const Frame &frame) {
-    std::array<char, kColumns.size() * (kNumberBytes + 1)> row;
+    std::array<char, kColumns.size() * (kStepsBytes + 1)> row;
     char *out = print_time(row.data(), frame.time_s);
     for (const Column &column : kColumns) {
       if (column.field == &Frame::time_s || !check_.channels().has(column))
         continue;
       *out++ = ',';
       out = column.field == &Frame::reference_deg
-                ? print_fixed(out, to_steps(frame.reference_deg, reference_scale_),
+                ? print_steps(out, to_steps(frame.reference_deg, reference_scale_),
                               kReferenceDecimals)
-                : print_fixed(out, to_steps(frame.*column.field, volt_scale_), volt_decimals_);
+                : print_steps(out, to_steps(frame.*column.field, volt_scale_), volt_decimals_);
     }
     *out++ = '\n';
     file_.write(row.data(), static_cast<std::size_t>(out - row.data()));

@@ -61,6 +61,11 @@ const std::map<std::string, Case> &status_cases() {
        }},
       {"ada4571_last_error", [](const Handles &) { EXPECT_NE(ada4571_last_error(), nullptr); }},
       {"ada4571_version", [](const Handles &) { EXPECT_STREQ(ada4571_version(), "1.0.0"); }},
+      {"ada4571_set_jobs",
+       [](const Handles &) {
+         ada4571_set_jobs(1u << 31); // as many threads as the system gives, and no failure
+         ada4571_set_jobs(0);
+       }},
   };
   return cases;
 }
@@ -467,6 +472,18 @@ const std::map<std::string, Case> &conversion_cases() {
          REFUSED(ada4571_converter_frames(h.converter, nullptr, 1, &angle));
          REFUSED(ada4571_converter_frames(h.converter, &frame, 1, nullptr));
        }},
+      {"ada4571_converter_save",
+       [](const Handles &h) {
+         const auto form = ADA4571_ANGLES_TEXT;
+         const auto none = static_cast<ada4571_progress>(nullptr);
+         REFUSED(ada4571_converter_save(nullptr, h.recording, "x", form, none, nullptr));
+         REFUSED(ada4571_converter_save(h.converter, nullptr, "x", form, none, nullptr));
+         REFUSED(ada4571_converter_save(h.converter, h.recording, nullptr, form, none, nullptr));
+         REFUSED(ada4571_converter_save(h.converter, h.recording, "x",
+                                        static_cast<ada4571_angle_form>(3), none, nullptr));
+         REFUSED(ada4571_converter_save(h.converter, h.recording, "x", ADA4571_ANGLES_SIGMF, none,
+                                        nullptr)); // a name that is none of SigMF
+       }},
       {"ada4571_converter_recording",
        [](const Handles &h) {
          ada4571_angle angle;
@@ -547,6 +564,19 @@ const std::map<std::string, Case> &conversion_cases() {
          REFUSED(ada4571_tracker_frames(nullptr, &frame, 1, &angle));
          REFUSED(ada4571_tracker_frames(tracker, nullptr, 1, &angle));
          REFUSED(ada4571_tracker_frames(tracker, &frame, 1, nullptr));
+         ada4571_tracker_free(tracker);
+       }},
+      {"ada4571_tracker_save",
+       [](const Handles &h) {
+         const auto form = ADA4571_ANGLES_TEXT;
+         const auto none = static_cast<ada4571_progress>(nullptr);
+         REFUSED(ada4571_tracker_save(nullptr, h.recording, "x", form, none, nullptr));
+         const ada4571_tracker_options *defaults = nullptr;
+         auto *tracker = api::make<ada4571_tracker>(ada4571_tracker_new, h.model, defaults);
+         REFUSED(ada4571_tracker_save(tracker, nullptr, "x", form, none, nullptr));
+         REFUSED(ada4571_tracker_save(tracker, h.recording, nullptr, form, none, nullptr));
+         REFUSED(ada4571_tracker_save(tracker, h.recording, "x", static_cast<ada4571_angle_form>(3),
+                                      none, nullptr));
          ada4571_tracker_free(tracker);
        }},
       {"ada4571_tracker_model",

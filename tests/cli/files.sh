@@ -334,6 +334,53 @@ check_sigmf_is_taken_wherever_text_is() {
     fail "the two forms give two angles"
 }
 
+check_convert_writes_sigmf() {
+  capture a.sigmf-meta
+  status 0 iio-angle calibrate single a.sigmf-meta -o a.toml
+  status 0 iio-angle convert --calibration a.toml a.sigmf-meta -o angles.csv
+  status 0 iio-angle convert --calibration a.toml a.sigmf-meta -o angles.sigmf-meta
+  empty out
+  [[ -s angles.sigmf-data ]] || fail "no data file"
+  # 32-bit floats hold an angle below 180 degrees to 1e-5.
+  od -An -v -tf4 -w12 angles.sigmf-data | tr -s ' ' , | paste -d, <(sed 1d angles.csv) - |
+    awk -F, '{ a = $2 - $6; r = $3 - $7 }
+             a * a > 4e-10 || r * r > 1e-12 || $4 != $8 || NF != 8 { exit 1 }' ||
+    fail "the two forms give two angles"
+  same rows "$(($(stat -c %s angles.sigmf-data) / 12))" 10000
+  status 2 iio-angle convert --format csv --calibration a.toml a.sigmf-meta -o angles.sigmf-meta
+  status 2 iio-angle convert --format sigmf --calibration a.toml a.sigmf-meta -o other.csv
+  absent other.csv
+}
+
+check_the_number_of_jobs_changes_nothing() {
+  iio-angle simulate --seed 4571 --rate 100k --duration 3 -o long.sigmf-meta
+  local jobs
+  for jobs in 1 2 5; do
+    status 0 iio-angle calibrate single --jobs $jobs long.sigmf-meta -o $jobs.toml
+    status 0 iio-angle convert --jobs $jobs --calibration 1.toml long.sigmf-meta -o $jobs.csv
+    iio-angle check --jobs $jobs long.sigmf-meta >$jobs.check
+    grep -v -e '^date' -e '^checksum' $jobs.toml >$jobs.plain
+    for form in plain csv check; do
+      cmp -s 1.$form $jobs.$form || fail "$form differs with $jobs jobs"
+    done
+  done
+  status 2 iio-angle check --jobs 0 long.sigmf-meta
+}
+
+check_a_file_that_is_cut_short_meanwhile_is_an_error() {
+  iio-angle simulate --seed 4571 --rate 1M --duration 2 -o long.sigmf-meta
+  local whole reader
+  whole=$(stat -c %s long.sigmf-data)
+  iio-angle diagnose --jobs 1 long.sigmf-meta >out 2>err &
+  reader=$!
+  while kill -0 $reader && ! grep -q long.sigmf-data "/proc/$reader/maps"; do sleep 0.01; done
+  truncate -s $((whole / 4)) long.sigmf-data
+  wait $reader && fail "no error"
+  same status $? 1
+  says err 'cut short|does not fit the checksum' # by when it was
+  same lines "$(lines err)" 1
+}
+
 check_results_replace_a_file_whole_or_not_at_all() {
   capture a.csv
   status 0 iio-angle calibrate single a.csv -o a.toml

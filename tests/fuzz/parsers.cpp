@@ -19,7 +19,7 @@
 #include "model/model_file.h"
 #include "recording/columns.h"
 #include "recording/identity.h"
-#include "recording/sigmf_reader.h"
+#include "recording/sigmf_recording.h"
 #include "recording/text_reader.h"
 
 namespace ada::test {
@@ -90,7 +90,10 @@ Outcome parse_sigmf_meta(std::string_view input) {
       bytes[i] = static_cast<std::byte>(i * 37);
     return bytes;
   }();
-  return run([&] { check(decode_sigmf(ada::parse_sigmf_meta(input, "input"), data, "data")); });
+  return run([&] {
+    const SigmfMeta meta = ada::parse_sigmf_meta(input, "input");
+    check(*sigmf_recording(meta, data, "data")->whole());
+  });
 }
 
 Outcome parse_model_file(std::string_view input) {

@@ -5,6 +5,7 @@
 
 #include "common/file_roles.h"
 #include "common/handles.h"
+#include "common/jobs.h"
 #include "common/option_checks.h"
 #include "common/print.h"
 #include "common/progress.h"
@@ -110,6 +111,7 @@ void add_common(CLI::App &verb, Options &options) {
       ->required()
       ->transform(ends_in({".toml"}, "a calibration"))
       ->type_name("FILE");
+  add_jobs_option(verb);
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "common/handles.h"
+#include "common/jobs.h"
 #include "common/print.h"
 #include "common/verb.h"
 
@@ -41,6 +42,7 @@ void add_check(CLI::App &app, Action &action) {
   verb->add_option("CAPTURE", options->capture, "capture file, or - for standard input")
       ->type_name("")
       ->required();
+  add_jobs_option(*verb);
   example(*verb,
           "  iio-angle check --calibration sensor.toml capture.csv\n"
           "Exit status 0 when no check failed, 1 when one did or there are too few samples.");

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
-#include <algorithm>
+#include <chrono>
+#include <map>
 #include <memory>
-#include <vector>
+#include <string>
 
-#include "common/angle_text.h"
+#include <fmt/format.h>
+
 #include "common/file_roles.h"
+#include "common/jobs.h"
 #include "common/live.h"
 #include "common/progress.h"
 #include "common/verb.h"
@@ -16,58 +19,55 @@ namespace {
 
 struct Options {
   std::string calibration, capture, output;
+  ada4571_angle_form form = ADA4571_ANGLES_BY_NAME;
   bool dynamic = false;
 };
 
-constexpr std::size_t kBlock = 16384;
-
-std::size_t sample_count(const Recording &capture) {
-  auto info = initialised(ada4571_recording_info_init);
-  check(ada4571_recording_get_info(capture.get(), &info));
-  return info.samples;
-}
-
-/// Hands the capture's angles over, block by block.
-template <class Take>
-void for_each_block(const Recording &capture, const Model &model, bool dynamic, Take take) {
-  const std::size_t samples = sample_count(capture);
-  if (!dynamic) {
-    // The whole at once: the speed at a sample comes from both of its sides.
-    const auto converter = make<Converter>(ada4571_converter_new, model.get());
-    std::vector<ada4571_angle> angles(samples);
-    check(ada4571_converter_recording(converter.get(), capture.get(), angles.data()));
-    for (std::size_t first = 0; first < samples; first += kBlock)
-      take(std::span(angles).subspan(first, std::min(kBlock, samples - first)));
-    return;
+/// Shows how far it has come, and how fast it reads.
+class Speed {
+public:
+  explicit Speed(const Recording &capture) {
+    auto info = initialised(ada4571_recording_info_init);
+    check(ada4571_recording_get_info(capture.get(), &info));
+    bytes_ = static_cast<double>(info.samples) * converter_bytes(info);
   }
-  LiveAngles tracker(model, true);
-  std::vector<ada4571_frame> frames(kBlock);
-  for (std::size_t first = 0; first < samples; first += kBlock) {
-    std::size_t count = 0;
-    check(ada4571_recording_read(capture.get(), first, frames.data(), kBlock, &count));
-    take(tracker.convert({frames.data(), count}));
+
+  static int show(double fraction, const char *what, void *user) {
+    static_cast<Speed *>(user)->show(fraction, what);
+    return 0;
   }
-}
+
+private:
+  using Clock = std::chrono::steady_clock;
+
+  void show(double fraction, const char *what) {
+    const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
+    if (progress_.due())
+      progress_.show(fraction,
+                     fmt::format("{}, {:.0f} MB/s", what, fraction * bytes_ / 1e6 / seconds));
+  }
+
+  Progress progress_;
+  double bytes_;
+  Clock::time_point began_ = Clock::now();
+};
 
 int run(const Options &options) {
   const auto model = make<Model>(ada4571_model_load, options.calibration.c_str());
   const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
   FileRoles().reads(options.capture, capture).reads(options.calibration).writes(options.output);
   mention_remainder(model);
-  const auto out = make<File>(ada4571_file_open, options.output.c_str());
-  AngleText text(AngleFormat::csv, angle_range_deg(model));
-  Progress progress;
-  const double samples = static_cast<double>(sample_count(capture));
-  double done = 0;
-  std::string lines;
-  for_each_block(capture, model, options.dynamic, [&](std::span<const ada4571_angle> angles) {
-    lines.clear();
-    text.append(lines, angles);
-    check(ada4571_file_write(out.get(), lines.data(), lines.size()));
-    done += static_cast<double>(angles.size());
-    progress.show(done / samples, "converting");
-  });
-  check(ada4571_file_commit(out.get()));
+  Speed speed(capture);
+  if (options.dynamic) {
+    const auto tracker = make<Tracker>(ada4571_tracker_new, model.get(),
+                                       static_cast<const ada4571_tracker_options *>(nullptr));
+    check_usage(ada4571_tracker_save(tracker.get(), capture.get(), options.output.c_str(),
+                                     options.form, Speed::show, &speed));
+  } else {
+    const auto converter = make<Converter>(ada4571_converter_new, model.get());
+    check_usage(ada4571_converter_save(converter.get(), capture.get(), options.output.c_str(),
+                                       options.form, Speed::show, &speed));
+  }
   return kDone;
 }
 
@@ -84,9 +84,16 @@ void add_convert(CLI::App &app, Action &action) {
       ->type_name("")
       ->required();
   verb->add_option("-o,--output", options->output,
-                   "CSV file with time_s,angle_deg,radius,status, or - for standard output")
+                   "CSV file with time_s,angle_deg,radius,status, or - for standard output; or "
+                   ".sigmf-meta, which is smaller and faster")
       ->required()
       ->type_name("OUT.csv");
+  const std::map<std::string, ada4571_angle_form> forms{{"csv", ADA4571_ANGLES_TEXT},
+                                                        {"sigmf", ADA4571_ANGLES_SIGMF}};
+  verb->add_option("--format", options->form, "csv or sigmf (default: by the name)")
+      ->transform(CLI::Transformer(forms).description("csv|sigmf"))
+      ->type_name("");
+  add_jobs_option(*verb);
   example(*verb,
           "  iio-angle convert --calibration sensor.toml capture.csv -o angles.csv\n"
           "Columns: angle_deg is mechanical, in [0, 360/periods); radius is relative to the\n"

@@ -6,6 +6,7 @@
 
 #include "common/file_roles.h"
 #include "common/handles.h"
+#include "common/jobs.h"
 #include "common/option_checks.h"
 #include "common/print.h"
 #include "common/progress.h"
@@ -106,6 +107,7 @@ void add_diagnose(CLI::App &app, Action &action) {
                    "together, each with a zero angle of its own")
       ->type_name("...")
       ->required();
+  add_jobs_option(*verb);
   example(*verb, "  iio-angle diagnose --report report.html capture.csv\n"
                  "  iio-angle diagnose --json --extend sensor.toml capture.csv\n"
                  "  iio-angle convert --calibration sensor.toml capture.csv -o angles.csv");

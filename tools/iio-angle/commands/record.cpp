@@ -52,7 +52,9 @@ Writer open_writer(const Source &source, const Options &options) {
 /// Writes frames until as many, or as long, as was asked for.
 class Recorder {
 public:
-  Recorder(const Options &options, Writer writer) : options_(options), writer_(std::move(writer)) {}
+  Recorder(const Options &options, const Source &source)
+      : options_(options), writer_(open_writer(source, options)),
+        bytes_a_frame_(converter_bytes(source_info(source))) {}
 
   /// False when there is enough, or when it has taken too long.
   bool take(std::span<const ada4571_frame> frames) {
@@ -128,8 +130,12 @@ private:
   }
 
   void show_progress() {
+    if (!progress_.due()) // no word, no allocation
+      return;
     const double length_s = last_s_ - first_s_;
-    const std::string what = fmt::format("{} samples, {:.1f} s", count_, length_s);
+    const double megabytes = static_cast<double>(count_) * bytes_a_frame_ / 1e6;
+    const std::string what = fmt::format("{} samples, {:.1f} s, {:.1f} MB/s", count_, length_s,
+                                         megabytes / std::max(seconds_since_first(), 1.0));
     if (options_.samples > 0)
       progress_.show(static_cast<double>(count_) / static_cast<double>(options_.samples), what);
     else if (options_.duration_s > 0)
@@ -140,6 +146,7 @@ private:
 
   const Options &options_;
   Writer writer_;
+  double bytes_a_frame_; ///< as the converter gives them
   Progress progress_;
   std::uint64_t count_ = 0;
   bool complete_ = false, writable_ = true;
@@ -156,7 +163,7 @@ void require_times(const Source &source, const Losses &losses) {
 
 int run(const Options &options) {
   const Source source = open_source(options.source);
-  Recorder recorder(options, open_writer(source, options));
+  Recorder recorder(options, source);
   // To the end of the verb: what was captured is kept, however often a signal comes.
   LiveReader reader(source, options.reconnect);
   try {

@@ -26,16 +26,19 @@ Progress::~Progress() {
   clear();
 }
 
+bool Progress::due() const {
+  return terminal_ && std::chrono::steady_clock::now() >= next_;
+}
+
 void Progress::show(double fraction, const std::string &what) {
-  if (terminal_)
+  if (due())
     show(fmt::format("{:3.0f} %  {}", 100.0 * std::clamp(fraction, 0.0, 1.0), what));
 }
 
 void Progress::show(const std::string &what) {
-  const auto now = std::chrono::steady_clock::now();
-  if (!terminal_ || now < next_)
+  if (!due())
     return;
-  next_ = now + kInterval;
+  next_ = std::chrono::steady_clock::now() + kInterval;
   note("\r\033[K{}", what);
   shown_ = true;
 }

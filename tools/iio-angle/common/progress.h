@@ -20,6 +20,8 @@ public:
   Progress(const Progress &) = delete;
   Progress &operator=(const Progress &) = delete;
 
+  /// Whether it is time to show something; what is not shown need not be put into words.
+  bool due() const;
   /// `fraction` in [0, 1].
   void show(double fraction, const std::string &what);
   void show(const std::string &what);
@@ -31,6 +33,11 @@ private:
   bool shown_ = false;
   std::chrono::steady_clock::time_point next_;
 };
+
+/// Bytes a sample as a converter of 16 bits gives them, for what says which channels there are.
+template <class Info> double converter_bytes(const Info &info) {
+  return 2.0 * (2 + info.has_vtemp + info.has_vdd + info.has_reference);
+}
 
 /// For work that does not say how far it is: shows what goes on and for how long, by a thread of
 /// its own.

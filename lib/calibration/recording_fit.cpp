@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "calibration/recording_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "base/parallel.h"
+#include "calibration/ellipse_curve.h"
+#include "conversion/vector_kernels.h"
+
+namespace ada {
+
+namespace {
+
+using namespace ellipse;
+
+/// Bins a structure bin, so narrow that the derivatives at their middle stand for all samples in
+/// them: those differ by 0.0013 of their size (rms), which for N samples of white noise is 0.0013
+/// standard errors of the result.
+constexpr std::size_t kFine = 20;
+constexpr std::size_t kFineBins = kBins * kFine;
+static_assert(kFineBins % kCoverageBins == 0);
+
+/// Histogram of the distances of each structure bin, for their median: cells over this many sigmas.
+constexpr std::size_t kCells = 128;
+constexpr double kCellSigmas = 4.0;
+
+constexpr std::size_t kBlocksARun = 8; ///< blocks that are summed up at once
+constexpr int kMostPasses = 10;
+constexpr double kSmallStep = 0.003;  ///< standard errors
+constexpr double kSmallChange = 1e-3; ///< of the limit, relative
+constexpr double kNear = 0.05;        ///< the same, where no sample lies so near to the limit
+
+struct Bin {
+  double count = 0, sum = 0, square = 0;
+};
+
+/// What one pass over the samples adds up.
+struct Sums {
+  std::vector<Bin> bins = std::vector<Bin>(kFineBins);
+  std::vector<std::uint32_t> cells = std::vector<std::uint32_t>(kBins * kCells);
+  std::size_t used = 0, rejected = 0, near_limit = 0;
+
+  void clear() {
+    std::fill(bins.begin(), bins.end(), Bin());
+    std::fill(cells.begin(), cells.end(), 0u);
+    used = rejected = near_limit = 0;
+  }
+  void add(const Sums &other) {
+    for (std::size_t b = 0; b < kFineBins; ++b) {
+      bins[b].count += other.bins[b].count;
+      bins[b].sum += other.bins[b].sum;
+      bins[b].square += other.bins[b].square;
+    }
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      cells[c] += other.cells[c];
+    used += other.used;
+    rejected += other.rejected;
+    near_limit += other.near_limit;
+  }
+};
+
+/// The sums of a run of blocks, and room to make them.
+struct Run {
+  Sums sums;
+  Block block;
+  std::vector<double> psi, radius;
+};
+
+PairConstants<double> about_ellipse(const EllipseInverse &e) {
+  return {e.centre_sin_v,
+          e.centre_cos_v,
+          e.sin_from_sin,
+          e.sin_from_cos,
+          0,
+          e.cos_from_sin,
+          e.cos_from_cos,
+          0,
+          kTwoPi};
+}
+
+class RecordingFitter {
+public:
+  RecordingFitter(const Recording &recording, const EllipseFitOptions &options,
+                  const EllipseFit &first)
+      : recording_(recording), circle_(options.circle), value_(first.value),
+        limit_v_(first.limit_v), cell_v_(kCellSigmas * first.limit_v / kOutlierSigmas / kCells) {}
+
+  void run(EllipseFit &fit);
+
+private:
+  void pass();
+  void add(Run &run) const;
+  void linearise();
+  Structure structure(const Vector5 &step) const;
+  double scale() const;
+  double greatest_move_v(const Vector5 &step) const;
+  bool is_small(const Vector5 &step, const EllipseFit &fit) const;
+  bool refine(EllipseFit &fit);
+
+  const Recording &recording_;
+  bool circle_;
+  EllipseParameters value_; ///< the curve of the pass
+  double limit_v_, cell_v_; ///< greatest distance, and that of a cell
+  Sums sums_;
+  std::vector<Vector5> normal_; ///< of the fine bins
+  std::vector<double> weight_ = std::vector<double>(kBins, 1.0);
+};
+
+/// One pass over the samples about value_.
+void RecordingFitter::pass() {
+  linearise();
+  sums_.clear();
+  const std::size_t blocks = recording_.blocks();
+  in_order<Run>((blocks + kBlocksARun - 1) / kBlocksARun,
+                [&](std::size_t r, Run &run) {
+                  run.sums.clear();
+                  for (std::size_t k = r * kBlocksARun; k < std::min(blocks, (r + 1) * kBlocksARun);
+                       ++k) {
+                    recording_.read(k, kPairColumns, run.block);
+                    add(run);
+                  }
+                },
+                [&](std::size_t, const Run &run) { sums_.add(run.sums); });
+}
+
+void RecordingFitter::linearise() {
+  const Curve curve(value_);
+  normal_.resize(kFineBins);
+  for (std::size_t b = 0; b < kFineBins; ++b) {
+    const double psi = kTwoPi * (static_cast<double>(b) + 0.5) / kFineBins;
+    normal_[b] = curve.at(std::sin(psi), std::cos(psi), 1.0).normal;
+  }
+}
+
+void RecordingFitter::add(Run &run) const {
+  const Block &in = run.block;
+  run.psi.resize(in.count);
+  run.radius.resize(in.count);
+  convert_planar_f64(in.vsin_v.data(), in.vcos_v.data(), in.count, about_ellipse(invert(value_)),
+                     run.psi.data(), run.radius.data());
+  Bin *const bins = run.sums.bins.data();
+  std::uint32_t *const cells = run.sums.cells.data();
+  constexpr double per_radian = kFineBins / kTwoPi;
+  const double near_v = kNear * limit_v_;
+  std::size_t used = 0, near_limit = 0;
+  for (std::size_t i = 0; i < in.count; ++i) {
+    // A sample at the centre has no angle; it is far off whatever that is.
+    const double psi = run.psi[i] >= 0 ? run.psi[i] : 0.0;
+    const std::size_t b = std::min(static_cast<std::size_t>(psi * per_radian), kFineBins - 1);
+    const double e = value_.amplitude_v * normal_[b][kAmplitude] * (run.radius[i] - 1);
+    const double off = std::abs(e);
+    if (off < cell_v_ * kCells)
+      ++cells[b / kFine * kCells + static_cast<std::size_t>(off / cell_v_)];
+    else if (off - off == 0)
+      ++cells[b / kFine * kCells + kCells - 1];
+    near_limit += std::abs(off - limit_v_) <= near_v;
+    if (off <= limit_v_) { // false for no number
+      bins[b].count += 1;
+      bins[b].sum += e;
+      bins[b].square += e * e;
+      ++used;
+    }
+  }
+  run.sums.used += used;
+  run.sums.rejected += in.count - used;
+  run.sums.near_limit += near_limit;
+}
+
+/// The structure of the residual after a step from value_, to first order.
+Structure RecordingFitter::structure(const Vector5 &step) const {
+  Structure s;
+  for (std::size_t b = 0; b < kFineBins; ++b) {
+    const Bin &bin = sums_.bins[b];
+    const double moved = normal_[b].dot(step);
+    s.count[b / kFine] += bin.count;
+    s.sum[b / kFine] += bin.sum - bin.count * moved;
+    s.square += bin.square - 2 * moved * bin.sum + bin.count * moved * moved;
+  }
+  s.judge(circle_ ? 3 : 5);
+  return s;
+}
+
+/// Robust scale of the distances, as the fit of samples takes it: their median, every angle
+/// counting alike.
+double RecordingFitter::scale() const {
+  std::vector<double> count(kBins), weighed(kCells);
+  double total = 0;
+  for (std::size_t c = 0; c < sums_.cells.size(); ++c)
+    count[c / kCells] += sums_.cells[c];
+  for (const double n : count)
+    total += n;
+  double sum = 0;
+  for (std::size_t c = 0; c < sums_.cells.size(); ++c) {
+    const double w = sums_.cells[c] / std::max(count[c / kCells], total / (8 * kBins));
+    weighed[c % kCells] += w;
+    sum += w;
+  }
+  double below = 0;
+  for (std::size_t c = 0; c < kCells; ++c) {
+    if (below + weighed[c] >= 0.5 * sum && weighed[c] > 0)
+      return std::max(kSigmaPerMad * cell_v_ *
+                          (static_cast<double>(c) + (0.5 * sum - below) / weighed[c]),
+                      1e-6 * value_.amplitude_v);
+    below += weighed[c];
+  }
+  return 1e-6 * value_.amplitude_v;
+}
+
+/// Farther than any sample moves by a step, for the distance changes by at most this: a change of
+/// amplitude and of centre in full, of mismatch and quadrature by half of the amplitude.
+double RecordingFitter::greatest_move_v(const Vector5 &step) const {
+  return std::abs(step[kAmplitude]) + std::abs(step[kCentreSin]) + std::abs(step[kCentreCos]) +
+         value_.amplitude_v * (std::abs(step[kMismatch]) + std::abs(step[kDelta]));
+}
+
+/// Beside the standard errors: the step itself, or what a step leaves out, which is of second order
+/// in it. A distance that is wrong by b everywhere moves no parameter by more than 2b.
+bool RecordingFitter::is_small(const Vector5 &step, const EllipseFit &fit) const {
+  const double move_v = greatest_move_v(step);
+  const double left_out_v = 2 * move_v * move_v / value_.amplitude_v;
+  for (std::size_t i = 0; i < kEllipseSize; ++i) {
+    const double error = fit.std_error(static_cast<EllipseIndex>(i));
+    const bool volts = i != kMismatch && i != kDelta;
+    const double error_v = volts ? error : 0.5 * value_.amplitude_v * error;
+    if (std::abs(step[static_cast<Eigen::Index>(i)]) > kSmallStep * error &&
+        left_out_v > kSmallStep * error_v)
+      return false;
+  }
+  return true;
+}
+
+/// The minimum from the sums of a pass; whether another pass about it is needed.
+bool RecordingFitter::refine(EllipseFit &fit) {
+  Matrix5 information;
+  const auto step_by_weights = [&] {
+    Vector5 gradient = Vector5::Zero();
+    information.setZero();
+    for (std::size_t b = 0; b < kFineBins; ++b) {
+      const double w = weight_[b / kFine];
+      information += w * sums_.bins[b].count * normal_[b] * normal_[b].transpose();
+      gradient += w * sums_.bins[b].sum * normal_[b];
+    }
+    return solve(information, gradient, 0, circle_);
+  };
+  weight_.assign(kBins, 1.0);
+  fit.structure_rms_v = 0;
+  Vector5 step = step_by_weights();
+  Structure found = structure(step);
+  for (int round = 0; round < 3 && found.variance > 0; ++round) {
+    fit.structure_rms_v = std::sqrt(found.variance);
+    for (std::size_t b = 0; b < kBins; ++b)
+      weight_[b] = found.weight(b);
+    step = step_by_weights();
+    found = structure(step);
+  }
+  const EllipseParameters next = moved(value_, step);
+  if (!step.allFinite() || !valid(next) || sums_.used < 3 * (circle_ ? 3 : 5))
+    no_ellipse("the samples cover too little of the circle, or do not lie on one curve");
+  fit.used = sums_.used;
+  fit.rejected = sums_.rejected;
+  describe(fit, next, information, found, circle_);
+  const double limit_v = kOutlierSigmas * scale();
+  const double change_v = std::abs(limit_v - limit_v_), move_v = greatest_move_v(step);
+  const bool same_samples = change_v < kSmallChange * limit_v_ ||
+                            (sums_.near_limit == 0 && change_v + move_v < kNear * limit_v_);
+  const bool settled = same_samples && is_small(step, fit);
+  fit.limit_v = limit_v;
+  value_ = next;
+  limit_v_ = limit_v;
+  return !settled;
+}
+
+void RecordingFitter::run(EllipseFit &fit) {
+  int passes = 0;
+  do
+    pass();
+  while (refine(fit) && ++passes < kMostPasses);
+  std::array<bool, kCoverageBins> seen{};
+  for (std::size_t b = 0; b < kFineBins; ++b)
+    if (sums_.bins[b].count > 0)
+      seen[b / (kFineBins / kCoverageBins)] = true;
+  describe_coverage(fit, seen);
+}
+
+/// Which samples lie on the curve that was found.
+std::vector<unsigned char> accepted_of(const Capture &sample, const EllipseFit &fit) {
+  const Curve curve(fit.value);
+  std::vector<unsigned char> accepted(sample.size());
+  for (std::size_t i = 0; i < sample.size(); ++i)
+    accepted[i] = std::abs(curve.foot(sample.vsin_v[i], sample.vcos_v[i]).distance) <= fit.limit_v;
+  return accepted;
+}
+
+} // namespace
+
+EllipseFit fit_ellipse(const RecordingToFit &what, const EllipseFitOptions &options) {
+  if (!options.circle && what.ellipse)
+    return *what.ellipse;
+  EllipseFit fit = fit_ellipse_to_sample(what, options);
+  if (what.is_long) {
+    RecordingFitter(what.recording, options, fit).run(fit);
+    fit.accepted = accepted_of(*what.sample, fit);
+  }
+  if (!options.circle)
+    what.ellipse = fit;
+  return fit;
+}
+
+} // namespace ada

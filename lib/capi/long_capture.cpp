@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "capi/long_capture.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "health/health.h"
+#include "recording/spread_sample.h"
+
+namespace ada::capi {
+
+namespace {
+
+constexpr std::size_t kMost = std::size_t{1} << 20, kStretch = std::size_t{1} << 15;
+
+std::string explanation(const Health &health, std::string_view id) {
+  for (const HealthCheck &check : health.checks)
+    if (check.id == id)
+      return check.explanation;
+  return "not told";
+}
+
+} // namespace
+
+std::shared_ptr<const Capture> LookedAt::part_of(const Recording &recording) {
+  if (recording.size() > kMost) {
+    const Health health = check_health(RecordingToFit(recording), nullptr);
+    long_.push_back({kMost, recording.size(), kMost / kStretch, explanation(health, "spikes"),
+                     explanation(health, "gaps")});
+  }
+  return spread_sample(recording, kMost, kStretch, true);
+}
+
+std::string LookedAt::text() const {
+  std::string text;
+  for (const Long &l : long_)
+    text += fmt::format("\nlooked at: {} of {} samples, in {} stretches from everywhere; in all of "
+                        "it: {}; {}\n",
+                        l.samples, l.of_samples, l.stretches, l.spikes, l.gaps);
+  return text;
+}
+
+std::string LookedAt::with_json(const std::string &json) const {
+  if (long_.empty())
+    return json;
+  auto result = nlohmann::ordered_json::parse(json);
+  for (const Long &l : long_)
+    result["looked_at"].push_back({{"samples", l.samples},
+                                   {"of_samples", l.of_samples},
+                                   {"stretches", l.stretches},
+                                   {"spikes_in_all", l.spikes},
+                                   {"gaps_in_all", l.gaps}});
+  return result.dump(1);
+}
+
+} // namespace ada::capi

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "conversion/block_converter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/angle.h"
+#include "base/error.h"
+#include "conversion/sample_status.h"
+
+namespace ada {
+
+namespace {
+
+ada4571_layout packed_doubles() {
+  return {sizeof(ada4571_layout), ADA4571_F64, sizeof(double), 1.0, 0.0, 0, 0};
+}
+
+/// The vector kernels, where the model is one for them.
+std::optional<RawConverter> raw_converter(const Model &model) {
+  try {
+    return RawConverter(model);
+  } catch (const Error &e) {
+    if (e.status() != ADA4571_ERROR_UNSUPPORTED)
+      throw;
+    return std::nullopt;
+  }
+}
+
+template <class Visit>
+void for_those_in(const std::vector<std::size_t> &samples, const Block &block, Visit visit) {
+  for (auto i = std::lower_bound(samples.begin(), samples.end(), block.first);
+       i != samples.end() && *i < block.first + block.count; ++i)
+    visit(*i - block.first);
+}
+
+} // namespace
+
+void AngleBlock::resize(std::size_t count) {
+  angle_deg.resize(count);
+  radius.resize(count);
+  status.resize(count);
+}
+
+void AngleBlock::set(std::size_t i, const ada4571_angle &angle) {
+  angle_deg[i] = angle.angle_deg;
+  radius[i] = angle.radius;
+  status[i] = angle.status;
+}
+
+BlockConverter::BlockConverter(const Model &model, const Recording &recording)
+    : recording_(recording),
+      model_(FrameConverter::model_for(model, recording.meta(), recording.channels())),
+      frames_(model_), raw_(raw_converter(model_)) {
+  if (!raw_ && !frames_.sample_by_sample()) {
+    all_.resize(recording.size());
+    frames_.capture(*recording.whole(), all_);
+  }
+}
+
+void BlockConverter::convert(std::size_t k, AngleBlock &out) const {
+  recording_.read(k, columns(), out.block);
+  convert(out);
+}
+
+void BlockConverter::convert(AngleBlock &out) const {
+  out.resize(out.count());
+  if (raw_)
+    by_kernel(out);
+  else if (all_.empty())
+    by_frames(out);
+  else
+    for (std::size_t i = 0; i < out.count(); ++i)
+      out.set(i, all_[out.block.first + i]);
+  mark_gaps(out);
+}
+
+void BlockConverter::by_kernel(AngleBlock &out) const {
+  const Block &in = out.block;
+  raw_->convert(packed_doubles(), in.vsin_v.data(), in.vcos_v.data(), in.count,
+                out.angle_deg.data(), out.radius.data());
+  const double below_range = std::nextafter(360.0 / model_.periods_per_turn, 0.0);
+  const double supply_v = model_.supply_v;
+  bool all_numbers = true;
+  for (std::size_t i = 0; i < in.count; ++i) {
+    const double angle = out.angle_deg[i], radius = out.radius[i];
+    all_numbers = all_numbers && angle - angle == 0 && radius - radius == 0;
+    out.angle_deg[i] = std::min(angle * kDegPerRad, below_range);
+    out.status[i] = radius_status(radius) | rail_status(in.vsin_v[i], in.vcos_v[i], supply_v);
+  }
+  if (all_numbers)
+    return;
+  for (std::size_t i = 0; i < in.count; ++i)
+    if (!std::isfinite(out.radius[i]) || out.radius[i] == 0)
+      out.set(i, frames_.sample(frame_at(in, i)));
+}
+
+void BlockConverter::by_frames(AngleBlock &out) const {
+  double vtemp_v = kAbsent;
+  for (std::size_t i = 0; i < out.count(); ++i)
+    out.set(i, frames_.sample(frame_at(out.block, i), vtemp_v));
+}
+
+void BlockConverter::mark_gaps(AngleBlock &out) const {
+  const auto mark = [&](std::size_t i) { out.status[i] |= ADA4571_SAMPLE_GAP; };
+  for_those_in(recording_.jumps(), out.block, mark);
+  for_those_in(recording_.facts().gaps, out.block, mark);
+}
+
+} // namespace ada

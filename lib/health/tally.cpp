@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "health/tally.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/angle.h"
+#include "base/parallel.h"
+#include "conversion/block_converter.h"
+#include "conversion/sample_status.h"
+#include "health/criteria.h"
+
+namespace ada::health {
+
+namespace {
+
+/// Samples of the blocks on either side that show whether one stands alone.
+constexpr std::size_t kHalo = 3;
+constexpr ColumnMask kCounted = kAllColumns & ~kReferenceColumn;
+
+/// Whether a sample lies farther from the middle of its neighbours than the sensor itself may err.
+bool disturbs(const Capture &c, std::size_t i, double amplitude_v) {
+  if (i == 0 || i + 1 >= c.size())
+    return true;
+  const double sin_v = c.vsin_v[i] - 0.5 * (c.vsin_v[i - 1] + c.vsin_v[i + 1]);
+  const double cos_v = c.vcos_v[i] - 0.5 * (c.vcos_v[i - 1] + c.vcos_v[i + 1]);
+  return !(std::hypot(sin_v, cos_v) <=
+           kAccuracyDeg * c.meta.periods_per_turn * kRadPerDeg * amplitude_v);
+}
+
+/// A place of the pair that may prove to be a spike.
+struct Candidate {
+  std::size_t sample = 0;
+  double radius = 0;
+  bool disturbs = false;
+};
+
+/// Where samples stand out, numbered through the recording.
+struct Found {
+  PairPlaces pair;
+  std::vector<std::size_t> vtemp, vdd;
+  std::vector<Candidate> candidates; ///< those of the pair
+};
+
+void add_radius(Tally &t, double radius) {
+  if (!std::isfinite(radius))
+    return;
+  t.least_radius = std::min(t.least_radius, radius);
+  t.greatest_radius = std::max(t.greatest_radius, radius);
+}
+
+/// A block, with what it needs of its neighbours, and what is counted in it.
+struct Counted {
+  AngleBlock angles;
+  Block side;
+  Capture around; ///< the block and kHalo samples on either side, as far as there are
+  Tally tally;
+  Found found;
+};
+
+class Counter {
+public:
+  Counter(const Recording &recording, const Model &yardstick, const SpikeFinder &spikes,
+          double usual_s)
+      : recording_(recording), converter_(yardstick, recording), spikes_(spikes), usual_s_(usual_s),
+        amplitude_v_(yardstick.at_supply(recording.meta().supply_v).baseline.amplitude_v) {
+    recording.jumps(); // once, before the threads ask for it
+  }
+
+  Tally run() {
+    Tally all;
+    Found found;
+    in_order<Counted>(
+        recording_.blocks(), [this](std::size_t k, Counted &c) { count(k, c); },
+        [&](std::size_t, Counted &c) {
+          append(all, c.tally);
+          append(found, all, c.found);
+        });
+    all.spikes = spikes_.spikes(std::move(found.pair));
+    all.vtemp_spikes = spikes_.spikes(std::move(found.vtemp));
+    all.vdd_spikes = spikes_.spikes(std::move(found.vdd));
+    for (const Candidate &c : found.candidates)
+      if (std::binary_search(all.spikes.begin(), all.spikes.end(), c.sample))
+        all.disturbing += c.disturbs;
+      else
+        add_radius(all, c.radius);
+    return all;
+  }
+
+private:
+  void count(std::size_t k, Counted &c) const {
+    recording_.read(k, kCounted, c.angles.block);
+    converter_.convert(c.angles);
+    c.tally = {};
+    const std::size_t before = gather(k, c);
+    find_spikes(before, c);
+    count_faults(before, c);
+    count_steps(before, c);
+    if (recording_.size() > kPathSamples)
+      pick_pairs(c.angles.block, recording_.size(), kPathSamples, c.tally.path);
+  }
+
+  /// Returns how many samples stand before those of the block.
+  std::size_t gather(std::size_t k, Counted &c) const {
+    for (const Column &column : kColumns)
+      (c.around.*column.values).clear();
+    c.around.meta = recording_.meta();
+    std::size_t before = 0;
+    if (k > 0) {
+      const std::size_t size = recording_.block_begin(k) - recording_.block_begin(k - 1);
+      before = std::min(kHalo, size);
+      recording_.read(k - 1, size - before, before, kCounted, c.side);
+      add(c.side, c.around);
+    }
+    add(c.angles.block, c.around);
+    if (k + 1 < recording_.blocks()) {
+      recording_.read(k + 1, 0, kHalo, kCounted, c.side);
+      add(c.side, c.around);
+    }
+    return before;
+  }
+
+  static void add(const Block &from, Capture &to) {
+    for (const Column &column : kColumns)
+      (to.*column.values)
+          .insert((to.*column.values).end(), (from.*column.block).begin(),
+                  (from.*column.block).end());
+  }
+
+  void find_spikes(std::size_t before, Counted &c) const {
+    const std::size_t first = c.angles.block.first, count = c.angles.count();
+    const auto of_block = [&](std::vector<std::size_t> places) {
+      std::erase_if(places, [&](std::size_t i) { return i < before || i >= before + count; });
+      for (std::size_t &i : places)
+        i = i - before + first;
+      return places;
+    };
+    PairPlaces pair = spikes_.pair(c.around);
+    Found &found = c.found;
+    found.pair = {of_block(std::move(pair.off)), of_block(std::move(pair.along))};
+    found.vtemp = of_block(spikes_.vtemp(c.around.vtemp_v));
+    found.vdd = of_block(spikes_.vdd(c.around.vdd_v));
+    found.candidates.clear();
+    for (const std::size_t sample : found.pair.both())
+      found.candidates.push_back({sample, c.angles.radius[sample - first],
+                                  disturbs(c.around, sample - first + before, amplitude_v_)});
+  }
+
+  void count_faults(std::size_t before, Counted &c) const {
+    const double supply = recording_.meta().supply_v, margin = kRailMargin * supply;
+    const auto at_rail = [&](double v) {
+      return std::abs(v) <= margin || std::abs(v - supply) <= margin;
+    };
+    const Capture &a = c.around;
+    Tally &t = c.tally;
+    auto candidate = c.found.candidates.begin();
+    for (std::size_t i = 0; i < c.angles.count(); ++i) {
+      const std::size_t n = before + i;
+      const double vsin = a.vsin_v[n], vcos = a.vcos_v[n], radius = c.angles.radius[i];
+      t.rails.add(at_rail(vsin) || at_rail(vcos));
+      t.radius.add((c.angles.status[i] & ADA4571_SAMPLE_RADIUS) != 0);
+      t.invalid.add((c.angles.status[i] & ADA4571_SAMPLE_INVALID) != 0);
+      t.same_sin.add(n > 0 && vsin == a.vsin_v[n - 1]);
+      t.same_cos.add(n > 0 && vcos == a.vcos_v[n - 1]);
+      t.usable += std::isfinite(vsin) && std::isfinite(vcos);
+      if (candidate != c.found.candidates.end() && candidate->sample == c.angles.block.first + i)
+        ++candidate;
+      else
+        add_radius(t, radius);
+    }
+  }
+
+  void count_steps(std::size_t before, Counted &c) const {
+    TimeSteps &s = c.tally.steps;
+    const Capture &a = c.around;
+    for (std::size_t i = before == 0 ? 1 : 0; i < c.angles.count(); ++i) {
+      const double dt = a.time_s[before + i] - a.time_s[before + i - 1];
+      const std::size_t sample = c.angles.block.first + i;
+      if (dt == 0 && s.standing++ == 0)
+        s.first_standing = sample;
+      if (!(dt >= 0) && s.back++ == 0)
+        s.first_back = sample;
+      if (!(c.angles.status[i] & ADA4571_SAMPLE_GAP))
+        continue;
+      ++s.gaps;
+      s.lost += std::max(std::round(dt / usual_s_) - 1, 0.0);
+      s.longest_gap_s = std::max(s.longest_gap_s, dt);
+    }
+  }
+
+  /// Beyond what is rare in the recording nobody asks which they are.
+  void append(std::vector<std::size_t> &all, const std::vector<std::size_t> &found) const {
+    if (!spikes_.is_structure(all.size()))
+      all.insert(all.end(), found.begin(), found.end());
+  }
+
+  void append(Found &all, Tally &tally, const Found &found) const {
+    const auto may_be_spike = [this](const std::vector<std::size_t> &before,
+                                     const std::vector<std::size_t> &now, std::size_t sample) {
+      return !spikes_.is_structure(before.size()) &&
+             std::binary_search(now.begin(), now.end(), sample);
+    };
+    for (const Candidate &c : found.candidates)
+      if (may_be_spike(all.pair.off, found.pair.off, c.sample) ||
+          may_be_spike(all.pair.along, found.pair.along, c.sample))
+        all.candidates.push_back(c);
+      else
+        add_radius(tally, c.radius);
+    append(all.pair.off, found.pair.off);
+    append(all.pair.along, found.pair.along);
+    append(all.vtemp, found.vtemp);
+    append(all.vdd, found.vdd);
+  }
+
+  static void append(Tally &all, const Tally &t) {
+    all.rails.append(t.rails);
+    all.radius.append(t.radius);
+    all.invalid.append(t.invalid);
+    all.same_sin.append(t.same_sin);
+    all.same_cos.append(t.same_cos);
+    all.usable += t.usable;
+    all.least_radius = std::min(all.least_radius, t.least_radius);
+    all.greatest_radius = std::max(all.greatest_radius, t.greatest_radius);
+    TimeSteps &s = all.steps;
+    if (s.back == 0)
+      s.first_back = t.steps.first_back;
+    if (s.standing == 0)
+      s.first_standing = t.steps.first_standing;
+    s.back += t.steps.back;
+    s.standing += t.steps.standing;
+    s.gaps += t.steps.gaps;
+    s.lost += t.steps.lost;
+    s.longest_gap_s = std::max(s.longest_gap_s, t.steps.longest_gap_s);
+    all.path.append(t.path);
+  }
+
+  const Recording &recording_;
+  BlockConverter converter_;
+  const SpikeFinder &spikes_;
+  double usual_s_, amplitude_v_;
+};
+
+} // namespace
+
+void FaultRow::end_row(std::size_t length, std::size_t end) {
+  if (length > faults_.longest)
+    faults_ = {faults_.count, length, end - length};
+}
+
+void FaultRow::add(bool faulty) {
+  ++samples_;
+  if (!faulty) {
+    trailing_ = 0;
+    return;
+  }
+  ++faults_.count;
+  ++trailing_;
+  if (trailing_ == samples_)
+    leading_ = samples_;
+  end_row(trailing_, samples_);
+}
+
+void FaultRow::append(const FaultRow &next) {
+  end_row(trailing_ + next.leading_, samples_ + next.leading_);
+  if (next.faults_.longest > faults_.longest)
+    faults_ = {faults_.count, next.faults_.longest, samples_ + next.faults_.longest_first};
+  faults_.count += next.faults_.count;
+  if (leading_ == samples_)
+    leading_ += next.leading_;
+  trailing_ = next.trailing_ == next.samples_ ? trailing_ + next.samples_ : next.trailing_;
+  samples_ += next.samples_;
+}
+
+Tally take_tally(const Recording &recording, const Model &yardstick, const SpikeFinder &spikes,
+                 double usual_s) {
+  return Counter(recording, yardstick, spikes, usual_s).run();
+}
+
+} // namespace ada::health

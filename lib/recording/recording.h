@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// A recording that is read block by block, wherever it is: in memory, in a SigMF data file that is
+// mapped, or in a text file that is parsed in place. What it holds beside its blocks does not grow
+// with its length.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "recording/block.h"
+#include "recording/capture.h"
+#include "recording/columns.h"
+
+namespace ada {
+
+/// Immutable once made; every function may be called by several threads at once.
+class Recording {
+public:
+  virtual ~Recording() = default;
+  Recording(const Recording &) = delete;
+  Recording &operator=(const Recording &) = delete;
+
+  /// Metadata and notes; the columns are empty.
+  const Capture &facts() const { return facts_; }
+  const CaptureMetadata &meta() const { return facts_.meta; }
+  const ChannelSet &channels() const { return channels_; }
+  std::size_t size() const { return size_; }
+  double first_time_s() const { return first_time_s_; }
+  double last_time_s() const { return last_time_s_; }
+  /// Whether time is that of the sample rate everywhere but at the gaps.
+  bool regular() const { return regular_; }
+
+  /// Blocks are fixed by the recording: the same whatever reads them.
+  virtual std::size_t blocks() const = 0;
+  /// First sample of a block; the size for blocks().
+  virtual std::size_t block_begin(std::size_t block) const = 0;
+  /// `count` samples from `offset` on of a block, as far as it has them.
+  virtual void read(std::size_t block, std::size_t offset, std::size_t count, ColumnMask wanted,
+                    Block &out) const = 0;
+  void read(std::size_t block, ColumnMask wanted, Block &out) const {
+    read(block, 0, size_, wanted, out);
+  }
+
+  /// The block that holds a sample.
+  std::size_t block_of(std::size_t sample) const;
+  /// Time of one sample.
+  double time_s(std::size_t sample) const;
+  /// Samples before which others are missing by their times alone (GapDetector), beside
+  /// facts().gaps.
+  virtual const std::vector<std::size_t> &jumps() const;
+  /// Checksum of the content; worked out when it is first asked for.
+  const std::string &identity() const;
+  /// All of it in memory, made when it is first asked for.
+  virtual std::shared_ptr<const Capture> whole() const;
+
+protected:
+  Recording() = default;
+  /// Without the cache of whole().
+  Capture materialise() const;
+
+  Capture facts_;
+  ChannelSet channels_;
+  std::size_t size_ = 0;
+  double first_time_s_ = 0, last_time_s_ = 0;
+  bool regular_ = false;
+
+private:
+  mutable std::once_flag once_jumps_, once_identity_, once_whole_;
+  mutable std::vector<std::size_t> jumps_;
+  mutable std::string identity_;
+  mutable std::shared_ptr<const Capture> whole_;
+};
+
+/// A capture in memory as one block.
+std::shared_ptr<const Recording> recording_of(std::shared_ptr<const Capture> capture);
+/// The same of a capture that outlives it.
+std::shared_ptr<const Recording> recording_of(const Capture &capture);
+
+/// Opens and validates a file of either form, as read_capture does, without holding it in memory;
+/// "-" and whatever else cannot be mapped is read into memory.
+std::shared_ptr<const Recording> open_recording(const std::string &path);
+
+} // namespace ada

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "recording/text_rows.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <set>
+
+#include "base/text.h"
+#include "recording/metadata.h"
+#include "recording/out_of_range.h"
+
+namespace ada {
+
+namespace {
+
+constexpr std::string_view kMagic = "# ada4571-capture/";
+constexpr std::string_view kVersion = "1";
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::size_t kMaxHeadBytes = std::size_t{1} << 20;
+
+void read_magic(LineReader &lines) {
+  std::string_view line;
+  if (!lines.next(line))
+    lines.fail(1, "the file is empty");
+  if (line.substr(0, kByteOrderMark.size()) == kByteOrderMark)
+    line.remove_prefix(kByteOrderMark.size());
+  if (line.substr(0, kMagic.size()) != kMagic)
+    lines.fail(1, "this is no capture: the first line must be '# ada4571-capture/1', not " +
+                      excerpt(line));
+  if (const auto version = trim(line.substr(kMagic.size())); version != kVersion)
+    lines.fail(kMagic.size() + 1,
+               "format version " + excerpt(version) + " is not known here, only version 1 is");
+}
+
+using Keys = std::set<std::string, std::less<>>;
+
+void read_metadata(std::string_view line, const LineReader &lines, Keys &keys,
+                   CaptureMetadata &meta) {
+  if (lines.bytes_read() > kMaxHeadBytes)
+    lines.fail(1, "the metadata is longer than " + std::to_string(kMaxHeadBytes) + " bytes");
+  const auto text = trim(line.substr(1));
+  if (text.empty())
+    return;
+  const auto equals = text.find('=');
+  if (equals == text.npos)
+    lines.fail(1, "expected '# key = value', not " + excerpt(line));
+  const auto key = trim(text.substr(0, equals));
+  const auto value = trim(text.substr(equals + 1));
+  const auto at = [&](std::string_view part) {
+    return static_cast<std::size_t>(part.data() - line.data()) + 1;
+  };
+  if (!keys.emplace(key).second)
+    lines.fail(at(text), "the key " + excerpt(key) + " is given twice");
+  const std::string problem = assign_metadata(meta, key, value);
+  if (!problem.empty())
+    lines.fail(value.empty() ? at(text) : at(value), problem);
+}
+
+double number(std::string_view line, std::string_view cell, const Column &column,
+              const LineReader &lines) {
+  // Most cells are a plain number; blanks and a plus sign take the slower way.
+  double value = 0;
+  auto result = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (result.ec != std::errc() || result.ptr != cell.data() + cell.size()) {
+    cell = trim(cell);
+    if (cell.size() > 1 && cell.front() == '+' && cell[1] != '-')
+      cell.remove_prefix(1);
+    result = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  } else if (std::fabs(value) <= column.limit) {
+    return value;
+  }
+  const auto at = static_cast<std::size_t>(cell.data() - line.data()) + 1;
+  const auto fail = [&](const char *what) {
+    lines.fail(at, std::string(column.name) + " " + what + ": " + excerpt(cell));
+  };
+  if (cell.empty())
+    lines.fail(at, std::string(column.name) + " is missing");
+  if (result.ec == std::errc::invalid_argument || result.ptr != cell.data() + cell.size())
+    fail("is not a number");
+  if (result.ec != std::errc() || !(std::fabs(value) <= column.limit))
+    fail(std::isnan(value) ? "is not a number" : out_of_range(column, value).c_str());
+  return value;
+}
+
+} // namespace
+
+TextRows::TextRows(std::string_view line, const LineReader &lines,
+                   std::vector<std::string> &ignored) {
+  std::set<std::string, std::less<>> names;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const auto comma = std::min(line.find(',', begin), line.size());
+    const auto name = trim(line.substr(begin, comma - begin));
+    if (name.empty())
+      lines.fail(begin + 1, "a column has no name");
+    if (!names.emplace(name).second)
+      lines.fail(begin + 1, "the column " + excerpt(name) + " is there twice");
+    std::size_t cell = 0;
+    while (cell < kColumns.size() && kColumns[cell].name != name)
+      ++cell;
+    cells_.push_back(cell);
+    if (cell == kIgnored)
+      ignored.emplace_back(name);
+    begin = comma + 1;
+  }
+  for (const Column &column : kColumns)
+    if (column.required && names.find(column.name) == names.end())
+      lines.fail(1, "the column " + std::string(column.name) + " is missing from the header " +
+                        excerpt(line));
+}
+
+ChannelSet TextRows::channels() const {
+  const auto has = [this](std::size_t c) {
+    return std::find(cells_.begin(), cells_.end(), c) != cells_.end();
+  };
+  return {has(3), has(4), has(5)};
+}
+
+TextRows::Count TextRows::read(LineReader &lines, ColumnMask wanted, std::size_t most,
+                               Store &out) const {
+  Count count;
+  std::string_view line;
+  while (count.rows < most && lines.next(line)) {
+    if (trim(line).empty()) {
+      count.blank_line = count.blank_line ? count.blank_line : lines.line_number();
+      continue;
+    }
+    if (count.blank_line)
+      lines.fail(1, "rows go on after the empty line " + std::to_string(count.blank_line));
+    if (wanted)
+      read_row(line, lines, wanted, out);
+    ++count.rows;
+  }
+  return count;
+}
+
+void TextRows::read_row(std::string_view line, const LineReader &lines, ColumnMask wanted,
+                        Store &out) const {
+  if (line.front() == '#')
+    lines.fail(1, "metadata must stand before the header line");
+  const char *at = line.data();
+  const char *const end = at + line.size();
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const char *stop =
+        static_cast<const char *>(std::memchr(at, ',', static_cast<std::size_t>(end - at)));
+    if (stop == nullptr)
+      stop = end;
+    if (const std::size_t c = cells_[i]; wanted & 1u << c)
+      out[c].push_back(number(line, {at, static_cast<std::size_t>(stop - at)}, kColumns[c], lines));
+    if ((stop == end) != (i + 1 == cells_.size())) {
+      const auto count = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
+      lines.fail(line.size() + 1, "the row has " + std::to_string(count) + " cells, the header " +
+                                      std::to_string(cells_.size()));
+    }
+    at = stop + 1;
+  }
+  if (wanted & kTimeColumn)
+    check_time(line, lines, out[0]);
+}
+
+void TextRows::check_time(std::string_view line, const LineReader &lines,
+                          const std::vector<double> &time) const {
+  if (time.size() < 2 || time.back() >= time[time.size() - 2])
+    return;
+  std::size_t column = 1;
+  for (std::size_t i = 0; cells_[i] != 0; ++i)
+    column = line.find(',', column - 1) + 2;
+  lines.fail(column, "time_s goes back from " + shortest(time[time.size() - 2]) + " to " +
+                         shortest(time.back()));
+}
+
+TextHead read_text_head(LineReader &lines) {
+  TextHead head;
+  Keys keys;
+  read_magic(lines);
+  std::string_view line;
+  while (true) {
+    if (!lines.next(line))
+      lines.fail(1, "the file ends before the header line with the column names");
+    if (line.empty() || line.front() != '#')
+      break;
+    read_metadata(line, lines, keys, head.meta);
+  }
+  head.rows = TextRows(line, lines, head.ignored_columns);
+  return head;
+}
+
+} // namespace ada
