@@ -89,7 +89,8 @@ public:
     }
     if (!scene_.has_reference && (!found_.order.empty() || found_.supply_rms_fraction > 0.0))
       search_causes(true);
-    if (!scene_.has_reference && found_.supply_rms_fraction > 0.0 && !accounts_for_radius(parts_.heldout, found_.fit.model, found_.supply_rms_fraction, floor()))
+    if (!scene_.has_reference && found_.supply_rms_fraction > 0.0 &&
+        !accounts_for_radius(parts_.heldout, found_.fit.model, found_.supply_rms_fraction, floor()))
       found_.supply_rms_fraction = 0.0;
     for (Observations *o : {&scene_.all, &scene_.spiked}) {
       o->disturbed = found_.disturbed;
@@ -131,12 +132,22 @@ private:
 
   const Model *baseline() const { return named_before_ ? &*named_before_ : nullptr; }
 
+  /// `model` with what the given model carries without a name; nothing: it carries nothing.
+  std::optional<Model> with_given_remainder(Model model) const {
+    if (!options_.baseline || !options_.baseline->remainder)
+      return std::nullopt;
+    model.remainder = options_.baseline->remainder;
+    return model;
+  }
+
   /// Without a reference the motion is read off the pair as the given model corrects it, as it is off
   /// what was found; where that leaves nothing to judge, off the pair as it is.
   Scene scene_of(const Capture &capture, bool needs_split) const {
-    if (baseline() && !capture.has_reference())
-      if (Scene known = prepare(capture, needs_split, baseline()); known.insufficient.empty())
-        return known;
+    if (baseline() && !capture.has_reference()) {
+      const Model known = baseline()->at_supply(capture.meta.supply_v);
+      if (Scene scene = prepare(capture, needs_split, &known); scene.insufficient.empty())
+        return scene;
+    }
     return prepare(capture, needs_split);
   }
 
@@ -254,8 +265,12 @@ private:
     std::vector<Finding> out;
     for (const ScreenFinding &f : scene_.screened) {
       // Spikes are measured against the final model.
-      if (f.effect->info().spoils == Spoils::readings || given(f.effect))
+      if (f.effect->info().spoils == Spoils::readings)
         continue;
+      if (given(f.effect)) {
+        given_seen_ = true;
+        continue;
+      }
       // Without a reference the ends of a burst jump as well.
       if (in_bursts_ && !scene_.has_reference &&
           is_jump(f.effect->info()))
@@ -330,17 +345,34 @@ private:
     out_.anonymous = quality_with(whole, white, ladder_.baseline);
     out_.noise = noise_shape(unnamed_, white, out_.extended);
     named_ = last_;
-    const Model judged = with_remainder(scene_, unnamed_, white.train, out_.extended);
-    if (!judged.remainder)
+    carry_remainder(white);
+  }
+
+  /// What repeats with the angle and has no name, where held-out data confirm it: what this capture
+  /// shows, or what the given model brought along where that tells more.
+  void carry_remainder(const Parts &white) {
+    const auto likelier = [&](const Rung &rung) {
+      return rung.heldout.log_likelihood > last_.heldout.log_likelihood;
+    };
+    out_.remainder_rms_v = out_.remainder_angle_rms_deg = 0.0;
+    std::optional<Model> carried;
+    if (const Model judged = with_remainder(scene_, unnamed_, white.train, out_.extended);
+        judged.remainder)
+      if (const Rung after = white.rung(judged); likelier(after)) {
+        carried = with_remainder(scene_, unnamed_, everything(), out_.extended);
+        last_ = after;
+      }
+    if (auto kept = with_given_remainder(out_.extended))
+      if (const Rung after = white.rung(*kept); likelier(after)) {
+        carried = std::move(kept);
+        last_ = after;
+      }
+    if (!carried)
       return;
-    const Rung after = white.rung(judged);
-    if (after.heldout.log_likelihood <= last_.heldout.log_likelihood)
-      return;
-    out_.extended = with_remainder(scene_, unnamed_, everything(), out_.extended);
-    out_.remainder_rms_v = judged.remainder->rms() * judged.baseline.amplitude_v;
+    out_.extended = std::move(*carried);
+    out_.remainder_rms_v = out_.extended.remainder->rms() * out_.extended.baseline.amplitude_v;
     if (parts_.has_reference)
       out_.remainder_angle_rms_deg = remainder_angle_rms(parts_.heldout, out_.extended);
-    last_ = after;
   }
 
   /// All usable samples: the numbers of a remainder that held-out data have confirmed are taken from
@@ -365,8 +397,10 @@ private:
     const Rung with = ladder_.first;
     leave_out(spikes.hit);
     take(build_ladder(parts_, found_));
-    if (given(&the_effect_that_spoils(Spoils::readings)))
+    if (given(&the_effect_that_spoils(Spoils::readings))) {
+      given_seen_ = true;
       return true;
+    }
     Finding finding{&the_effect_that_spoils(Spoils::readings),
                     {spikes.rate, spikes.amplitude_v},
                     {spikes.rate_error, spikes.amplitude_error_v},
@@ -624,7 +658,8 @@ private:
   void conclude() {
     report_moved_offsets();
     out_.baseline = ladder_.baseline;
-    out_.baseline_quality = first_;
+    const auto given = with_given_remainder(ladder_.baseline);
+    out_.baseline_quality = given ? parts_.rung(*given) : first_;
     out_.extended_quality = last_;
     out_.ladder = std::move(ladder_.models);
     out_.findings = screened_findings();
@@ -651,16 +686,21 @@ private:
   /// the named model leaves over, and what a last look still sees. What a given model names counts as
   /// what was just found does.
   Verdict verdict() const {
-    const bool found = !out_.findings.empty();
+    const bool named = !out_.findings.empty() || given_explains();
     if (out_.structure.empty())
-      return found ? Verdict::explained : Verdict::no_discrepancy;
-    return found || given_explains() ? Verdict::partly_explained : Verdict::unexplained;
+      return named ? Verdict::explained : Verdict::no_discrepancy;
+    return named ? Verdict::partly_explained : Verdict::unexplained;
   }
 
-  /// Whether the causes of the given model make held-out data likelier than a sensor without them.
+  /// Whether the given model's causes are at work here: one that changes what is random or recorded
+  /// was seen, or those of the signal make held-out data likelier than a sensor without them.
   bool given_explains() const {
     if (!named_before_ || named_before_->effects.empty())
       return false;
+    const bool random = std::any_of(seen_random_.begin(), seen_random_.end(),
+                                    [&](const EffectInstance &e) { return given(e.effect); });
+    if (given_seen_ || random)
+      return true;
     const Model bare = fit(parts_.train, first_model(scene_, nullptr), 6).model;
     const double nats = (ladder_.first.heldout.log_likelihood -
                          parts_.rung(bare).heldout.log_likelihood) *
@@ -693,6 +733,7 @@ private:
   double slow_v2_ = 0.0;   ///< of the largest slow process that has a name, V^2
   int slow_waves_ = 0;     ///< half waves by which the course of a slow process was taken out
   bool in_bursts_ = false; ///< samples in a row are left over
+  bool given_seen_ = false; ///< a cause that the given model names was seen before any fit
 };
 
 } // namespace

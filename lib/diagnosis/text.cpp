@@ -12,13 +12,18 @@ namespace ada {
 namespace {
 
 std::string verdict_sentence(const Diagnosis &d) {
+  const char *causes =
+      d.findings.empty() ? "The causes that the model names" : "The causes above";
   switch (d.verdict) {
   case Verdict::no_discrepancy:
     return "The model describes this capture down to its noise: no discrepancy.";
   case Verdict::explained:
-    return "What the model got wrong is explained by the causes above.";
+    return d.findings.empty()
+               ? fmt::format("{} explain this capture down to its noise.", causes)
+               : "What the model got wrong is explained by the causes above.";
   case Verdict::partly_explained:
-    return "The causes above explain a part; something else is left that nothing known explains.";
+    return fmt::format(
+        "{} explain a part; something else is left that nothing known explains.", causes);
   case Verdict::unexplained:
     return "The model is wrong here, and nothing known explains how.";
   case Verdict::insufficient_data:

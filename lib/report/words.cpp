@@ -52,10 +52,16 @@ std::string headline(const Diagnosis &d) {
         "No discrepancy: the model describes this capture down to its noise, {} rms.",
         millivolts(rest));
   case Verdict::explained:
+    if (d.findings.empty())
+      return fmt::format("Explained: the causes that the model names describe this capture down to "
+                         "its noise, {} rms.",
+                         millivolts(rest));
     return fmt::format("Explained: {} all that the model got wrong.", subject(d, "explain"));
   case Verdict::partly_explained:
-    return fmt::format("Partly explained: {} a part; {} rms is left that no known cause explains.",
-                       subject(d, "explain"), millivolts(d.unexplained_rms_v));
+    return fmt::format(
+        "Partly explained: {} a part; {} rms is left that no known cause explains.",
+        d.findings.empty() ? "the causes that the model names explain" : subject(d, "explain"),
+        millivolts(d.unexplained_rms_v));
   case Verdict::unexplained:
     return fmt::format("Unexplained: the model is wrong by {} rms, and no known cause says how.",
                        millivolts(d.unexplained_rms_v));
