@@ -19,6 +19,10 @@ inline constexpr std::size_t kFewestSamples = 12;
 /// are one in the data (Kanatani, Statistical Optimization, 1996, on short arcs).
 inline constexpr double kLeastCoverage = 0.33;
 
+/// Of what a channel that lives moves at least, at its peak while the other passes its middle: there
+/// it moves by all of it, a stuck one by none.
+inline constexpr double kStuckMoves = 0.25;
+
 /// Samples about reversals and changes of speed are left out only while at least this part stays.
 inline constexpr double kMostLeftOut = 0.8;
 

@@ -139,15 +139,6 @@ void leave_out_reversals(const Kinematics &motion, std::vector<char> &usable) {
       usable[i] = 0;
 }
 
-/// Share of the electrical circle that holds samples.
-double coverage(const Observations &all, int periods) {
-  constexpr std::size_t kSectors = 36;
-  std::array<bool, kSectors> seen{};
-  for (double a : all.alpha)
-    seen[std::min(kSectors - 1, static_cast<std::size_t>(wrap(periods * a, kTwoPi) / kTwoPi * kSectors))] = true;
-  return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / kSectors;
-}
-
 } // namespace
 
 void describe_motion(Scene &scene) {
@@ -506,7 +497,7 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   const Observations &all = scene.all;
   if (!scene.insufficient.empty())
     return scene;
-  if (const double seen = coverage(all, scene.periods); seen < criteria::kLeastCoverage)
+  if (const double seen = share_of_circle(all.alpha, scene.periods); seen < criteria::kLeastCoverage)
     scene.insufficient = fmt::format("the record shows {:.0f} of 360 electrical degrees; at least "
                                      "{:.0f} are needed to tell centre and axes apart",
                                      360.0 * seen, 360.0 * criteria::kLeastCoverage);

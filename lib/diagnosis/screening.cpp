@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -214,6 +215,15 @@ std::vector<double> reference_angle(const Capture &c) {
   return a;
 }
 
+double share_of_circle(std::span<const double> angle, int periods) {
+  constexpr std::size_t kSectors = 36;
+  std::array<bool, kSectors> seen{};
+  for (double a : angle)
+    seen[std::min(kSectors - 1,
+                  static_cast<std::size_t>(wrap(periods * a, kTwoPi) / kTwoPi * kSectors))] = true;
+  return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / kSectors;
+}
+
 double Screened::turns() const {
   double travel = 0.0;
   for (std::size_t i = 1; i < angle.size(); ++i)
@@ -228,16 +238,21 @@ bool screen_stuck(Screened &look, const Effect &effect) {
   if (n < 4 * tail)
     return false;
   const std::vector<double> *channels[2] = {&c.vsin_v, &c.vcos_v};
-  double spread[2];
-  for (int k = 0; k < 2; ++k)
-    spread[k] = robust_spread({channels[k]->data() + (n - tail), tail});
+  const auto last = [&](int k) {
+    return std::span<const double>(channels[k]->data() + (n - tail), tail);
+  };
   for (int k = 0; k < 2; ++k) {
     const double whole = range_of(*channels[1 - k], look.usable).half;
-    if (spread[k] > 0.01 * whole || spread[1 - k] < 0.1 * whole)
+    // While the other moves along the circle by `moved` of its half range to either side, a channel
+    // that lives moves by no less than this, at its very peak.
+    const double moved = std::min(1.0, 0.5 * bulk(last(1 - k)).width() / whole);
+    const double least = whole * (1.0 - std::sqrt(1.0 - moved * moved));
+    const double spread = robust_spread(last(k));
+    if (spread > 0.01 * whole || bulk(last(k)).width() > criteria::kStuckMoves * least)
       continue;
     const double held =
         quantile({channels[k]->end() - static_cast<std::ptrdiff_t>(tail), channels[k]->end()}, 0.5);
-    const double band = std::max(8.0 * spread[k], 1e-4 * whole);
+    const double band = std::max(8.0 * spread, 1e-4 * whole);
     std::size_t first = n;
     while (first > 0 && std::abs((*channels[k])[first - 1] - held) <= band)
       --first;
@@ -341,7 +356,7 @@ Screened first_look(const Capture &capture) {
   look.white_noise_v = white_noise(look);
   const bool few = look.turns() < criteria::kFewestUnits;
   look.smooth = capture.has_reference() || !few;
-  if (few)
+  if (few || share_of_circle(look.angle, capture.meta.periods_per_turn) < 1.0)
     angle_of_ellipse(look);
   the_effect_that_spoils(Spoils::readings).screen(look);
   return look;

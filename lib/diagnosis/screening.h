@@ -4,6 +4,8 @@
 // The first look at a capture, before any fit: dead channels, wiring, lost samples, spikes.
 #pragma once
 
+#include <span>
+
 #include "model/residual.h"
 #include "motion/kinematics.h"
 
@@ -17,6 +19,9 @@ void look_at_record(Screened &look);
 
 /// The reference, rad, unwrapped.
 std::vector<double> reference_angle(const Capture &capture);
+
+/// Share of the electrical circle, by sectors of 10 degrees, that mechanical angles in rad reach.
+double share_of_circle(std::span<const double> angle, int periods);
 
 /// The smooth motion of a capture without reference, with the jumps at lost samples and slips
 /// taken as what they are.

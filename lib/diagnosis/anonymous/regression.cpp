@@ -57,8 +57,9 @@ public:
     const std::vector<Eigen::Index> of(columns_.begin(),
                                        columns_.begin() + static_cast<std::ptrdiff_t>(m));
     const Eigen::VectorXd onto = from_.heldout(of, last);
+    const Eigen::MatrixXd among = from_.heldout(of, of);
     return std::max(0.0, from_.heldout(last, last) - 2.0 * values.dot(onto) +
-                             values.dot(from_.heldout(of, of) * values));
+                             values.dot(among * values));
   }
   std::vector<Eigen::Index> first(std::size_t k) const {
     return {columns_.begin(), columns_.begin() + static_cast<std::ptrdiff_t>(k)};
