@@ -112,6 +112,13 @@ Eigen::MatrixXd Search::own_moves(const Model &model) const {
   const auto n = static_cast<Eigen::Index>(model.effects.size());
   const ResidualColumns all = residual_columns(coarse_, model);
   const auto samples = static_cast<Eigen::Index>(coarse_.size());
+  // Where the pair is its own reference, what lies along the circle is no evidence: neither here nor
+  // in what there is to explain.
+  const auto weigh = [&](Eigen::Index i, double &sin, double &cos) {
+    const auto at = static_cast<std::size_t>(i);
+    if (coarse_.disturbed == Direction::motion)
+      coarse_.whiten(at, all.model_sin[at], all.model_cos[at], sin, cos);
+  };
   Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(2 * samples, n);
   for (Eigen::Index k = 0; k < n; ++k) {
     if (model.effects[static_cast<std::size_t>(k)].effect->info().evidence != Evidence::signal)
@@ -121,8 +128,9 @@ Eigen::MatrixXd Search::own_moves(const Model &model) const {
     const ResidualColumns rest = residuals_alone(coarse_, less);
     for (Eigen::Index i = 0; i < samples; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      moved(2 * i, k) = rest.sin[at] - all.sin[at];
-      moved(2 * i + 1, k) = rest.cos[at] - all.cos[at];
+      double sin = rest.sin[at] - all.sin[at], cos = rest.cos[at] - all.cos[at];
+      weigh(i, sin, cos);
+      moved.col(k).segment<2>(2 * i) << sin, cos;
     }
   }
   Eigen::MatrixXd free(2 * samples, 4);
@@ -132,6 +140,8 @@ Eigen::MatrixXd Search::own_moves(const Model &model) const {
     const double x = all.model_cos[at] - coarse_.centre_cos_v;
     free.row(2 * i) << 1.0, 0.0, y, x;
     free.row(2 * i + 1) << 0.0, 1.0, x, -y;
+    for (Eigen::Index k = 0; k < 4; ++k)
+      weigh(i, free(2 * i, k), free(2 * i + 1, k));
   }
   const Eigen::MatrixXd onto = free.transpose() * moved;
   const Eigen::Matrix4d within = free.transpose() * free;

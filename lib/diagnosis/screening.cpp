@@ -197,6 +197,12 @@ std::vector<double> against_neighbours(const std::vector<double> &v) {
   return peaks;
 }
 
+/// Turns between the two ends of the motion: a shaft that swings travels many and sees few.
+double turns_seen(const std::vector<double> &angle) {
+  const auto [low, high] = std::minmax_element(angle.begin(), angle.end());
+  return (*high - *low) / kTwoPi;
+}
+
 /// What no single capture tells from an effect.
 std::vector<std::string> rivals_of(const Effect &effect) {
   std::vector<std::string> out;
@@ -354,10 +360,14 @@ Screened first_look(const Capture &capture) {
   the_effect_that_spoils(Spoils::channel).screen(look);
   rough_angle(look);
   look.white_noise_v = white_noise(look);
-  const bool few = look.turns() < criteria::kFewestUnits;
-  look.smooth = capture.has_reference() || !few;
-  if (few || share_of_circle(look.angle, capture.meta.periods_per_turn) < 1.0)
+  if (look.turns() < criteria::kFewestUnits ||
+      share_of_circle(look.angle, capture.meta.periods_per_turn) < 1.0)
     angle_of_ellipse(look);
+  // Within a turn the angle itself is a function of the angle: a ripple that repeats with it could
+  // take in the whole motion.
+  look.smooth = capture.has_reference() ||
+                (look.turns() >= criteria::kFewestUnits &&
+                 turns_seen(look.angle) >= criteria::kFewestTurnsToRepeat);
   the_effect_that_spoils(Spoils::readings).screen(look);
   return look;
 }

@@ -242,7 +242,7 @@ SearchResult Search::run(bool thorough, const Model *found, double unnamed_v2) {
   // A signature is named only where no physical cause explains as much: those come first.
   signatures_ = found != nullptr;
   measure_discrepancy();
-  State now = evaluate(found ? *found : baseline_, 12);
+  State now = evaluate(found ? *found : with_expected(baseline_), 12);
   weigh_motion(now);
   bool swapped = false;
   for (int round = 0; round < 4; ++round) {
