@@ -47,20 +47,17 @@ inline constexpr double kFewestReadings = 3.0;
 /// Samples that it is fitted to and judged on: enough for 0.5 % of the noise in each of 100 columns.
 inline constexpr std::size_t kAnonymousTrain = 8000, kAnonymousHeldout = 4000;
 inline constexpr std::size_t kRemainderSamples = 30000;
-/// Orders of the turn that are looked at first, and where half of them are not enough; each takes
-/// this many samples, four numbers from two values each.
-inline constexpr int kFirstOrders = 32, kMostOrders = 96;
-/// The same in electrical periods, where the turn holds many: causes reach to four of them.
-inline constexpr int kFirstPeriods = 3, kMostPeriods = 5;
+/// Orders of the turn that are looked at: a map of the error has no finer detail that is worth its
+/// place. The same in electrical periods, where the turn holds many: causes reach to four of them.
+inline constexpr int kMostOrders = 96, kMostPeriods = 5;
 /// Turns that show what repeats in each: every angle is seen twice. Rings of more poles
 /// than this would need more orders than a capture tells.
 inline constexpr double kFewestTurnsToRepeat = 2.0;
 inline constexpr int kMostPeriodsInTurns = 32;
-/// Training samples up to which the highest orders cost nothing and are tried at once.
-inline constexpr std::size_t kFew = 3000;
+/// Samples that an order takes: four numbers from two values each.
 inline constexpr double kSamplesPerOrder = 6.0;
-/// Lines of the spectrum at most, and samples from which on they are looked for.
-inline constexpr std::size_t kMostLines = 3, kFewestForLines = 1000;
+/// Samples from which on lines of the spectrum are looked for.
+inline constexpr std::size_t kFewestForLines = 1000;
 
 /// Functions slow in time: at most so many half waves over the record, each of which lasts this many
 /// electrical periods, so that none follows the shaft.

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <optional>
+#include <utility>
 
 #include "base/angle.h"
 #include "base/robust.h"
@@ -178,6 +180,59 @@ bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
          line_along(r, [&](std::size_t i) { return order * r.alpha[i]; }).power > 0.2 * tone.power;
 }
 
+/// The two strongest lines of the spectrum that `skip` lets pass, with their frequencies in Hz.
+template <class Skip>
+std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, Skip skip) {
+  const std::size_t n = r.time.size();
+  const double span = n > 1 ? r.time.back() - r.time.front() : 0.0;
+  if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0 || turns_of(r) < kFewestTurns)
+    return {};
+  const double resolution = 1.0 / span;
+  std::vector<double> power;
+  double bin = 0.0;
+  {
+    const Spectrum spectrum = spectrum_over_time(r.time, r.sample_period_s, [&](std::size_t i) {
+      return std::complex(r.cos_v[i], r.sin_v[i]);
+    });
+    bin = spectrum.bin_hz;
+    const auto &line = spectrum.line;
+    power.resize(line.size() / 2);
+    for (std::size_t k = 1; k < power.size(); ++k)
+      power[k] = std::norm(line[k]) + std::norm(line[line.size() - k]);
+  }
+  const double floor = quantile(power, 0.5);
+  std::vector<std::pair<double, std::size_t>> peaks;
+  const auto first = static_cast<std::size_t>(std::ceil(4.0 * resolution / bin));
+  for (std::size_t k = std::max<std::size_t>(first, 2); k + 1 < power.size(); ++k)
+    if (power[k] > 12.0 * floor && power[k] >= power[k - 1] && power[k] >= power[k + 1])
+      peaks.emplace_back(power[k], k);
+  std::sort(peaks.rbegin(), peaks.rend());
+  std::vector<std::pair<double, Line>> out;
+  std::size_t looked_at = 0;
+  for (const auto &[p, k] : peaks) {
+    if (out.size() == 2 || ++looked_at > 40)
+      break;
+    // The bin is coarse for a fit over the whole span: climb to the top of the line.
+    double centre = static_cast<double>(k) * bin, step = 0.25 * bin;
+    Line best = line_at(r, centre);
+    if (skip(centre, best)) // most are; that shows at the bin already
+      continue;
+    for (int pass = 0; pass < 3; ++pass, step *= 0.25) {
+      const double from = centre;
+      for (int d = -4; d <= 4; ++d) {
+        const Line line = line_at(r, from + d * step);
+        if (line.power > best.power) {
+          best = line;
+          centre = from + d * step;
+        }
+      }
+    }
+    if (!skip(centre, best))
+      out.emplace_back(centre, best);
+  }
+  return out;
+}
+
 /// Where the mean changes most between a short stretch before and one after, all in one sense of
 /// rotation: what depends on speed or sense changes there too and is no step. 0: nowhere clearly.
 std::size_t sudden_step(const Residual &r, const std::vector<double> &a,
@@ -247,62 +302,38 @@ std::vector<StepGuess> find_steps(const Residual &r, StepIn where) {
 }
 
 std::vector<std::vector<double>> find_tones(const Residual &r) {
-  const std::size_t n = r.time.size();
-  const double span = n > 1 ? r.time.back() - r.time.front() : 0.0;
-  if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0 || turns_of(r) < kFewestTurns)
-    return {};
-  const double resolution = 1.0 / span;
-  std::vector<double> power;
-  double bin = 0.0;
-  {
-    const Spectrum spectrum = spectrum_over_time(r.time, r.sample_period_s, [&](std::size_t i) {
-      return std::complex(r.cos_v[i], r.sin_v[i]);
-    });
-    bin = spectrum.bin_hz;
-    const auto &line = spectrum.line;
-    power.resize(line.size() / 2);
-    for (std::size_t k = 1; k < power.size(); ++k)
-      power[k] = std::norm(line[k]) + std::norm(line[line.size() - k]);
-  }
-  const double floor = quantile(power, 0.5);
-  std::vector<std::pair<double, std::size_t>> peaks;
-  const auto first = static_cast<std::size_t>(std::ceil(4.0 * resolution / bin));
-  for (std::size_t k = std::max<std::size_t>(first, 2); k + 1 < power.size(); ++k)
-    if (power[k] > 12.0 * floor && power[k] >= power[k - 1] && power[k] >= power[k + 1])
-      peaks.emplace_back(power[k], k);
-  std::sort(peaks.rbegin(), peaks.rend());
-  const MostlyAt most = mostly_at(r);
+  const double span = r.time.empty() ? 0.0 : r.time.back() - r.time.front();
+  std::optional<MostlyAt> most;
   std::vector<std::vector<double>> tones;
-  std::size_t looked_at = 0;
-  for (const auto &[p, k] : peaks) {
-    if (tones.size() == 2 || ++looked_at > 40)
-      break;
-    // The bin is coarse for a fit over the whole span: climb to the top of the line.
-    double centre = static_cast<double>(k) * bin, step = 0.25 * bin;
-    Line best = line_at(r, centre);
-    const auto no_tone = [&] {
-      return turns_with_shaft(r, order_near(r, centre, resolution), best) ||
-             (rotates(best) && one_sided(r, most, centre)) || has_fellow(r, most, centre);
-    };
-    if (no_tone()) // most are; that shows at the bin already
-      continue;
-    for (int pass = 0; pass < 3; ++pass, step *= 0.25) {
-      const double from = centre;
-      for (int d = -4; d <= 4; ++d) {
-        const Line line = line_at(r, from + d * step);
-        if (line.power > best.power) {
-          best = line;
-          centre = from + d * step;
-        }
-      }
-    }
-    if (no_tone())
-      continue;
-    const auto &a = best.amplitudes;
-    tones.push_back({centre, std::hypot(a[0], a[1]), std::hypot(a[2], a[3]),
+  const auto no_tone = [&](double frequency, const Line &line) {
+    if (!most)
+      most = mostly_at(r);
+    return turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line) ||
+           (rotates(line) && one_sided(r, *most, frequency)) || has_fellow(r, *most, frequency);
+  };
+  for (const auto &[frequency, line] : strongest_lines(r, no_tone)) {
+    const auto &a = line.amplitudes;
+    tones.push_back({frequency, std::hypot(a[0], a[1]), std::hypot(a[2], a[3]),
                      std::atan2(a[1], a[0]) * kDegPerRad, std::atan2(a[3], a[2]) * kDegPerRad});
   }
   return tones;
+}
+
+std::vector<double> find_modulations(const Residual &r) {
+  std::vector<double> along(r.time.size()), across(r.time.size());
+  for (std::size_t i = 0; i < r.time.size(); ++i) {
+    double s, c;
+    sincos(r.periods * r.alpha[i], &s, &c);
+    along[i] = r.cos_v[i] * c + r.sin_v[i] * s;
+    across[i] = r.sin_v[i] * c - r.cos_v[i] * s;
+  }
+  Residual turned = r;
+  turned.cos_v = along;
+  turned.sin_v = across;
+  std::vector<double> out;
+  for (const auto &line : strongest_lines(turned, [](double, const Line &) { return false; }))
+    out.push_back(line.first);
+  return out;
 }
 
 std::vector<std::vector<double>> find_clipping(const Residual &r) {

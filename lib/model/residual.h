@@ -48,6 +48,10 @@ std::vector<StepGuess> find_steps(const Residual &residual, StepIn where);
 /// Strongest lines of the residual's spectrum over time, as values of `periodic-interference`.
 std::vector<std::vector<double>> find_tones(const Residual &residual);
 
+/// Frequencies, Hz, at which gain and angle are modulated: the strongest lines of the residual's
+/// parts along and across the vector.
+std::vector<double> find_modulations(const Residual &residual);
+
 /// Levels at which the signal stops below what the model expects, as values of `clipping`.
 std::vector<std::vector<double>> find_clipping(const Residual &residual);
 

@@ -74,29 +74,29 @@ int most_orders(const Scene &scene, std::size_t samples, int wanted) {
 }
 
 Anonymous fitted(const Scene &scene, const Halves &halves, double zero_rad, int orders,
-                 const std::vector<double> &lines_hz, Asked asked) {
+                 const std::vector<SpectralLine> &lines, Asked asked) {
   Anonymous out;
   out.basis = generic_basis(scene, halves.train, zero_rad,
-                            most_orders(scene, halves.train.size(), orders), lines_hz, asked);
+                            most_orders(scene, halves.train.size(), orders), lines, asked);
   out.from = products(out.basis, halves.train, halves.train_left, halves.heldout, halves.heldout_left);
   out.selection = select(out.basis, out.from);
   return out;
 }
 
-/// Frequencies of the strongest lines of what the selection leaves, Hz.
-std::vector<double> lines_of(const Scene &scene, const Halves &halves, const Anonymous &left,
-                             const Model &model) {
-  if (halves.train.size() < criteria::kFewestForLines)
-    return {};
+/// The strongest lines of what the selection leaves.
+std::vector<SpectralLine> lines_of(const Scene &scene, const Halves &halves, const Anonymous &left,
+                                   const Model &model, bool turns) {
   ResidualColumns rest = halves.train_left;
   subtract(left.basis, left.selection, halves.train, rest);
   const Residual view = residual_view(scene, halves.train, rest, std::sqrt(left.selection.train_v2),
                                       model.baseline.amplitude_v);
-  std::vector<double> out;
-  for (const auto &values : find_tones(view))
-    out.push_back(values[0]);
-  if (out.size() > criteria::kMostLines)
-    out.resize(criteria::kMostLines);
+  std::vector<SpectralLine> out;
+  if (turns)
+    for (double hz : find_modulations(view))
+      out.push_back({hz, true});
+  else
+    for (const auto &values : find_tones(view))
+      out.push_back({values[0], false});
   return out;
 }
 
@@ -106,20 +106,23 @@ Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &mode
                        bool conditions) {
   const Halves halves = halves_of(parts, model);
   const bool over_time = !parts.second_capture;
-  const auto with = [&](int orders, const std::vector<double> &lines) {
+  const auto with = [&](int orders, const std::vector<SpectralLine> &lines) {
     return fitted(scene, halves, zero_of(model), orders, lines, {over_time, conditions});
   };
-  const bool few = halves.train.size() <= criteria::kFew;
   const int unit = in_turns(scene) ? scene.periods : 1;
-  const int first = std::max(criteria::kFirstOrders, criteria::kFirstPeriods * unit);
-  const int most = std::max(criteria::kMostOrders, criteria::kMostPeriods * unit);
-  Anonymous out = with(few ? most : first, {});
-  if (!few && out.selection.orders[0] > first / 2)
-    out = with(most, {});
-  if (!over_time || !conditions)
+  Anonymous out = with(std::max(criteria::kMostOrders, criteria::kMostPeriods * unit), {});
+  if (!over_time || !conditions || halves.train.size() < criteria::kFewestForLines)
     return out;
-  const std::vector<double> lines = lines_of(scene, halves, out, model);
-  return lines.empty() ? out : with(std::max(2, out.selection.orders[0]), lines);
+  // Tones first: in the frame that turns with the vector each of them would be two lines.
+  std::vector<SpectralLine> lines;
+  for (const bool turns : {false, true}) {
+    const std::vector<SpectralLine> more = lines_of(scene, halves, out, model, turns);
+    if (more.empty())
+      continue;
+    lines.insert(lines.end(), more.begin(), more.end());
+    out = with(std::max(2, out.selection.orders[0]), lines);
+  }
+  return out;
 }
 
 Quality quality_with(const Anonymous &left, const Parts &parts, const Model &model) {

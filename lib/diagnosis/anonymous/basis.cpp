@@ -118,7 +118,7 @@ bool in_turns(const Scene &scene) {
 }
 
 Basis generic_basis(const Scene &scene, const Observations &data, double zero_rad, int orders,
-                    const std::vector<double> &lines_hz, Asked asked) {
+                    const std::vector<SpectralLine> &lines, Asked asked) {
   const int p = scene.periods;
   Basis out(p, zero_rad);
   out.scale_to(data);
@@ -165,9 +165,10 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
     for (int m : pair)
       if (asked.conditions || m != -p) // a process moves offsets and gain
         out.add(Axis::time, order, m, {Modulation::trend, order});
-  for (std::size_t k = 0; k < lines_hz.size(); ++k)
+  for (std::size_t k = 0; k < lines.size(); ++k)
     for (auto kind : {Modulation::line_cos, Modulation::line_sin})
-      out.add(Axis::frequency, static_cast<int>(k) + 1, 0, {kind, 0, lines_hz[k]});
+      out.add(Axis::frequency, static_cast<int>(k) + 1, lines[k].turns ? p : 0,
+              {kind, 0, lines[k].frequency_hz});
   return out;
 }
 

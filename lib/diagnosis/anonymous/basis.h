@@ -91,6 +91,13 @@ private:
   std::vector<Group> groups_;
 };
 
+/// A line of the spectrum: of the channels as they are (an added tone), or of what turns with the
+/// vector (its gain and angle are modulated).
+struct SpectralLine {
+  double frequency_hz;
+  bool turns;
+};
+
 /// Which axes are asked.
 struct Asked {
   bool over_time = true;  ///< false: another capture judges, which knows nothing of this one's time
@@ -103,8 +110,8 @@ struct Asked {
 bool in_turns(const Scene &scene);
 
 /// What the capture lets each axis show. `orders`: highest order of the turn on the angle axis;
-/// `lines_hz`: frequencies of lines of the spectrum.
+/// `lines`: of the spectrum.
 Basis generic_basis(const Scene &scene, const Observations &data, double zero_rad, int orders,
-                    const std::vector<double> &lines_hz, Asked asked);
+                    const std::vector<SpectralLine> &lines, Asked asked);
 
 } // namespace ada
