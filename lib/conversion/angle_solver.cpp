@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/angle.h"
+#include "base/robust.h"
 #include "conversion/sample_status.h"
 #include "motion/kinematics.h"
 #include "motion/surroundings.h"
@@ -40,7 +41,8 @@ bool needs_motion(const Model &model) {
   return !taps.trivial();
 }
 
-/// Mean square of the third differences of an angle: large when the motion is uneven.
+/// Median of the third differences of an angle: large when the motion is uneven. A reversal or a
+/// sudden change of speed is in few of them, and no part of a turn makes it even.
 double unevenness(std::span<const double> alpha) {
   // Over a twentieth of a turn and more, so that noise does not hide the ripple.
   double travel = 0.0;
@@ -50,13 +52,11 @@ double unevenness(std::span<const double> alpha) {
     return 0.0;
   const double per_sample = travel / static_cast<double>(alpha.size());
   const auto stride = static_cast<std::size_t>(std::clamp(0.6 / per_sample, 1.0, 1e6));
-  double sum = 0.0;
-  for (std::size_t i = 0; i + 3 * stride < alpha.size(); ++i) {
-    const double d =
-        alpha[i + 3 * stride] - 3.0 * alpha[i + 2 * stride] + 3.0 * alpha[i + stride] - alpha[i];
-    sum += d * d;
-  }
-  return sum;
+  std::vector<double> bends;
+  for (std::size_t i = 0; i + 3 * stride < alpha.size(); ++i)
+    bends.push_back(std::abs(alpha[i + 3 * stride] - 3.0 * alpha[i + 2 * stride] +
+                             3.0 * alpha[i + stride] - alpha[i]));
+  return bends.empty() ? 0.0 : quantile(std::move(bends), 0.5);
 }
 
 /// Columns of conditions for a capture.

@@ -186,5 +186,23 @@ TEST_F(AngleSolverRemainder, SaysWhichPartOfATurnWithoutAReference) {
   EXPECT_LT(worst_error_deg(alpha, out, 2), 1e-6);
 }
 
+TEST_F(AngleSolverRemainder, AReversalDoesNotHideThePartOfATurn) {
+  Model model = sensor();
+  model.remainder = drawn_remainder(rng_, 5, 0.02, false);
+  std::vector<double> alpha;
+  Capture c = steady(model, 0.0, start_, alpha);
+  // The way there and back again: the second half is the first one, read from its end.
+  const std::size_t half = c.size() / 2;
+  for (std::size_t i = half; i < c.size(); ++i) {
+    const std::size_t from = 2 * half - 1 - std::min(i, 2 * half - 1);
+    alpha[i] = alpha[from];
+    c.vsin_v[i] = c.vsin_v[from];
+    c.vcos_v[i] = c.vcos_v[from];
+  }
+  std::vector<ada4571_angle> out(kSamples);
+  AngleSolver(model).capture(c, out);
+  EXPECT_LT(worst_error_deg(alpha, out, 2), 1e-6);
+}
+
 } // namespace
 } // namespace ada::test
