@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -98,6 +99,43 @@ bool rotates(const Line &tone) {
   const double in_phase = (a[0] * a[2] + a[1] * a[3]) / std::max(s * c, 1e-30);
   return std::abs(in_phase) < 0.34 && std::max(s, c) < 1.3 * std::min(s, c);
 }
+
+/// The residual as it would be if the model's pair drew a circle: what turns with the vector then
+/// has two equal channels a quarter of a period apart, however unlike those of the pair are.
+struct Rounded {
+  std::array<std::vector<double>, 4> column;
+  Residual view;
+
+  explicit Rounded(const Residual &r) : view(r) {
+    Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+    for (std::size_t i = 0; i < r.time.size(); ++i) {
+      const Eigen::Vector2d x(r.model_sin_v[i] - r.centre_sin_v, r.model_cos_v[i] - r.centre_cos_v);
+      spread += x * x.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread);
+    if (!(axes.eigenvalues()[0] > kFlattest * axes.eigenvalues()[1]))
+      return;
+    const Eigen::Matrix2d round =
+        std::sqrt(0.5 * spread.trace()) * axes.operatorInverseSqrt();
+    const auto turn = [&](const auto &sin, const auto &cos, double sin0, double cos0, std::size_t to) {
+      for (std::size_t i = 0; i < sin.size(); ++i) {
+        const Eigen::Vector2d x = round * Eigen::Vector2d(sin[i] - sin0, cos[i] - cos0);
+        column[to].push_back(x[0] + sin0);
+        column[to + 1].push_back(x[1] + cos0);
+      }
+    };
+    turn(r.sin_v, r.cos_v, 0.0, 0.0, 0);
+    turn(r.model_sin_v, r.model_cos_v, r.centre_sin_v, r.centre_cos_v, 2);
+    view.sin_v = column[0];
+    view.cos_v = column[1];
+    view.model_sin_v = column[2];
+    view.model_cos_v = column[3];
+  }
+
+private:
+  /// Of the mean squares along the two axes: what is flatter is no turn of the pair.
+  static constexpr double kFlattest = 0.05;
+};
 
 /// The samples at the speed that the shaft has most, with the frequency of the pair there, Hz.
 struct MostlyAt {
@@ -301,7 +339,9 @@ std::vector<StepGuess> find_steps(const Residual &r, StepIn where) {
   return out;
 }
 
-std::vector<std::vector<double>> find_tones(const Residual &r) {
+std::vector<std::vector<double>> find_tones(const Residual &residual) {
+  const Rounded rounded(residual);
+  const Residual &r = rounded.view;
   const double span = r.time.empty() ? 0.0 : r.time.back() - r.time.front();
   std::optional<MostlyAt> most;
   std::vector<std::vector<double>> tones;
@@ -312,7 +352,7 @@ std::vector<std::vector<double>> find_tones(const Residual &r) {
            (rotates(line) && one_sided(r, *most, frequency)) || has_fellow(r, *most, frequency);
   };
   for (const auto &[frequency, line] : strongest_lines(r, no_tone)) {
-    const auto &a = line.amplitudes;
+    const auto a = line_at(residual, frequency).amplitudes;
     tones.push_back({frequency, std::hypot(a[0], a[1]), std::hypot(a[2], a[3]),
                      std::atan2(a[1], a[0]) * kDegPerRad, std::atan2(a[3], a[2]) * kDegPerRad});
   }
