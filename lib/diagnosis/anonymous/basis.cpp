@@ -155,10 +155,10 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
       out.add(Axis::supply, 1, m, {Modulation::supply});
   // Slow in time: half waves that each last two electrical periods or more, so that none of them
   // follows the shaft.
-  // Where hardly an angle comes twice, time and angle are one.
+  // Where no angle comes twice, time and angle are one.
   const double rounds = scene.turns * step;
   const int waves =
-      !asked.over_time || rounds < criteria::kFewestUnits ? 0
+      !asked.over_time || rounds < criteria::kFewestTurnsToRepeat ? 0
                  : static_cast<int>(std::min(
                        criteria::kMostTrends, std::floor(scene.turns * p / criteria::kPeriodsPerTrend)));
   for (int order = 1; order <= waves; ++order)
