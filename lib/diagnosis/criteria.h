@@ -101,6 +101,10 @@ inline constexpr double kOfUnknown = 0.3;
 /// half by chance.
 inline constexpr double kOfRival = 0.5;
 
+/// Of what a cause explains, the most that a rival may leave for not being known to second order: a
+/// series whose second term were larger would not be known to first order either.
+inline constexpr double kMostBlurred = 0.3;
+
 /// A cause may move the signal by this much of what there is to explain. What is larger stands only
 /// because others cancel it: two true causes of one size leave two thirds of it unless three quarters
 /// of their shapes are the same and of opposite sign.

@@ -27,6 +27,16 @@ void Search::choose(State &now, std::size_t effect) const {
   }
 }
 
+/// A rival takes the place of one cause and leaves the others what they are: one of them that grows
+/// by more than that cause explained, and twice as much, does its work.
+bool Search::others_stay(const Model &model, std::size_t effect, const Model &rival,
+                         double part) const {
+  for (std::size_t k = given_, r = given_; k < model.effects.size(); ++k)
+    if (k != effect && reach(rival, r++) > reach(model, k) + 2.0 * part)
+      return false;
+  return true;
+}
+
 std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *better) const {
   std::vector<Rival> out;
   const State less = without(now, effect);
@@ -67,13 +77,16 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
     const double side = side_evidence(data_, rival.fit.model) - my_side;
     // Beside what has no name the variance of that covers what is not known to second order.
     const double blurred =
-        at_rest && !data_.train.coloured ? std::max({std::min(4.0 * part * (part + offset) / base.amplitude_v, 0.3 * part),
-                            in_transfer, 4.0 * part * others / base.amplitude_v})
-                : 0.0;
+        at_rest && !data_.train.coloured
+            ? std::min(criteria::kMostBlurred * part,
+                       std::max({4.0 * part * (part + offset) / base.amplitude_v, in_transfer,
+                                 4.0 * part * others / base.amplitude_v}))
+            : 0.0;
     const double left = std::sqrt(std::max(0.0, rival.heldout - now.heldout) / (2.0 * n));
     if (side < -criteria::kRivalNats || (rival.score - side < now.score - criteria::kRivalNats && left > blurred))
       continue;
-    out.push_back({std::string(c.effect->info().id), rival.fit.model});
+    if (others_stay(now.fit.model, effect, rival.fit.model, part))
+      out.push_back({std::string(c.effect->info().id), rival.fit.model});
     const double saved =
         price(now.fit.model.effects[effect]) - price(rival.fit.model.effects.back());
     const bool yields = self->info().yields_to == c.effect->info().id;
