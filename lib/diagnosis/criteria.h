@@ -60,8 +60,9 @@ inline constexpr double kSamplesPerOrder = 6.0;
 inline constexpr std::size_t kFewestForLines = 1000;
 
 /// Functions slow in time: at most so many half waves over the record, each of which lasts this many
-/// electrical periods, so that none follows the shaft.
-inline constexpr double kMostTrends = 32.0, kPeriodsPerTrend = 1.5;
+/// electrical periods, so that none follows the shaft, and no more than two to a round of what repeats
+/// with the angle, as those are the angle's.
+inline constexpr double kMostTrends = 32.0, kPeriodsPerTrend = 1.5, kTrendsPerRound = 2.0;
 /// Held-out nats by which an axis must gain to be admitted: by chance once in e^6 = 400 axes. Each
 /// further step in its order must gain this many.
 inline constexpr double kAdmittedNats = 6.0, kNatsPerOrder = 1.0;

@@ -154,14 +154,13 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
     for (int m : pair)
       out.add(Axis::supply, 1, m, {Modulation::supply});
   // Slow in time: half waves that each last two electrical periods or more, so that none of them
-  // follows the shaft.
-  // Where no angle comes twice, time and angle are one.
+  // follows the shaft, and half of what repeats with the angle. Where no angle comes twice, time and
+  // angle are one.
   const double rounds = scene.turns * step;
-  const int waves =
-      !asked.over_time || rounds < criteria::kFewestTurnsToRepeat ? 0
-                 : static_cast<int>(std::min(
-                       criteria::kMostTrends, std::floor(scene.turns * p / criteria::kPeriodsPerTrend)));
-  for (int order = 1; order <= waves; ++order)
+  const double waves = std::min({criteria::kMostTrends, scene.turns * p / criteria::kPeriodsPerTrend,
+                                 criteria::kTrendsPerRound * rounds});
+  asked.over_time = asked.over_time && rounds >= criteria::kFewestTurnsToRepeat;
+  for (int order = 1; asked.over_time && order <= static_cast<int>(waves); ++order)
     for (int m : pair)
       if (asked.conditions || m != -p) // a process moves offsets and gain
         out.add(Axis::time, order, m, {Modulation::trend, order});
