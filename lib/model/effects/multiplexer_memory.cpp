@@ -35,18 +35,14 @@ public:
     if (m == 0.0)
       return;
     double turned_c[kWaveBlock], turned_s[kWaveBlock];
-    if (w.at.vtemp_scan == nullptr) {
-      for (std::size_t i = 0; i < w.n; ++i)
-        turned_s[i] = w.periods * w.at.omega[i] * w.at.frame_period_s;
-      sincos_of(turned_s, w.n, turned_s, turned_c);
-    }
+    for (std::size_t i = 0; i < w.n; ++i)
+      turned_s[i] = w.at.omega ? w.periods * w.at.omega[i] * w.at.frame_period_s : 0.0;
+    sincos_of(turned_s, w.n, turned_s, turned_c);
     for (std::size_t i = 0; i < w.n; ++i) {
-      double before;
-      if (w.at.vtemp_scan != nullptr) {
-        before = w.at.vtemp_scan[i];
-      } else { // VCOS one frame ago: turn the pair back by the step of psi
-        before = w.mid_v + (w.c[i] - w.mid_v) * turned_c[i] + (w.s[i] - w.mid_v) * turned_s[i];
-      }
+      // VCOS one frame ago: turn the pair back by the step of psi.
+      double before = w.mid_v + (w.c[i] - w.mid_v) * turned_c[i] + (w.s[i] - w.mid_v) * turned_s[i];
+      if (w.at.vtemp_scan != nullptr) // VTEMP has kept a part of it
+        before = w.at.vtemp_scan[i] + m * (before - w.at.vtemp_scan[i]);
       w.s[i] += m * (before - w.s[i]);
       w.c[i] += m * (w.s[i] - w.c[i]);
     }
