@@ -71,7 +71,9 @@ Line line_at(const Residual &r, double frequency) {
 
 /// The order of the turn that a frequency is near at a speed at which the capture dwells; 0: none.
 int order_near(const Residual &r, double frequency, double resolution) {
-  // Speeds at which the capture dwells, each with the width of its orders.
+  // Speeds at which the capture dwells, each with the width of its orders: what the reference reads
+  // wrong ripples its speed as well, and whether the line follows the angle is asked apart.
+  constexpr double kDwells = 0.02;
   std::vector<double> speed;
   for (double w : r.omega)
     speed.push_back(std::abs(w) / kTwoPi);
@@ -81,11 +83,11 @@ int order_near(const Residual &r, double frequency, double resolution) {
       return speed[static_cast<std::size_t>(share * static_cast<double>(speed.size() - 1))];
     };
     const double f = at(q);
-    if (f < resolution || at(q + 0.04) - at(q - 0.04) > 0.02 * f) // only passed through
+    if (f < resolution || at(q + 0.04) - at(q - 0.04) > kDwells * f) // only passed through
       continue;
     const double order = std::round(frequency / f);
     if (order >= 1.0 && order <= 24.0 &&
-        std::abs(frequency - order * f) < 3.0 * resolution + 2e-3 * order * f)
+        std::abs(frequency - order * f) < 3.0 * resolution + kDwells * order * f)
       return static_cast<int>(order);
   }
   return 0;
