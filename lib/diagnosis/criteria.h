@@ -26,6 +26,9 @@ inline constexpr double kStuckMoves = 0.25;
 /// Samples about reversals and changes of speed are left out only while at least this part stays.
 inline constexpr double kMostLeftOut = 0.8;
 
+/// Standard error of the sample clock, relative: of quartz that is good to 50 ppm, spread evenly.
+inline constexpr double kClock = 29e-6;
+
 // --- the hold-out
 
 /// Turns from which on whole turns are held out: two of six judge, and each of them sees all angles.

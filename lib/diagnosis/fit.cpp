@@ -357,9 +357,14 @@ void attach_errors(FitResult &result) {
         jacobian * result.covariance.block(first, first, n, n) * jacobian.transpose();
     e.std_errors.resize(centre.size(), 0.0);
     for (std::size_t r = 0; r < centre.size(); ++r)
-      if (e.effect->info().parameters[r].role != Role::chosen) // no fit moves those
-        e.std_errors[r] = std::sqrt(
-            std::max(0.0, covariance(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(r))));
+      if (e.effect->info().parameters[r].role != Role::chosen) { // no fit moves those
+        const auto at = static_cast<Eigen::Index>(r);
+        // A frequency is told in the time of the capture's own clock.
+        const double of_clock = e.effect->info().parameters[r].unit == "Hz"
+                                    ? criteria::kClock * centre[r]
+                                    : 0.0;
+        e.std_errors[r] = std::hypot(std::sqrt(std::max(0.0, covariance(at, at))), of_clock);
+      }
     k += static_cast<std::size_t>(n);
   }
 }

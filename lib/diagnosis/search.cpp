@@ -197,6 +197,37 @@ std::vector<std::size_t> Search::suspects(const State &now) const {
   return out;
 }
 
+/// What a step costs is paid by the whole model.
+double Search::value(const State &state) const {
+  double v = state.score;
+  for (std::size_t k = given_; k < state.fit.model.effects.size(); ++k)
+    v -= price(state.fit.model.effects[k]);
+  return v;
+}
+
+/// Of two ways to read one effect that do as well, the one that needs less beside it: an offset ahead
+/// of a bent transfer is a mismatch behind it.
+bool Search::choose_simpler(State &now) {
+  bool changed = false;
+  for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k) {
+    const EffectInstance e = now.fit.model.effects[k];
+    for (auto &values : e.effect->choices(e.values)) {
+      Model model = now.fit.model;
+      model.effects[k].values = std::move(values);
+      State other = evaluate(model);
+      backward(other);
+      if (!other.fit.determined || value(other) <= value(now))
+        continue;
+      now = std::move(other);
+      changed = true;
+      break;
+    }
+    if (changed)
+      break;
+  }
+  return changed;
+}
+
 /// A cause found early, while others were still mixed into the residual, may be a wrong one that
 /// hides the right ones. Where much is left over, the suspects are given up in turn and the search
 /// goes on from there.
@@ -207,12 +238,6 @@ bool Search::shake(State &now) {
   if (rms < criteria::kShaken * std::max(noise_v_, data_.scene->white_noise_v) ||
       now.fit.model.effects.size() > given_ + criteria::kMostShaken)
     return false;
-  const auto value = [&](const State &s) {
-    double v = s.score;
-    for (std::size_t k = given_; k < s.fit.model.effects.size(); ++k)
-      v -= price(s.fit.model.effects[k]);
-    return v;
-  };
   State best = now;
   const bool rejected = std::exchange(supply_rejected_, true); // weights stay as they are
   for (std::size_t k : suspects(now)) {
@@ -248,7 +273,7 @@ SearchResult Search::run(bool thorough, const Model *found, double unnamed_v2) {
   for (int round = 0; round < 4; ++round) {
     climb(now);
     progress("dropping what is not needed");
-    const bool dropped = backward(now);
+    const bool dropped = backward(now) || choose_simpler(now);
     if (!thorough)
       break;
     progress("comparing rivals");

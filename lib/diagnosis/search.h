@@ -89,6 +89,8 @@ private:
   void climb(State &now);
   void choose(State &now, std::size_t effect) const;
   std::vector<std::size_t> suspects(const State &now) const;
+  double value(const State &state) const;
+  bool choose_simpler(State &now);
   bool shake(State &now);
   bool backward(State &now);
   bool sideways(State &now);

@@ -126,7 +126,8 @@ TEST(Diagnose, a_wild_sample_decides_nothing) {
     (at % 2 == 0 ? c.vsin_v : c.vcos_v)[at] = at % 3 == 0 ? 999999.0 : -4000.0;
     const Diagnosis d = diagnose(c, {});
     EXPECT_EQ(d.verdict, Verdict::no_discrepancy)
-        << "sample " << at << (d.findings.empty() ? "" : ": " + d.findings[0].explanation);
+        << "sample " << at << " with reference " << reference << (d.findings.empty() ? "" : ": " + d.findings[0].explanation)
+        << (d.structure.empty() ? "" : ", " + d.structure[0].description);
     // Without a reference a residual of 0.5 mV is told to 15 %; of volts there must be nothing.
     EXPECT_LT(d.extended_quality.heldout.residual_rms_v, 8e-4);
   }
@@ -194,7 +195,7 @@ TEST(Diagnose, the_data_choose_whether_an_offset_comes_before_a_bent_transfer_or
     model.baseline.offset_cos_v = -0.025;
     model.effects.push_back(parse_effect(text));
     const Diagnosis d = diagnose(capture_of(model, Drive(), rng), {});
-    ASSERT_EQ(d.findings.size(), 1u) << text;
+    ASSERT_EQ(d.findings.size(), 1u) << text << (d.findings.empty() ? "" : d.findings.back().explanation);
     EXPECT_NEAR(d.findings[0].values[0], 0.015, 1e-4);
     EXPECT_EQ(d.findings[0].values[1] == 1.0, after) << text;
   }
