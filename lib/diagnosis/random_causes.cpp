@@ -436,15 +436,18 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
                         : differ             ? std::min(along, across)
                                              : 0.5 * (along + across);
   const Effect *excess = effect_of(Evidence::noise, "noise", Pattern::offset, Character::white);
-  if (excess && stated_v > 0.0 && white(along > across ? shape.across : shape.along) && white2 > criteria::kMoreVariance * stated_v * stated_v) {
+  if (excess && stated_v > 0.0 && white(along > across ? shape.across : shape.along) &&
+      white2 > criteria::kMoreVariance * stated_v * stated_v) {
     const double more = std::sqrt(white2 - stated_v * stated_v);
     const double ratio = white2 / (stated_v * stated_v);
-    out.push_back({excess,
-                   {more},
-                   {white2 * relative_error / std::sqrt(one ? 1.0 : 2.0) / (2.0 * more)},
-                   {},
-                   n * (ratio - 1.0 - std::log(ratio)),
-                   0.0});
+    const double nats = n * (ratio - 1.0 - std::log(ratio));
+    if (nats > criteria::kNatsOfNoise)
+      out.push_back({excess,
+                     {more},
+                     {white2 * relative_error / std::sqrt(one ? 1.0 : 2.0) / (2.0 * more)},
+                     {},
+                     nats,
+                     0.0});
   }
   return out;
 }

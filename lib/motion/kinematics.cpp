@@ -231,14 +231,64 @@ bool repeats_every_turn(std::span<const double> angle, const std::vector<double>
   return left < limit * limit * count;
 }
 
+/// Times the usual samples of a quarter of a turn, where the shaft dwells.
+constexpr double kDwells = 2.0;
+
+/// Where a shaft turns back it dwells, and many samples show there what the spline has smoothed too
+/// much, each within its noise. Root of the mean power of means over eighths of a stretch, in units
+/// of what noise of equal power a sample gives them.
+double slow_part(std::span<const double> residual, std::span<const char> usable) {
+  constexpr std::size_t kParts = 8;
+  double power = 0.0;
+  for (std::size_t part = 0; part < kParts; ++part) {
+    double sum = 0.0, count = 0.0;
+    for (std::size_t i = part * residual.size() / kParts;
+         i < (part + 1) * residual.size() / kParts; ++i)
+      if (usable[i]) {
+        sum += residual[i];
+        count += 1.0;
+      }
+    power += sum * sum / std::max(count, 1.0);
+  }
+  return std::sqrt(power / kParts);
+}
+
+/// A quarter of a turn or more of the motion.
+struct Stretch {
+  std::size_t from, to;
+  double rms, slow;
+  double angle; ///< at its beginning, rad
+};
+
+/// Far above the rest: the smooth part is the better part, yet the greater part is never thrown away.
+double far_above(const std::vector<Stretch> &stretches, double Stretch::*what, double factor) {
+  std::vector<double> v;
+  for (const Stretch &s : stretches)
+    v.push_back(s.*what);
+  std::sort(v.begin(), v.end());
+  return factor * std::max(2.5 * v[v.size() / 4], 1.5 * v[v.size() * 3 / 4]);
+}
+
+/// Whether most stretches at the angle of one are as slow as it: what repeats with the angle is the
+/// sensor's, not the motion's.
+bool slow_at_this_angle(const std::vector<Stretch> &stretches, std::size_t one, double limit) {
+  constexpr std::size_t kBeside = 2; // neighbours share the same moment
+  double there = 0.0, slow = 0.0;
+  for (std::size_t k = 0; k < stretches.size(); ++k) {
+    if (k + kBeside >= one && k <= one + kBeside)
+      continue;
+    if (std::abs(wrap_centred(stretches[k].angle - stretches[one].angle, kTwoPi)) < kTwoPi / 8.0) {
+      there += 1.0;
+      slow += stretches[k].slow > limit ? 1.0 : 0.0;
+    }
+  }
+  return slow > 0.5 * there;
+}
+
 /// Marks stretches whose residual stands far above that of the rest (`factor` 1: as far as must
 /// be), with a turn on either side.
 bool mask_rough(std::span<const double> angle, const std::vector<double> &residual, double factor,
                 double side, std::span<char> usable) {
-  struct Stretch {
-    std::size_t from, to;
-    double rms;
-  };
   std::vector<Stretch> stretches;
   std::size_t from = 0;
   double travel = 0.0, sum = 0.0, count = 0.0;
@@ -252,18 +302,16 @@ bool mask_rough(std::span<const double> angle, const std::vector<double> &residu
     if (travel < 0.25 * kTwoPi && i + 1 < angle.size())
       continue;
     if (count >= 4.0)
-      stretches.push_back({from, i + 1, std::sqrt(sum / count)});
+      stretches.push_back({from, i + 1, std::sqrt(sum / count),
+                           slow_part(std::span(residual).subspan(from, i + 1 - from),
+                                     usable.subspan(from, i + 1 - from)),
+                           angle[from]});
     from = i + 1;
     travel = sum = count = 0.0;
   }
   if (stretches.size() < 12)
     return false;
-  std::vector<double> rms;
-  for (const Stretch &s : stretches)
-    rms.push_back(s.rms);
-  // The smooth part is the better part, yet the greater part is never thrown away.
-  std::sort(rms.begin(), rms.end());
-  const double limit = factor * std::max(2.5 * rms[rms.size() / 4], 1.5 * rms[rms.size() * 3 / 4]);
+  const double limit = far_above(stretches, &Stretch::rms, factor);
   // Runs of rough stretches, across short ones that are not.
   constexpr std::size_t kAcross = 4;
   std::vector<char> spared(stretches.size(), 0);
@@ -279,10 +327,19 @@ bool mask_rough(std::span<const double> angle, const std::vector<double> &residu
                 spared.begin() + static_cast<std::ptrdiff_t>(last + 1), char{1});
     k = last;
   }
+  const double slow_limit = far_above(stretches, &Stretch::slow, factor);
+  std::vector<double> samples;
+  for (const Stretch &s : stretches)
+    samples.push_back(static_cast<double>(s.to - s.from));
+  const double dwell = kDwells * quantile(samples, 0.5);
+  for (std::size_t k = 0; k < stretches.size(); ++k)
+    if (stretches[k].rms <= limit)
+      spared[k] = samples[k] < dwell || stretches[k].slow <= slow_limit ||
+                  slow_at_this_angle(stretches, k, slow_limit);
   bool any = false;
   for (std::size_t k = 0; k < stretches.size(); ++k) {
     const Stretch &s = stretches[k];
-    if (s.rms <= limit || spared[k])
+    if (spared[k])
       continue;
     any = true;
     std::size_t a = s.from, b = s.to - 1;

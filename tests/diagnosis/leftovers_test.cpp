@@ -162,7 +162,8 @@ TEST_F(Leftovers, a_channel_that_died_is_named_however_little_is_left) {
     const auto dead = static_cast<std::size_t>(turns / 10.0 * drive.rate_hz);
     std::fill(c.vsin_v.begin() + static_cast<std::ptrdiff_t>(dead), c.vsin_v.end(), 2.5);
     const Diagnosis d = diagnose(c, {});
-    ASSERT_EQ(d.findings.size(), 1u) << turns;
+    ASSERT_EQ(d.findings.size(), 1u)
+        << turns << " turns" << (d.findings.empty() ? "" : ": " + d.findings.back().explanation);
     EXPECT_EQ(d.findings[0].effect->info().id, "stuck-channel");
     EXPECT_EQ(d.verdict, Verdict::explained);
   }
