@@ -231,8 +231,8 @@ bool repeats_every_turn(std::span<const double> angle, const std::vector<double>
   return left < limit * limit * count;
 }
 
-/// Times the usual samples of a quarter of a turn, where the shaft dwells.
-constexpr double kDwells = 2.0;
+/// Of its travel, the most that a stretch in which the shaft turns back leads from its beginning.
+constexpr double kTurnsBack = 0.9;
 
 /// Where a shaft turns back it dwells, and many samples show there what the spline has smoothed too
 /// much, each within its noise. Root of the mean power of means over eighths of a stretch, in units
@@ -258,6 +258,7 @@ struct Stretch {
   std::size_t from, to;
   double rms, slow;
   double angle; ///< at its beginning, rad
+  bool turns_back;
 };
 
 /// Far above the rest: the smooth part is the better part, yet the greater part is never thrown away.
@@ -305,7 +306,7 @@ bool mask_rough(std::span<const double> angle, const std::vector<double> &residu
       stretches.push_back({from, i + 1, std::sqrt(sum / count),
                            slow_part(std::span(residual).subspan(from, i + 1 - from),
                                      usable.subspan(from, i + 1 - from)),
-                           angle[from]});
+                           angle[from], std::abs(angle[i] - angle[from]) < kTurnsBack * travel});
     from = i + 1;
     travel = sum = count = 0.0;
   }
@@ -328,13 +329,9 @@ bool mask_rough(std::span<const double> angle, const std::vector<double> &residu
     k = last;
   }
   const double slow_limit = far_above(stretches, &Stretch::slow, factor);
-  std::vector<double> samples;
-  for (const Stretch &s : stretches)
-    samples.push_back(static_cast<double>(s.to - s.from));
-  const double dwell = kDwells * quantile(samples, 0.5);
   for (std::size_t k = 0; k < stretches.size(); ++k)
     if (stretches[k].rms <= limit)
-      spared[k] = samples[k] < dwell || stretches[k].slow <= slow_limit ||
+      spared[k] = !stretches[k].turns_back || stretches[k].slow <= slow_limit ||
                   slow_at_this_angle(stretches, k, slow_limit);
   bool any = false;
   for (std::size_t k = 0; k < stretches.size(); ++k) {
