@@ -116,6 +116,28 @@ TEST(Diagnose, the_verdict_on_a_model_does_not_depend_on_how_one_came_to_it) {
             third.findings.empty() ? Verdict::unexplained : Verdict::partly_explained);
 }
 
+TEST(Diagnose, a_swing_within_a_turn_shows_mismatch_and_quadrature_without_a_reference) {
+  std::mt19937_64 rng(fresh_seed());
+  Model model = sound_sensor();
+  model.effects = {parse_effect("amplitude-mismatch:k=0.05"),
+                   parse_effect("quadrature-error:delta_deg=-2")};
+  const Drive drive;
+  ShaftMotion shaft;
+  for (std::size_t i = 0; i < drive.samples; ++i) {
+    // 200 of 360 electrical degrees: the middle of a channel's range is no centre.
+    const double phase = kTwoPi * 0.7 * static_cast<double>(i) / drive.rate_hz;
+    shaft.alpha.push_back(0.4 + 100.0 / model.periods_per_turn * kRadPerDeg * std::sin(phase));
+    shaft.omega.push_back(0.0);
+    shaft.direction.push_back(std::cos(phase) < 0.0 ? -1 : 1);
+  }
+  const Diagnosis d = diagnose(pair_of(model, shaft, drive.rate_hz, drive.noise_v, rng), {});
+  ASSERT_EQ(d.findings.size(), 2u) << d.reason;
+  for (const Finding &f : d.findings) {
+    const double truth = f.effect == find_effect("amplitude-mismatch") ? 0.05 : -2.0;
+    EXPECT_NEAR(f.values[0], truth, 5.0 * f.std_errors[0]) << f.explanation;
+  }
+}
+
 TEST(Diagnose, a_wild_sample_decides_nothing) {
   std::mt19937_64 rng(fresh_seed());
   for (const bool reference : {true, false}) {
