@@ -22,6 +22,11 @@ constexpr double kSignificant = 5.0;
 /// step: a capture of "one turn" ends one sample before it.
 constexpr double kClosable = 0.02;
 
+/// Radians that a segment may span: the weights of its ends are exact for any sinusoid below half a
+/// period, and grow without bound there. Two samples left out side by side at a fast place leave a
+/// segment of more than 2 rad.
+constexpr double kLongestSegment = 3.0;
+
 /// The part of a path between its two turning points that are farthest apart.
 struct Stretch {
   std::size_t first, last;
@@ -71,7 +76,7 @@ Moments integrate(const Capture &capture, const std::vector<std::size_t> &sample
     double c2 = capture.vcos_v[sample[i + 1]] - e.centre_cos_v;
     s2 = s1 + part * (s2 - s1);
     c2 = c1 + part * (c2 - c1);
-    const double h = std::clamp(part * (b - a), -2.0, 2.0);
+    const double h = std::clamp(part * (b - a), -kLongestSegment, kLongestSegment);
     const double w = 2 * std::tan(h / 2);
     const SegmentWeights of(h);
     m.sin += 0.5 * w * (s1 + s2);

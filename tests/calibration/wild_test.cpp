@@ -74,6 +74,21 @@ INSTANTIATE_TEST_SUITE_P(Methods, Wild,
                                   std::to_string(static_cast<int>(std::get<2>(i.param))) + "_rpm";
                          });
 
+/// Two wild samples side by side leave a step of nearly half a period where the shaft is fast.
+TEST(WildNeighbours, leave_a_step_that_the_mean_still_integrates) {
+  const std::uint64_t seed = fresh_seed();
+  Sampler sampler(plain_pair(), seed);
+  const Capture clean = sampler.capture(kRate, kDuration, turning(30000.0));
+  const PairEstimate before = estimate_pair(clean, CalibrationMethod::mean);
+  Capture struck = clean;
+  for (std::size_t i = 500; i + 1 < struck.size(); i += 4999) // at every speed that it has
+    struck.vsin_v[i] = struck.vsin_v[i + 1] = 1000.0;
+  const PairEstimate after = estimate_pair(struck, CalibrationMethod::mean);
+  for (std::size_t i = 0; i < kEllipseSize; ++i)
+    EXPECT_LE(std::abs(values(after)[i] - values(before)[i]), before.std_error[i])
+        << "parameter " << i;
+}
+
 /// A sample that lies on the ellipse by chance, but elsewhere on it: nothing but its neighbours
 /// tell that it is none of the path.
 TEST(WildOnTheEllipse, samples_do_not_move_a_calibration_by_a_standard_error) {
