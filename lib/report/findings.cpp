@@ -156,18 +156,19 @@ std::string curves(const Diagnosis &d, const View &view, std::size_t f, Gallery 
   const CauseView &cause = view.causes[f];
   std::vector<Picture> pictures;
   if (view.spectrum_of[f] > 0)
-    pictures.push_back(spectrum_picture(view.spectrum, view.spectrum_of[f], 1, noise_v(d)));
+    pictures.push_back(
+        spectrum_picture(view.spectrum, view.spectrum_of[f], 1, noise_v(d), kBeside));
   else {
     const std::vector<std::size_t> axes = best_axes(d.findings[f], cause, view);
     const double limit = residual_limit(cause.bins, view.final);
     for (std::size_t a : axes)
       pictures.push_back(residual_picture(view.axes, a, cause.bins, view.final, limit,
-                                          axes.size() == 1 ? kHalf : kPanel));
+                                          axes.size() == 1 ? kBeside : kPanel));
   }
-  std::string out = fmt::format("<div class=\"row n{}\">", pictures.size());
+  std::vector<std::string> cells;
   for (const Picture &p : pictures)
-    out += figure(gallery.add(p), "");
-  return out + "</div>" +
+    cells.push_back(figure(gallery.add(p), ""));
+  return row(std::move(cells)) +
          legend({{"before", "measured minus extended model without this cause"},
                  {"after",
                   view.spectrum_of[f] > 0 ? "with it" : "with it (line: mean, band: spread)"}});
@@ -190,17 +191,17 @@ std::string finding(const Diagnosis &d, const View &view, std::size_t i, Gallery
   std::string out =
       fmt::format("<section class=\"finding\" id=\"finding-{0}\" "
                   "data-cause=\"{1}\"><h3><span>{0}.</span> {1} <span "
-                  "class=\"tag\">{2}</span></h3><div class=\"two\"><div><p>{3}</p>",
+                  "class=\"tag\">{2}</span></h3><div class=\"two\"><div><p>{3}</p>{4}",
                   i + 1, html_escape(info.id),
                   f.correctable ? "corrected in the angle"
                                 : "not corrected in the angle: it is no property of the sensor",
-                  html_escape(info.cause));
-  out += parameter_table(f);
+                  html_escape(info.cause), parameter_table(f));
   if (i < view.causes.size() && view.causes[i].drawn)
     out += gain_table(f) + "</div><div>" + curves(d, view, i, gallery);
   else
     out += "</div><div>" + gain_table(f) + instead(f, view, gallery);
-  return out + "</div></div>" + rivals(f) + "</section>\n";
+  out += "</div></div>";
+  return out + rivals(f) + "</section>\n";
 }
 
 } // namespace

@@ -75,6 +75,11 @@ std::string Gallery::place(const std::string &text) const {
   const auto is_missing = [](const Drawing &d) { return d.svg.empty(); };
   const auto failed =
       static_cast<std::size_t>(std::count_if(drawings.begin(), drawings.end(), is_missing));
+  // One reason for all stands at the top of the page.
+  const bool one_reason = failed == drawings.size() &&
+                          std::all_of(drawings.begin(), drawings.end(), [&](const auto &d) {
+                            return d.why_not == drawings.front().why_not;
+                          });
   std::string out;
   std::size_t at = 0;
   for (std::size_t open = text.find_first_of(kMarks); open != text.npos;
@@ -91,8 +96,9 @@ std::string Gallery::place(const std::string &text) const {
     if (!is_missing(drawings[k]))
       out += drawings[k].svg;
     else
-      out += "<p class=\"undrawn\"><b>Not drawn:</b> " + html_escape(drawings[k].why_not) +
-             ". It would show: " + html_escape(pictures_[k].label) + ".</p>";
+      out += "<p class=\"undrawn\"><b>Not drawn" +
+             (one_reason ? ".</b>" : ":</b> " + html_escape(drawings[k].why_not) + ".") +
+             " It would show: " + html_escape(pictures_[k].label) + ".</p>";
   }
   return out.append(text, at);
 }

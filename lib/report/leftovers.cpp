@@ -15,24 +15,32 @@ namespace ada {
 
 namespace {
 
+/// What stands beside a line: two pictures, one, or a sentence below it.
+struct Beside {
+  const char *columns; ///< class of the box
+  std::string html;
+};
+
 /// The pictures of one line; `rank` counts the lines before it along the same axis.
-std::string pictures_of(const Structure &s, std::size_t rank, const Diagnosis &d, const View &view,
-                        Gallery &gallery) {
+Beside pictures_of(const Structure &s, std::size_t rank, const Diagnosis &d, const View &view,
+                   Gallery &gallery) {
   if (s.along == axis_name(Axis::frequency)) {
     if (view.spectrum.density.empty())
-      return "<p class=\"note\">No picture: a spectrum needs eight stretches of 64 samples without "
-             "a "
-             "gap.</p>";
+      return {"", "<p class=\"note\">No picture: a spectrum needs eight stretches of 64 samples "
+                  "without a gap.</p>"};
     if (rank > 0)
-      return "<p class=\"note\">In the spectrum above.</p>";
-    return figure(gallery.add(spectrum_picture(view.spectrum, 0, 1, noise_v(d))), "");
+      return {"", "<p class=\"note\">In the spectrum above.</p>"};
+    return {"two", figure(gallery.add(spectrum_picture(view.spectrum, 0, 1, noise_v(d), kBeside)),
+                          legend({{"before", html_escape(baseline_words(d))},
+                                  {"after", "extended model; band: up to the largest line"},
+                                  {"floor dash", "white noise"}}))};
   }
   const std::size_t axis = view.axes.find(s.along);
   if (axis == view.axes.all.size())
-    return "<p class=\"note\">No picture: this capture holds no " + html_escape(s.along) +
-           " to draw it against.</p>";
-  return "<div class=\"row n2\">" + figure(gallery.add(leftover_picture(view, axis, rank)), "") +
-         figure(gallery.add(spread_picture(view, axis)), "") + "</div>";
+    return {"", "<p class=\"note\">No picture: this capture holds no " + html_escape(s.along) +
+                    " to draw it against.</p>"};
+  return {"two", row({figure(gallery.add(leftover_picture(view, axis, rank)), ""),
+                      figure(gallery.add(spread_picture(view, axis)), "")})};
 }
 
 std::string reference_speaks(const View &view) {
@@ -108,21 +116,21 @@ std::string left_section(const Diagnosis &d, const View &view, Gallery &gallery)
   std::stable_sort(lines.begin(), lines.end(),
                    [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
   out += "<p class=\"note\">Largest first. Left: means of what no cause explains, with bars of two "
-         "standard errors; right: by how much the samples scatter about them. In a spectrum the "
-         "band reaches up to the largest line.</p>\n" +
+         "standard errors; right: by how much the samples scatter about them.</p>\n" +
          legend({{"after", "mean"},
                  {"measured", "scatter along the vector"},
                  {"second", "scatter across the vector"}});
   const double noise = noise_v(d);
   std::map<std::string, std::size_t> before;
   for (const Structure &s : lines) {
+    const Beside beside = pictures_of(s, before[s.along]++, d, view, gallery);
     out += fmt::format(
         "<section class=\"finding left\" data-along=\"{0}\" data-rms-v=\"{1:.6g}\"><div "
-        "class=\"two\"><div><h3>{2} rms along {0} <span class=\"tag\">{4:.2g} \u00d7 the "
+        "class=\"{5}\"><div><h3>{2} rms along {0} <span class=\"tag\">{4:.2g} \u00d7 the "
         "noise</span></h3><p>{3}</p></div><div>",
         html_escape(s.along), s.rms_v, millivolts(s.rms_v), html_escape(sentence(s.description)),
-        s.rms_v / std::max(noise, 1e-12));
-    out += pictures_of(s, before[s.along]++, d, view, gallery) + "</div></div></section>\n";
+        s.rms_v / std::max(noise, 1e-12), beside.columns);
+    out += beside.html + "</div></div></section>\n";
   }
   return out;
 }

@@ -105,7 +105,7 @@ std::string ladder_section(const Diagnosis &d, const View &view, Gallery &galler
         figure(gallery.add(angle_error_picture(view, d.baseline_name)),
                legend({{"before", base_name(d)}, {"after", "extended model: mean and spread"}})));
   if (!view.spectrum.density.empty())
-    cells.push_back(figure(gallery.add(spectrum_picture(view.spectrum, 0, 1, noise_v(d))),
+    cells.push_back(figure(gallery.add(spectrum_picture(view.spectrum, 0, 1, noise_v(d), kHalf)),
                            legend({{"before", base_name(d)},
                                    {"after", "extended model; band: up to the largest line"},
                                    {"floor dash", "white noise"}})));

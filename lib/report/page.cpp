@@ -131,11 +131,13 @@ std::string legend(std::initializer_list<std::pair<const char *, std::string>> e
 std::string page(const Diagnosis &d, const Capture &capture, const View &view, Gallery &gallery) {
   std::string out = head(d, capture);
   if (view.empty()) {
-    if (capture.size() >= 2)
-      out += "<h2>What was measured</h2>\n" +
-             figure(gallery.add(raw_picture(capture)),
-                    legend({{"after dot", "VSIN"}, {"before ring", "VCOS"}}));
-    return out + capture_section(d, capture, view) + foot(d);
+    const std::string facts = capture_section(d, capture, view);
+    if (capture.size() < 2)
+      return out + facts + foot(d);
+    return out + "<div class=\"row wide\"><section><h2>What was measured</h2>\n" +
+           figure(gallery.add(raw_picture(capture)),
+                  legend({{"after dot", "VSIN"}, {"before ring", "VCOS"}})) +
+           "</section><section>" + facts + "</section></div>\n" + foot(d);
   }
   out += budget_section(d, view) + tiles(d);
   out += causes_section(d, view, gallery);
@@ -147,8 +149,8 @@ std::string page(const Diagnosis &d, const Capture &capture, const View &view, G
   out += residual_section(d, view, gallery);
   out += ladder_section(d, view, gallery);
   out += invisible_section(d);
-  out += model_section(d);
-  out += capture_section(d, capture, view);
+  out += "<div class=\"row last\"><section>" + model_section(d) + "</section><section>" +
+         capture_section(d, capture, view) + "</section></div>\n";
   return out + foot(d);
 }
 

@@ -54,7 +54,7 @@ Picture worst_picture(const Record &record);
 
 /// Spectra of two models by their places in the spectrum.
 Picture spectrum_picture(const Spectrum &spectrum, std::size_t before, std::size_t after,
-                         double noise_rms_v);
+                         double noise_rms_v, PictureSize size);
 /// What is left over in the plane along and across the vector.
 Picture scatter_picture(const Scatter &scatter, const NoiseShape &noise);
 /// How often which size occurs, beside a normal distribution.

@@ -24,7 +24,7 @@ double rms_of(const std::vector<double> &values) {
 } // namespace
 
 Picture spectrum_picture(const Spectrum &p, std::size_t before, std::size_t after,
-                         double noise_rms_v) {
+                         double noise_rms_v, PictureSize size) {
   const Spectrum::Density &b = p.density[before], &a = p.density[after];
   std::string rows;
   double low = 1e300, high = 0.0;
@@ -36,7 +36,7 @@ Picture spectrum_picture(const Spectrum &p, std::size_t before, std::size_t afte
   }
   const double white = 1e6 * noise_rms_v / std::sqrt(p.highest_hz);
   low = 0.5 * std::max(std::min(low, white > 0.0 ? white : low), 1e-6 * high);
-  std::string s = panel(kHalf, "frequency, Hz (logarithmic)", "residual, \u00b5V/\u221aHz");
+  std::string s = panel(size, "frequency, Hz (logarithmic)", "residual, \u00b5V/\u221aHz");
   s += "unset xzeroaxis\n" + log_range("x", p.frequency_hz.front(), p.highest_hz) +
        log_range("y", std::max(low, 1e-12), std::max(2.0 * high, 1e-11));
   s += block("p", rows);
@@ -128,13 +128,16 @@ Picture ladder_picture(const std::vector<LadderStep> &steps, double noise_rms_v,
   const double floor = angle ? 0.0 : 1e3 * noise_rms_v;
   double low = floor > 0.0 ? floor : 1e300, high = floor;
   std::string rows, names;
+  std::size_t longest = 0;
   const auto count = static_cast<double>(steps.size());
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const double in = value(steps[i].rung.in_sample), out = value(steps[i].rung.heldout);
     const double y = count - static_cast<double>(i);
     low = std::min({low, in, out});
     high = std::max({high, in, out});
-    rows += fmt::format("{:g} {:.6g} {:.6g} \"{:.3g}\"\n", y, in, out, out);
+    rows +=
+        fmt::format("{:g} {:.6g} {:.6g} \"{:.3g}\" {:.6g}\n", y, in, out, out, std::max(in, out));
+    longest = std::max(longest, steps[i].name.size());
     names += fmt::format("{}{} {:g}", i == 0 ? "" : ", ", gnuplot_quoted(steps[i].name), y);
   }
   low = std::max(low, 1e-6);
@@ -144,10 +147,11 @@ Picture ladder_picture(const std::vector<LadderStep> &steps, double noise_rms_v,
     high *= 1.4;
   }
   const double right = high * std::pow(high / low, 0.3); // for the last number
-  std::string s =
-      panel({kHalf.width, 62 + 25 * static_cast<int>(steps.size())},
-            angle ? "angle error, deg rms (log)" : "residual, mV rms (log)", "");
-  s += log_range("x", low / 1.25, right);
+  std::string s = panel({kHalf.width, 62 + 25 * static_cast<int>(steps.size())},
+                        angle ? "angle error, deg rms (log)" : "residual, mV rms (log)", "");
+  // What the names leave of the width, at 46 pixels a number.
+  const int room = (kHalf.width - 30 - 8 * static_cast<int>(longest)) / 46;
+  s += log_range("x", low / 1.25, right, std::clamp(room, 2, 6));
   s += fmt::format("set yrange [0.4:{:g}]\nset ytics ({})\nset tmargin 0.6\nunset xzeroaxis\nset "
                    "bmargin 3.4\n",
                    count + 0.6, names);
@@ -159,7 +163,7 @@ Picture ladder_picture(const std::vector<LadderStep> &steps, double noise_rms_v,
   s +=
       fmt::format("plot $steps using 3:1 with lines lc rgb {2} lw 1, $steps using 2:1 with points "
                   "pt 6 ps 0.95 lw 1.2 lc rgb {3}, $steps using 3:1 with points pt 7 ps 0.6 lc rgb "
-                  "{0}, $steps using 3:1:4 with labels left offset 1.1,0 textcolor rgb {1}\n",
+                  "{0}, $steps using 5:1:4 with labels left offset 1.1,0 textcolor rgb {1}\n",
                   kAfter, kInk, kGrid, kMuted);
   std::string label = angle ? "angle error" : "residual";
   for (const LadderStep &step : steps)

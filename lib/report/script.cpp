@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <vector>
 
 #include "report/svg.h"
 
@@ -25,6 +26,44 @@ void widen(double &from, double &to) {
   const double middle = 0.5 * (from + to), half = std::max(0.01 * std::abs(middle), 1e-6);
   from = middle - half;
   to = middle + half;
+}
+
+/// 1, 2, 2.5 or 5 times a power of ten, not below `rough`.
+double round_step(double rough) {
+  const double decade = std::pow(10.0, std::floor(std::log10(rough)));
+  for (double m : {1.0, 2.0, 2.5, 5.0})
+    if (m * decade >= rough * 0.999)
+      return m * decade;
+  return 10.0 * decade;
+}
+
+/// Whether the numbers at that step stand apart. A place of one in `count` has room for six
+/// characters, and gnuplot gives all numbers of an axis the same decimals.
+bool has_room(double from, double to, double step, int count) {
+  const double largest = std::max(std::abs(from), std::abs(to));
+  std::size_t decimals = 0;
+  for (double unit = step; decimals < 9 && std::abs(unit - std::round(unit)) > 1e-6 * unit;
+       unit *= 10.0)
+    ++decimals;
+  std::size_t characters = fmt::format("{:.{}f}", largest, decimals).size();
+  if (largest < 1e-5 || largest >= 1e6) // written with an exponent
+    characters = 6;
+  const double numbers = std::floor(to / step) - std::ceil(from / step) + 1.0;
+  return numbers * static_cast<double>(characters + 1) <= 6.0 * count;
+}
+
+/// From the densest to the thinnest.
+const std::vector<double> kLogSteps[] = {{1.0, 2.0, 5.0}, {1.0, 3.0}, {1.0}};
+
+std::vector<double> log_tics(double from, double to, const std::vector<double> &steps) {
+  std::vector<double> out;
+  for (int e = static_cast<int>(std::floor(std::log10(from))); e <= std::ceil(std::log10(to)); ++e)
+    for (const double m : steps) {
+      const double x = m * std::pow(10.0, e);
+      if (x >= from && x <= to)
+        out.push_back(x);
+    }
+  return out;
 }
 
 } // namespace
@@ -59,28 +98,26 @@ std::string range(const char *axis, double from, double to) {
 
 std::string range_with_tics(const char *axis, double from, double to, int count) {
   widen(from, to);
-  const double rough = (to - from) / count, decade = std::pow(10.0, std::floor(std::log10(rough)));
-  double step = 10.0 * decade;
-  for (double m : {5.0, 2.5, 2.0, 1.0})
-    if (m * decade >= rough * 0.999)
-      step = m * decade;
+  double step = round_step((to - from) / count);
+  if (*axis == 'x')
+    for (int fewer = count; fewer > 2 && !has_room(from, to, step, count); --fewer)
+      step = round_step((to - from) / (fewer - 1));
   return range(axis, from, to) + fmt::format("set {}tics {:g}\n", axis, step);
 }
 
-std::string log_range(const char *axis, double from, double to) {
-  std::string tics;
-  int count = 0;
-  const double decades = std::log10(to / from);
-  for (int e = static_cast<int>(std::floor(std::log10(from))); e <= std::ceil(std::log10(to)); ++e)
-    for (double m : {1.0, 2.0, 5.0}) {
-      const double x = m * std::pow(10.0, e);
-      if (x < from || x > to || (m > 1.0 && decades > 2.5))
-        continue;
-      tics += fmt::format("{}{:.6g}", count++ == 0 ? "" : ",", x);
-    }
+std::string log_range(const char *axis, double from, double to, int most) {
+  std::vector<double> tics;
+  for (const auto &steps : kLogSteps) {
+    tics = log_tics(from, to, steps);
+    if (tics.size() <= static_cast<std::size_t>(std::max(most, 2)))
+      break;
+  }
+  std::string list;
+  for (const double x : tics)
+    list += fmt::format("{}{:.6g}", list.empty() ? "" : ",", x);
   return fmt::format("set logscale {0}\nset {0}range [{1:.6g}:{2:.6g}]\nset format {0} '%g'\n",
                      axis, from, to) +
-         (count > 1 ? fmt::format("set {}tics ({})\n", axis, tics) : std::string());
+         (tics.size() > 1 ? fmt::format("set {}tics ({})\n", axis, list) : std::string());
 }
 
 } // namespace ada

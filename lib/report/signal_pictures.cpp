@@ -137,13 +137,17 @@ Picture raw_picture(const Capture &capture) {
   std::string rows;
   const std::size_t step = capture.size() / 600 + 1;
   std::vector<double> time;
+  double low = capture.vsin_v.front(), high = low;
   for (std::size_t i = 0; i < capture.size(); i += step) {
+    low = std::min({low, capture.vsin_v[i], capture.vcos_v[i]});
+    high = std::max({high, capture.vsin_v[i], capture.vcos_v[i]});
     time.push_back(capture.time_s[i] - capture.time_s.front());
     rows +=
         fmt::format("{:.10g} {:.6g} {:.6g}\n", time.back(), capture.vsin_v[i], capture.vcos_v[i]);
   }
+  const double room = 0.05 * (high - low);
   std::string s = panel({700, 250}, "time since the start, s", "volts") + key_range(time) +
-                  "set yrange [*:*]\n" + block("pair", rows);
+                  range_with_tics("y", low - room, high + room, 5) + block("pair", rows);
   s += fmt::format("plot $pair using 1:2 with points pt 7 ps 0.45 lc rgb {}, $pair using 1:3 with "
                    "points pt 6 ps 0.45 lc rgb {}\n",
                    kAfter, kBefore);

@@ -55,7 +55,7 @@ outline:1px solid var(--before);outline-offset:-1px}
 .plain .bar::after{display:none}
 .by{margin:0 0 3px;font-size:13px;color:var(--muted);max-width:none}
 .tiles{display:flex;flex-wrap:wrap;gap:12px;margin:18px 0 4px}
-.tile{flex:1 1 190px;background:var(--card);border-radius:6px;padding:10px 14px}
+.tile{flex:1 1 170px;background:var(--card);border-radius:6px;padding:10px 14px}
 .tile b{display:block;font-size:20px;font-weight:600;white-space:nowrap}
 .tile span{color:var(--muted);font-size:13px}
 table{border-collapse:collapse;margin:8px 0;font-size:14px}
@@ -66,7 +66,7 @@ th[scope=row]{color:var(--ink);font-size:14px}
 .causes{width:100%}.causes td:nth-child(3){white-space:nowrap}
 .scroll{overflow-x:auto}
 #capture td{overflow-wrap:anywhere}
-code{font:12.5px/1.4 "Noto Sans Mono","Liberation Mono",Consolas,monospace;color:var(--muted)}
+code{white-space:nowrap;font:12.5px/1.4 "Noto Sans Mono","Liberation Mono",Consolas,monospace;color:var(--muted)}
 figure{margin:0;min-width:0}
 figcaption{color:var(--muted);font-size:13px;line-height:1.4}
 svg{display:block;width:100%;height:auto;overflow:visible;
@@ -79,7 +79,8 @@ svg.marks{position:absolute;width:0;height:0}
 .n4{grid-template-columns:repeat(4,minmax(0,1fr))}
 .n5{grid-template-columns:repeat(6,minmax(0,1fr))}
 .n5>*{grid-column:span 2}.n5>:nth-child(n+4){grid-column:span 3}
-.wide{grid-template-columns:1.75fr 1fr;align-items:center}
+.wide{grid-template-columns:minmax(0,1.75fr) minmax(0,1fr);align-items:center}
+.wide>section{align-self:start}
 .legend{display:flex;flex-wrap:wrap;gap:2px 18px;font-size:13px;color:var(--muted);margin:8px 0 0;
 padding:0;list-style:none}
 .legend i{display:inline-block;width:18px;height:0;border-top:3px solid;margin-right:6px;
@@ -97,7 +98,8 @@ vertical-align:middle}
 .finding p{margin:4px 0}
 .finding h3>span:first-child{color:var(--muted);font-weight:400}
 .two{display:grid;grid-template-columns:minmax(0,2fr) minmax(0,3fr);gap:4px 28px;align-items:start}
-.two .row{margin-top:0}.two .n1 figure{max-width:480px}
+.two .row{margin-top:0}
+.last{grid-template-columns:minmax(0,3fr) minmax(0,2fr);gap:0 40px}
 .finding .tag{display:inline-block;border:1px solid var(--line);border-radius:10px;padding:0 9px;
 font-size:12.5px;color:var(--muted);margin-left:8px;font-weight:400}
 .rivals{background:var(--card);border-radius:6px;padding:8px 12px;margin:8px 0 0;font-size:14px;
@@ -106,31 +108,38 @@ a{color:var(--after)}
 footer{margin-top:36px;border-top:1px solid var(--line);padding-top:8px;color:var(--muted);
 font-size:13px}
 @media screen and (max-width:900px){.n3,.n4{grid-template-columns:repeat(2,minmax(0,1fr))}
-.two,.wide{grid-template-columns:minmax(0,1fr)}}
+.two,.wide,.last{grid-template-columns:minmax(0,1fr)}}
 @media screen and (max-width:600px){main{padding:18px 14px 32px}h1{font-size:22px}
 .n2,.n3,.n4,.n5,.line{grid-template-columns:minmax(0,1fr)}.n5>*,.n5>:nth-child(n+4){grid-column:auto}
 .fill{width:calc(var(--w)*.58%)}.bar::after{left:calc(var(--noise)*.58%)}
-.finding{padding:12px}th,td{padding-right:10px}
+.finding{padding:12px}th,td{padding-right:10px}.tile{flex-basis:140px}.tile b{white-space:normal}
+#model thead{display:none}#model tr{display:grid;grid-template-columns:1fr auto auto 36px;gap:0 10px}
+#model tr{border-bottom:1px solid var(--line)}#model th,#model td{border:0;padding:2px 0}
+#model th{grid-column:1/-1}#model th:empty{display:none}#model td[colspan]{grid-column:1/-1}
 .causes thead{display:none}.causes tr{display:block;border-bottom:1px solid var(--line);padding:6px 0}
 .causes td{border:0;padding:1px 8px 1px 0}.causes td.n:first-child,.causes td:nth-child(2){display:inline}
 .causes td:nth-child(n+3){display:block;text-align:left;white-space:normal}
 .causes td[data-label]::before{content:attr(data-label);color:var(--muted);font-size:13px}
-.wide figure:first-child svg text,#remainder+.two svg text{font-size:16px}}
+.w270 text{font-size:10px}.w480 text{font-size:13.5px}.w560 text,.w620 text{font-size:17px}
+.w700 text{font-size:18px}}
 @page{size:A4;margin:13mm 13mm}
 @media print{body{font-size:9.5pt;line-height:1.4;background:#fff}main{max-width:none;padding:0}
 h1{font-size:16pt}h2{font-size:12pt;margin-top:14pt;break-after:avoid}
 h3{break-after:avoid}
-.n3,.n4{gap:6pt 8pt}.two{grid-template-columns:minmax(0,5fr) minmax(0,6fr);gap:4px 16px}
+.n3,.n4{gap:6pt 8pt}
+.two{grid-template-columns:minmax(0,5fr) minmax(0,6fr);gap:4px 16px}
+.last{grid-template-columns:minmax(0,1fr)}
 .line{grid-template-columns:170px 1fr;padding:5pt 0}.fill{width:calc(var(--w)*.66%)}
 .bar::after{left:calc(var(--noise)*.66%)}
-figure,tr,.tile,.line,.legend,.rivals{break-inside:avoid}.legend{break-before:avoid}
+figure,tr,.tile,.line,.legend,.rivals,.finding{break-inside:avoid}.legend{break-before:avoid}
 .finding{padding:7pt 10pt 8pt;margin:8pt 0}th,td{padding-right:10px}
 .tile,.rivals{background:none;border:1px solid var(--line)}
 .note,figcaption,.legend,.over,.tile span,.by,.what span{font-size:8.5pt}
 table,.rivals,th[scope=row],.bar>span{font-size:9pt}thead th{font-size:8.5pt}
 .finding .tag{font-size:8pt}
 .tiles{flex-wrap:nowrap;gap:6pt}.tile{flex:1 1 auto;padding:6pt 8pt}.tile b{font-size:12pt}
-svg text{font-size:14px}.n4 svg text{font-size:12.5px}
+svg text{font-size:14px}.w270 text{font-size:12px}.n4 .w270 text,.two .w270 text{font-size:15px}
+.w560 text,.w620 text,.w700 text,.w420 text{font-size:16px}
 *{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
 )css";
 

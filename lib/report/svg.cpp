@@ -4,6 +4,7 @@
 #include "report/svg.h"
 
 #include <array>
+#include <sstream>
 
 #include "base/error.h"
 
@@ -42,6 +43,15 @@ void name_colours(std::string &text) {
     replace(text, "rgb(  " + n + ",   " + n + ",   " + n + ")", by);
     replace(text, "rgb(" + n + "," + n + "," + n + ")", by);
   }
+}
+
+/// Third number of a viewBox: the style sheet sizes text by how wide a picture was drawn.
+std::string width_of(const std::string &view) {
+  std::istringstream numbers(view.substr(view.find('"') + 1));
+  int x = 0, y = 0, width = 0;
+  if (!(numbers >> x >> y >> width))
+    throw Error(ADA4571_ERROR_IO, "gnuplot drew something that is no picture");
+  return std::to_string(width);
 }
 
 /// Groups that hold nothing: gnuplot opens one for each change of pen.
@@ -112,7 +122,8 @@ std::string inline_svg(std::string_view drawing, std::string_view label) {
   replace(body, "xlink:href", "href");
   drop_empty_groups(body);
   name_colours(body);
-  return "<svg " + view + " role=\"img\" aria-label=\"" + html_escape(label) + "\">" + body;
+  return "<svg class=\"w" + width_of(view) + "\" " + view + " role=\"img\" aria-label=\"" +
+         html_escape(label) + "\">" + body;
 }
 
 std::string svg_marks() {

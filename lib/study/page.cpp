@@ -20,10 +20,11 @@ namespace ada::study {
 
 namespace {
 
+const std::string kNoBreak = "\u00a0";
 constexpr std::size_t kMostRows = 200, kMostPictures = 12;
 
 std::string with_unit(double value, const std::string &unit) {
-  return html_escape(digits(value) + (unit.empty() || unit == "1" ? "" : " " + unit));
+  return html_escape(digits(value) + (unit.empty() || unit == "1" ? "" : kNoBreak + unit));
 }
 
 std::string tile(const std::string &number, const std::string &words) {
@@ -36,7 +37,7 @@ std::string headline(const Summary &s) {
   std::string out = s.causes.empty() ? "No cause was found in any capture"
                                      : fmt::format("Most is lost to {}", s.causes.front().cause);
   if (!s.causes.empty() && s.causes.front().angle_rms_deg)
-    out += fmt::format(": {} deg rms, in {:.0f} % of the captures",
+    out += fmt::format(": {} deg rms, in {:.0f}\u00a0% of the captures",
                        digits(*s.causes.front().angle_rms_deg), 100.0 * s.causes.front().share);
   if (!s.outliers.empty())
     out += fmt::format("; {} to look at", counted(s.outliers.size(), "sensor's number"));
@@ -126,7 +127,9 @@ std::string distributions(const Summary &s, const Fleet &f, Gallery &gallery) {
       }
   out += "</tbody></table></div>\n<p class=\"note\">The spread is 1.4826 times the median absolute "
          "deviation; between and within come from the analysis of variance, where sensors were "
-         "measured several times.</p>\n<div class=\"row n3\">";
+         "measured several times. In the pictures what lies far from the bulk stands in the "
+         "outermost bar.</p>\n"
+         "<div class=\"row n3\">";
   for (const std::string &cell : cells)
     out += cell;
   return out + "</div>\n";
@@ -161,7 +164,10 @@ std::string dependences(const Summary &s, const Fleet &f, Gallery &gallery) {
       rest += "<li>" + dependence_words(s.dependences[k]) + "</li>\n";
   if (s.dependences.empty())
     return out + "<p>Nothing goes with anything that the headers say.</p>\n";
-  return out + halves(std::move(cells), "") + (rest.empty() ? "" : "<ul>" + rest + "</ul>\n");
+  const std::string key = "<p class=\"note\">A point is a capture, the blue line the trend or the "
+                          "median of a word. What lies far from the bulk stands at the edge of its "
+                          "picture.</p>\n";
+  return out + halves(std::move(cells), key) + (rest.empty() ? "" : "<ul>" + rest + "</ul>\n");
 }
 
 std::string groups(const Summary &s) {

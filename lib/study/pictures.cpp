@@ -15,19 +15,23 @@ namespace ada::study {
 namespace {
 
 constexpr std::size_t kMostPoints = 800, kMostWords = 16;
-constexpr double kShown = 6.0; ///< robust standard deviations; what is farther stands at the edge
+/// What is shown: so many robust standard deviations, and the values but for this part at either
+/// end, so that a population beside the largest one is seen. What is farther stands at the edge.
+constexpr double kShown = 6.0, kApart = 0.02;
 
 std::string axis_words(const std::string &name, const std::string &unit) {
   return unit.empty() || unit == "1" ? name : name + ", " + unit;
 }
 
 /// The reach of the bulk, so that one outlier does not press the others into one bar.
-std::pair<double, double> reach_of(const std::vector<double> &x) {
+std::pair<double, double> reach_of(std::vector<double> x) {
   const double middle = median(x), spread = median_deviation(x);
-  double low = *std::min_element(x.begin(), x.end()), high = *std::max_element(x.begin(), x.end());
+  std::sort(x.begin(), x.end());
+  const auto apart = static_cast<std::size_t>(kApart * static_cast<double>(x.size()));
+  double low = x.front(), high = x.back();
   if (spread > 0.0) {
-    low = std::max(low, middle - kShown * spread);
-    high = std::min(high, middle + kShown * spread);
+    low = std::max(low, std::min(middle - kShown * spread, x[apart]));
+    high = std::min(high, std::max(middle + kShown * spread, x[x.size() - 1 - apart]));
   }
   return {low, high > low ? high : low + std::max(1e-12, 1e-6 * std::abs(low))};
 }
@@ -54,10 +58,9 @@ Picture histogram_picture(const Fleet &fleet, const ParameterSummary &p, const s
   for (std::size_t k = 0; k < bins; ++k)
     rows += fmt::format("{:.8g} {}\n", low + (static_cast<double>(k) + 0.5) * width, count[k]);
   std::string s = panel(kPanel, axis_words(p.parameter, p.unit), "captures");
-  s += range_with_tics("x", low, high, 4) +
-       range("y", 0.0, 1.12 * std::max(1.0, *std::max_element(count.begin(), count.end()))) +
-       block("h", rows);
-  s += fmt::format(
+  s += range_with_tics("x", low, high, 4) + block("h", rows);
+  double highest = std::max(4.0, *std::max_element(count.begin(), count.end()));
+  std::string plot = fmt::format(
       "set boxwidth {:.6g}\nplot $h using 1:2 with boxes fc rgb {} fs solid 0.55 noborder",
       0.92 * width, kAfter);
   std::string words = fmt::format("histogram of {} of {}: median {}, spread {}", p.parameter, cause,
@@ -68,21 +71,28 @@ Picture histogram_picture(const Fleet &fleet, const ParameterSummary &p, const s
       double y = 0.0;
       for (const Population &of : grouping->populations)
         y += normal(v, of);
-      curve += fmt::format("{:.8g} {:.5g}\n", v, y * width * static_cast<double>(x.size()));
+      y *= width * static_cast<double>(x.size());
+      highest = std::max(highest, y);
+      curve += fmt::format("{:.8g} {:.5g}\n", v, y);
     }
-    s = s.substr(0, s.rfind("set boxwidth")) + block("m", curve) +
-        s.substr(s.rfind("set boxwidth"));
-    s += fmt::format(", $m using 1:2 with lines lc rgb {} lw 1.8", kBefore);
+    s += block("m", curve);
+    plot += fmt::format(", $m using 1:2 with lines lc rgb {} lw 1.8", kBefore);
     words += fmt::format("; {} populations", grouping->populations.size());
   }
-  return {s + "\n", words};
+  // Whole captures: no tics at parts of one.
+  double step = 1.0;
+  for (double decade = 1.0; 4.0 * step < highest; decade *= 10.0)
+    for (const double m : {1.0, 2.0, 5.0})
+      step = 4.0 * step < highest ? m * decade : step;
+  s += range("y", 0.0, 1.12 * highest) + fmt::format("set ytics {}\n", step);
+  return {s + plot + "\n", words};
 }
 
 Picture dependence_picture(const Fleet &fleet, const Dependence &d) {
   const Column &c = fleet.columns[d.column];
   const Factor &f = fleet.factors[d.factor];
-  std::string rows, tics;
-  std::vector<double> shown;
+  std::string tics;
+  std::vector<double> shown, along;
   double low = 1e300, high = -1e300;
   const std::size_t step = c.capture.size() / kMostPoints + 1;
   for (std::size_t k = 0; k < c.capture.size(); k += step) {
@@ -93,7 +103,7 @@ Picture dependence_picture(const Fleet &fleet, const Dependence &d) {
         at = static_cast<double>(l) + 0.4 * (static_cast<double>(k * 7 % 16) / 15.0 - 0.5);
     if (!std::isfinite(at) || (!d.numeric && at < -0.5))
       continue;
-    rows += fmt::format("{:.8g} {:.8g}\n", at, c.value[k]);
+    along.push_back(at);
     shown.push_back(c.value[k]);
     low = std::min(low, at);
     high = std::max(high, at);
@@ -101,6 +111,9 @@ Picture dependence_picture(const Fleet &fleet, const Dependence &d) {
   if (shown.empty())
     return {panel(kHalf, f.key, c.parameter) + "plot NaN\n", "nothing to show"};
   const auto [bottom, top] = reach_of(shown);
+  std::string rows;
+  for (std::size_t k = 0; k < shown.size(); ++k)
+    rows += fmt::format("{:.8g} {:.8g}\n", along[k], std::clamp(shown[k], bottom, top));
   std::string s = panel(kHalf, f.key, axis_words(c.parameter + " of " + c.cause, c.unit));
   const double margin = 0.05 * (high - low);
   s += d.numeric

@@ -177,7 +177,10 @@ Candidate diagnosed(const Fleet &f, const std::vector<CauseSummary> &causes) {
 
 std::string sentence_of(const Sufficient &s) {
   if (!s.chosen)
-    return "Which calibration is enough cannot be told: it takes captures with a reference angle.";
+    return fmt::format(
+        "Which calibration is enough cannot be told: it takes {} captures or more "
+        "with a reference angle, in each half of which the shaft makes a whole turn.",
+        kLeastCaptures);
   const Candidate &c = s.candidates[*s.chosen];
   std::string out = fmt::format("Enough is: {}, learned for each sensor: it leaves {} deg rms.",
                                 c.name, digits(*c.heldout));

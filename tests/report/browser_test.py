@@ -23,6 +23,7 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 BROWSER = next(filter(None, map(shutil.which, BROWSERS)), None)
 PAGES = None  # folder with the sample pages
 WIDTH, HEIGHT = 1100, 1700
+A4_WIDTH = 695  # what its margins leave of 210 mm, in CSS pixels
 
 
 def browse(page, *arguments, dark=False, width=WIDTH):
@@ -109,7 +110,19 @@ PROBE = """<script>addEventListener("load", () => {
   const texts = [...document.querySelectorAll("svg text")];
   const out = [...document.querySelectorAll("main *:not(svg *)")].filter(
     e => e.getBoundingClientRect().right > edge + 1 && !e.closest(".scroll"));
+  const over = [];
+  for (const svg of document.querySelectorAll("main svg")) {
+    const boxes = [...svg.querySelectorAll("text")].filter(t => t.textContent.trim())
+      .map(t => [t.textContent.trim(), t.getBoundingClientRect()]);
+    boxes.forEach(([a, p], i) => boxes.slice(i + 1).forEach(([b, q]) => {
+      // The box of a text is higher than its letters; side by side they may not touch.
+      if (p.left < q.right && q.left < p.right
+          && Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top) > 0.4 * p.height)
+        over.push(`${a} | ${b} in: ${svg.getAttribute("aria-label").slice(0, 60)}`);
+    }));
+  }
   document.body.setAttribute("data-probe", JSON.stringify({
+    over,
     edge, width: document.documentElement.scrollWidth,
     text: Math.min(...texts.map(t => parseFloat(getComputedStyle(t).fontSize)
                                      * t.getScreenCTM().a)),
@@ -117,10 +130,13 @@ PROBE = """<script>addEventListener("load", () => {
 })</script>"""
 
 
-def probed(path, folder, width):
+def probed(path, folder, width, on_paper=False):
     """The page with a script that its own policy would refuse, as a browser of this width lays it
-    out."""
+    out, or as it does for paper so wide."""
     text = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', PROBE, path.read_text())
+    if on_paper:
+        text = text.replace("@media screen and", "@media speech and").replace(
+            "@media print", "@media screen")
     copy = pathlib.Path(folder, "probed.html")
     copy.write_text(text)
     dom = browse(copy, "--dump-dom", width=width).stdout.decode()
@@ -232,6 +248,14 @@ class Report(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             for name in ("effects", "no-reference"):
                 self.assertGreaterEqual(probed(self.page(name)[0], folder, 1100)["text"], 10.0, name)
+
+    def test_no_words_of_a_picture_overlap(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("effects", "clean", "no-reference", "short"):
+                for width, on_paper in ((1280, False), (500, False), (A4_WIDTH, True)):
+                    with self.subTest(name, width=width):
+                        self.assertEqual(
+                            probed(self.page(name)[0], folder, width, on_paper)["over"], [])
 
     @unittest.skipIf(shutil.which("pdftoppm") is None, "no pdftoppm here (Debian: poppler-utils)")
     def test_no_printed_page_is_half_blank(self):

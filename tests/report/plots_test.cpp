@@ -94,8 +94,9 @@ TEST_F(Plots, NoneIsLostToOneBadRunOfAll) {
 }
 
 TEST_F(Plots, NonsenseInPlaceOfADrawingIsNotShown) {
-  for (const char *script : {"exit 1", "echo nonsense", "yes '<svg></svg>' | head -100",
-                             "echo '<svg viewBox=\"0 0 1 1\">'"}) {
+  for (const char *script :
+       {"exit 1", "echo nonsense", "yes '<svg></svg>' | head -100",
+        "echo '<svg viewBox=\"0 0 1 1\">'", "echo '<svg viewBox=\"\"></svg>'"}) {
     const FakeGnuplot fake(script);
     const std::string text = page();
     EXPECT_EQ(drawn(text), 0u) << script;
@@ -116,8 +117,9 @@ TEST_F(Plots, ThePageIsThereWithoutGnuplot) {
   for (const char *part :
        {"id=\"verdict\"", "id=\"budget\"", "id=\"causes\"", "id=\"model\"", "</html>"})
     EXPECT_NE(text.find(part), text.npos) << part;
-  // What a picture would have shown is said in words.
-  EXPECT_NE(text.find("It would show: "), text.npos);
+  // What a picture would have shown is said in words, and the reason once.
+  EXPECT_EQ(count(text, "It would show: "), undrawn(text));
+  EXPECT_EQ(count(text, "gnuplot-nox"), 1u);
 }
 
 } // namespace
