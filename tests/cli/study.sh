@@ -81,13 +81,15 @@ check_an_analysis_that_hangs_or_crashes_costs_itself_alone() {
   says err 'hang.csv: the analysis took longer than 2 s'
   same "done" "$(rows s.db "state = 'done'")" 2
   iio-angle study run --without diagnose --jobs 2 --limit 60 -o t.db crash.csv c1.csv c2.csv 2>err &
-  local study=$! worker='' i
-  for ((i = 0; i < 200; i++)); do
-    worker=$(ps -o pid= --ppid "$study" | head -1)
-    [[ -z $worker || $(rows t.db "state = 'done'" 2>/dev/null) != 2 ]] || break
+  local study=$! workers='' i
+  for ((i = 0; i < 200; i++)); do # until only the one is left that waits for the pipe
+    if [[ $(rows t.db "state = 'done'" 2>/dev/null) == 2 ]]; then
+      read -r -d '' -a workers < <(ps -o pid= --ppid "$study")
+      [[ ${#workers[@]} != 1 ]] || break
+    fi
     sleep 0.1
   done
-  kill -SEGV "$worker"
+  kill -SEGV "${workers[0]}"
   wait "$study" || fail "the study ended with $?"
   says err 'crash.csv: the analysis crashed: Segmentation fault'
   same "done" "$(rows t.db "state = 'done'")" 2

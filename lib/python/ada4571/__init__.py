@@ -12,20 +12,26 @@ from ._diagnosis import Diagnosis, Health, check, diagnose
 from ._errors import (BusyError, DeniedError, DisconnectedError, Error, FormatError,
                       InputOutputError, InvalidArgumentError, LostSamplesWarning, NoMemoryError,
                       NotFoundError, StateError, UnsupportedError, UnusableDataError)
-from ._files import Recording, Writer
+from ._files import Import, Recording, Writer
 from ._models import Converter, Effect, Model, Parameter, Tracker, calibrate, catalogue
 from ._simulation import Simulation
-from ._sources import Pins, Source, devices, open, open_device
+from ._sources import Pins, Source, devices, open, open_device, stored
 
 __version__ = _core.version()
 __all__ = [
     "BusyError", "Converter", "DeniedError", "Diagnosis", "DisconnectedError", "Effect", "Error",
-    "FormatError", "Health", "InputOutputError", "InvalidArgumentError", "LostSamplesWarning",
+    "FormatError", "Health", "Import", "InputOutputError", "InvalidArgumentError", "LostSamplesWarning",
     "Model", "NoMemoryError", "NotFoundError", "Parameter", "Pins", "Recording", "Simulation",
     "Source", "StateError", "Tracker", "UnsupportedError", "UnusableDataError", "Writer",
     "angle_dtype", "calibrate", "catalogue", "check", "devices", "diagnose", "frame_dtype", "open",
-    "open_device", "vector_target",
+    "open_device", "set_jobs", "stored", "vector_target",
 ]
+
+
+def set_jobs(jobs):
+    """Threads that one call may use for a long recording; 0: as many as the process may run on.
+    Results do not depend on it."""
+    _core.set_jobs(jobs)
 
 
 def vector_target():

@@ -62,10 +62,19 @@ class Recording:
         """Writes the capture to another file, in the form that the extension names."""
         self._handle.save(os.fspath(path))
 
-    def play(self):
-        """The capture as a Source, as fast as it is read."""
+    def play(self, speed=None):
+        """The capture as a Source: as fast as it is read, or by its own times, `speed` times as fast
+        as it was recorded. Its frames keep the times that were recorded."""
         from ._sources import Source
-        return Source(_core.Source.recording(self._handle))
+        if speed is None:
+            return Source(_core.Source.recording(self._handle))
+        return Source(_core.Source.replay(self._handle, speed))
+
+    def emulate(self, port=0, *, speed=1.0):
+        """Serves the capture as a network IIO device, `speed` times as fast as it was recorded; in
+        the `with` block the value is its URI. Port 0: a free one."""
+        from ._simulation import Emulator
+        return Emulator(_core.Emulator(self._handle, speed, port))
 
     def __repr__(self):
         extra = [name for name in _COLUMNS if self._info[f"has_{name}"]]
@@ -76,23 +85,94 @@ class Recording:
         return _pictures.recording(self)
 
 
+class Import:
+    """A measurement of another program: the CSV of an oscilloscope or of an acquisition program, or
+    numpy's .npy. Its frames can be read once, by read(), blocks() or save().
+
+    What the file says of itself is taken from it, the rest from the keywords; what cannot be told is
+    refused rather than guessed. time, vsin, vcos, vtemp, vdd, reference: the column, by its name or
+    by its number from 1, or (column, scale) or (column, scale, offset) with value = scale * number +
+    offset in the units of a frame; None: looked for by its name; False: there is none.
+    separator, decimal, header_lines: of a text, None: found out. sample_rate_hz (Hz) takes the place
+    of the times. supply_v (V), periods_per_turn: of the sensor.
+    """
+
+    def __init__(self, path, *, separator=None, decimal=None, header_lines=None, time=None,
+                 vsin=None, vcos=None, vtemp=None, vdd=None, reference=None, sample_rate_hz=0.0,
+                 supply_v=5.0, periods_per_turn=2):
+        columns = dict(time=time, vsin=vsin, vcos=vcos, vtemp=vtemp, vdd=vdd, reference=reference)
+        self._handle = _core.Import(os.fspath(path), dict(
+            {name: _column(name, given) for name, given in columns.items()}, separator=separator,
+            decimal=decimal, header_lines=-1 if header_lines is None else header_lines,
+            sample_rate_hz=sample_rate_hz, supply_v=supply_v, periods_per_turn=periods_per_turn))
+
+    @property
+    def text(self):
+        """How the file was understood, for a person: a line a channel."""
+        return self._handle.text()
+
+    @property
+    def info(self):
+        """What is known before the rows are read: supply_v, sample_rate_hz, has_vtemp, ..."""
+        return {key: value for key, value in self._handle.info().items()
+                if key not in ("samples", "duration_s")}
+
+    def read(self, count):
+        """The next frames, up to `count`; none at the end."""
+        frames = np.empty(count, _core.frame_dtype)
+        return frames[:self._handle.read(frames)]
+
+    def blocks(self, count=65536):
+        """All frames that are left, `count` at a time."""
+        while (frames := self.read(count)).size:
+            yield frames
+
+    def save(self, path):
+        """Writes a capture, in the form that the extension names, and gives it as a Recording."""
+        info = self.info
+        columns = {name: info.pop(f"has_{name}") for name in _COLUMNS}
+        known = {key: value for key, value in info.items()
+                 if key not in ("gain_control", "serial", "origin") or value not in ("", -1)}
+        with Writer(path, **columns, **known) as writer:
+            for frames in self.blocks():
+                writer.write(frames)
+        return Recording(path)
+
+    def __repr__(self):
+        return f"<ada4571.Import:\n{self.text.rstrip()}>"
+
+
+def _column(name, given):
+    """(column, scale, offset) as the C API has them: no scale is NaN."""
+    if given is None or given is False:
+        return (None if given is None else "", np.nan, 0.0)
+    column, *factors = given if isinstance(given, tuple) else (given,)
+    if isinstance(column, bool) or not isinstance(column, (str, int)) or len(factors) > 2:
+        raise TypeError(f"{name} is a column, (column, scale) or (column, scale, offset)")
+    return (str(column), *factors, *(np.nan, 0.0)[len(factors):])
+
+
 class Writer:
     """Writes a capture block by block; the file appears under its name only when the `with` block
-    ends well.
+    ends well. With `growing` it is SigMF that is there from the first frame on and survives a crash;
+    with `resume` as well it goes on in the file that is there already.
 
     Keywords: supply_v (V), periods_per_turn, gain_control (True, False, None: unknown), noise_rms_v
     (V), sample_rate_hz (Hz), adc_bits, adc_reference_v (V), serial, origin. `vtemp`, `vdd` and
     `reference` say which columns there are.
     """
 
-    def __init__(self, path, *, vtemp=True, vdd=True, reference=False, gain_control=None, **info):
+    def __init__(self, path, *, vtemp=True, vdd=True, reference=False, gain_control=None,
+                 growing=False, resume=False, **info):
         known = {"supply_v", "periods_per_turn", "noise_rms_v", "sample_rate_hz", "adc_bits",
                  "adc_reference_v", "serial", "origin"}
+        if resume and not growing:
+            raise TypeError("only a growing file can be resumed")
         if unknown := set(info) - known:
             raise TypeError(f"Writer does not know {', '.join(sorted(unknown))}")
         info["gain_control"] = -1 if gain_control is None else int(gain_control)
         info.update(has_vtemp=int(vtemp), has_vdd=int(vdd), has_reference=int(reference))
-        self._handle = _core.Writer(os.fspath(path), info)
+        self._handle = _core.Writer(os.fspath(path), info, growing, resume)
 
     def metadata(self, key, value):
         """A further `# key = value` line; before the first frames."""

@@ -3,6 +3,7 @@
 """Models of a sensor, calibrations among them, and what they make of volts."""
 import os
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -12,11 +13,14 @@ from ._files import Recording
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number with its standard error (None where unknown) and unit."""
+    """A number with its standard error (None where unknown) and unit; of the catalogue also the least
+    and the largest value that it may have (infinite where there is no limit)."""
 
     value: "float | str | None"
     std_error: "float | None" = None
     unit: str = "1"
+    minimum: "float | None" = None
+    maximum: "float | None" = None
 
 
 @dataclass(frozen=True)
@@ -30,17 +34,19 @@ class Effect:
     parameters: dict = field(default_factory=dict)
 
     @classmethod
-    def _of(cls, entry):
+    def _of(cls, entry, ranges=None):
         rows = entry.pop("parameters")
         numbers = {name: Parameter(None if np.isnan(value) else value,
-                                   None if np.isnan(error) else error, unit)
-                   for name, value, error, unit in rows}
+                                   None if np.isnan(error) else error, unit,
+                                   *(ranges(place) if ranges else ()))
+                   for place, (name, value, error, unit) in enumerate(rows)}
         return cls(**entry, parameters=numbers)
 
 
 def catalogue():
-    """Every effect that a model can hold, with what its parameters are by default."""
-    return [Effect._of(entry) for entry in _core.catalogue()]
+    """Every effect that a model can hold, with what its parameters are by default and may be."""
+    return [Effect._of(entry, partial(_core.catalogue_range, number))
+            for number, entry in enumerate(_core.catalogue())]
 
 
 def effect_text(name, parameters=None):
@@ -135,6 +141,12 @@ class Converter:
             return self._handle.recording(frames._handle)
         return self._handle.frames(frames)
 
+    def save(self, recording, path, *, progress=None):
+        """The angles of a Recording into a file, whole or not at all: SigMF where it ends in
+        .sigmf-meta, else text. Block by block, so that the length of the recording does not matter.
+        progress(fraction, what) is called on the way."""
+        self._handle.save(recording._handle, os.fspath(path), progress)
+
     def raw(self, sin, cos, *, scale_v, offset=0.0, shift=0, bits=0):
         """Raw samples as they lie in memory, volts = (raw + offset) * scale_v: mechanical angle in
         radians, and the radius. Neither is copied first: slices of an interleaved block will do."""
@@ -150,6 +162,10 @@ class Tracker:
 
     def __call__(self, frames):
         return self._handle.frames(frames)
+
+    def save(self, recording, path, *, progress=None):
+        """The angles of a Recording into a file, as Converter.save."""
+        self._handle.save(recording._handle, os.fspath(path), progress)
 
     @property
     def model(self):

@@ -52,14 +52,14 @@ class Simulation:
 
     def emulate(self, port=0):
         """Serves it as a network IIO device; in the `with` block the value is its URI."""
-        return Emulator(self._new(0.0), port)
+        return Emulator(_core.Emulator(self._new(0.0), port))
 
 
 class Emulator:
-    """The simulated sensor as a network IIO device, for any client of libiio."""
+    """A simulated sensor or a capture as a network IIO device, for any client of libiio."""
 
-    def __init__(self, simulation, port):
-        self._handle = _core.Emulator(simulation, port)
+    def __init__(self, handle):
+        self._handle = handle
         self._thread = threading.Thread(target=self._handle.run, daemon=True)
 
     @property

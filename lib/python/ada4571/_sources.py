@@ -23,6 +23,7 @@ class Source:
     def __init__(self, handle):
         self._handle = handle
         self._started = False
+        self._ended = False
 
     @property
     def info(self):
@@ -38,7 +39,18 @@ class Source:
     def start(self):
         """Begins the capture; blocks() and read() do it by themselves."""
         self._handle.start()
-        self._started = True
+        self._started, self._ended = True, False
+
+    @property
+    def ended(self):
+        """Whether the last read told that nothing more comes: the end, or a cancel."""
+        return self._ended
+
+    def fileno(self):
+        """A descriptor for select, selectors or asyncio: while it is readable, read() with timeout_s=0
+        has something to tell. Read until that gives nothing; once `ended`, watch it no more. It is the
+        source's own: neither read nor close it. Start the source before you wait."""
+        return self._handle.fileno()
 
     def read(self, count, timeout_s=1.0):
         """Up to `count` frames, fewer being ordinary; none when nothing came in `timeout_s`
@@ -46,7 +58,7 @@ class Source:
         if not self._started:
             self.start()
         frames = np.empty(count, _core.frame_dtype)
-        filled, _ = self._handle.read(frames, 0, timeout_s)
+        filled, self._ended = self._handle.read(frames, 0, timeout_s)
         return frames[:filled]
 
     def blocks(self, duration_s, timeout_s=5.0):
@@ -71,7 +83,8 @@ class Source:
         room = max(1, round(rate * duration_s)) if rate > 0 else _ROOM_FRAMES
         frames, filled, ended = np.empty(room, _core.frame_dtype), 0, False
         while filled < room and not ended:
-            count, ended = self._handle.read(frames, filled, timeout_s)
+            count, self._ended = self._handle.read(frames, filled, timeout_s)
+            ended = self._ended
             if count == 0 and not ended:
                 raise TimeoutError(f"nothing came from the source for {timeout_s:g} s")
             filled += count
@@ -83,6 +96,15 @@ class Source:
     def calibration(self):
         """The Model that the stored configuration names, or that the driver keeps."""
         return Model._of(self._handle.calibration())
+
+    def write_calibration(self, model):
+        """Writes offsets and amplitudes of a Model into the driver, which then corrects by itself; a
+        driver without calibbias and calibscale raises NotFoundError."""
+        self._handle.write_calibration(model._handle)
+
+    def set_buffer(self, frames):
+        """Frames of a device's buffer from the next start on, 0: as it was opened."""
+        self._handle.set_buffer(frames)
 
     def save(self, name, calibration=None):
         """Stores how this source was opened, for open(name)."""
@@ -130,6 +152,12 @@ def open_device(uri=None, device=None, *, sin=None, cos=None, temp=None, vdd=Non
 def devices(uri=None):
     """Devices of a context with a usable pair of channels, a dictionary each."""
     return _core.devices(uri)
+
+
+def stored(name=None):
+    """The stored configurations that open() finds, a dictionary each; `problem` is why one cannot be
+    used, else empty. With a name that one alone, which must be usable."""
+    return _core.stored(None if name is None else os.fspath(name))
 
 
 class Pins:

@@ -46,6 +46,7 @@ using Tracker = Handle<ada4571_tracker, ada4571_tracker_free>;
 using Simulation = Handle<ada4571_simulation, ada4571_simulation_free>;
 using Emulator = Handle<ada4571_emulator, ada4571_emulator_free>;
 using Diagnosis = Handle<ada4571_diagnosis, ada4571_diagnosis_free>;
+using Import = Handle<ada4571_import, ada4571_import_free>;
 using Writer = Handle<ada4571_writer, ada4571_writer_free>;
 using Pins = Handle<ada4571_pins, ada4571_pins_free>;
 
@@ -103,7 +104,11 @@ inline const char *or_null(const std::optional<std::string> &text) {
   return text ? text->c_str() : nullptr;
 }
 
+/// What a capture says of itself, as Python has it.
+py::dict described(const ada4571_recording_info &info);
+
 void add_recordings(py::module_ &module);
+void add_imports(py::module_ &module);
 void add_models(py::module_ &module);
 void add_sources(py::module_ &module);
 void add_conversion(py::module_ &module);

@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "frames.h"
+#include "watcher.h"
 
 namespace binding {
 
@@ -27,6 +28,21 @@ Angles convert_recording(const Converter &converter, const Recording &recording)
   call([&] { return ada4571_converter_recording(converter.get(), recording.get(), to); }, converter,
        recording);
   return angles;
+}
+
+/// A recording into a file of angles, block by block.
+template <auto Function, class Handle>
+void save(const Handle &handle, const Recording &recording, const std::string &path,
+          const py::object &progress) {
+  Watcher watcher(progress);
+  const Outcome outcome = released(
+      [&] {
+        return Function(handle.get(), recording.get(), path.c_str(), ADA4571_ANGLES_BY_NAME,
+                        Watcher::on_progress, &watcher);
+      },
+      handle, recording);
+  watcher.raise_if_ended();
+  check(outcome);
 }
 
 ada4571_sample_type sample_type(const py::dtype &type) {
@@ -95,10 +111,12 @@ void add_conversion(py::module_ &module) {
       }))
       .def("frames", convert<ada4571_converter_frames, Converter>)
       .def("recording", convert_recording)
+      .def("save", save<ada4571_converter_save, Converter>)
       .def("raw", convert_raw);
   py::class_<Tracker>(module, "Tracker")
       .def(py::init(&new_tracker))
       .def("frames", convert<ada4571_tracker_frames, Tracker>)
+      .def("save", save<ada4571_tracker_save, Tracker>)
       .def("model", [](const Tracker &tracker) {
         return made<Model, ada4571_model>(
             [&](ada4571_model **fresh) { return ada4571_tracker_model(tracker.get(), fresh); },

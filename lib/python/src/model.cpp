@@ -115,6 +115,11 @@ void add_models(py::module_ &module) {
            })
       .def("baseline", baseline)
       .def("effects", model_effects);
+  module.def("catalogue_range", [](std::size_t effect, std::size_t parameter) {
+    std::pair<double, double> ends;
+    check(Outcome(ada4571_catalogue_range(effect, parameter, &ends.first, &ends.second)));
+    return ends;
+  });
   module.def("catalogue", [] {
     return effects(ada4571_catalogue_count(), ada4571_catalogue_get, ada4571_catalogue_parameter);
   });

@@ -28,7 +28,9 @@ PYBIND11_MODULE(_core, module) {
   module.attr("angle_dtype") = py::dtype::of<ada4571_angle>();
   module.def("version", [] { return ada4571_version(); });
   module.def("vector_target", [] { return ada4571_vector_target(); });
+  module.def("set_jobs", [](unsigned jobs) { ada4571_set_jobs(jobs); });
   add_recordings(module);
+  add_imports(module);
   add_models(module);
   add_sources(module);
   add_conversion(module);

@@ -11,14 +11,7 @@ namespace {
 py::dict recording_info(const Recording &recording) {
   auto i = initialised(ada4571_recording_info_init);
   check(Outcome(ada4571_recording_get_info(recording.get(), &i)));
-  using namespace py::literals;
-  return py::dict("samples"_a = i.samples, "duration_s"_a = i.duration_s, "supply_v"_a = i.supply_v,
-                  "periods_per_turn"_a = i.periods_per_turn, "gain_control"_a = i.gain_control,
-                  "noise_rms_v"_a = i.noise_rms_v, "sample_rate_hz"_a = i.sample_rate_hz,
-                  "adc_bits"_a = i.adc_bits, "adc_reference_v"_a = i.adc_reference_v,
-                  "has_vtemp"_a = i.has_vtemp != 0, "has_vdd"_a = i.has_vdd != 0,
-                  "has_reference"_a = i.has_reference != 0,
-                  "serial"_a = i.serial ? i.serial : "", "origin"_a = i.origin ? i.origin : "");
+  return described(i);
 }
 
 Frames read_all(const Recording &recording) {
@@ -33,7 +26,7 @@ Frames read_all(const Recording &recording) {
   return frames;
 }
 
-Writer open_writer(const std::string &path, const py::dict &wanted) {
+Writer open_writer(const std::string &path, const py::dict &wanted, bool growing, bool resume) {
   auto i = initialised(ada4571_recording_info_init);
   std::string serial, origin;
   const auto take = [&wanted]<class T>(const char *key, T &value) {
@@ -55,10 +48,24 @@ Writer open_writer(const std::string &path, const py::dict &wanted) {
   i.serial = serial.empty() ? nullptr : serial.c_str();
   i.origin = origin.empty() ? nullptr : origin.c_str();
   return made<Writer, ada4571_writer>(
-      [&](ada4571_writer **fresh) { return ada4571_writer_open(path.c_str(), &i, fresh); });
+      [&](ada4571_writer **fresh) {
+        return growing ? ada4571_writer_open_growing(path.c_str(), &i, resume, fresh)
+                       : ada4571_writer_open(path.c_str(), &i, fresh);
+      });
 }
 
 } // namespace
+
+py::dict described(const ada4571_recording_info &i) {
+  using namespace py::literals;
+  return py::dict("samples"_a = i.samples, "duration_s"_a = i.duration_s, "supply_v"_a = i.supply_v,
+                  "periods_per_turn"_a = i.periods_per_turn, "gain_control"_a = i.gain_control,
+                  "noise_rms_v"_a = i.noise_rms_v, "sample_rate_hz"_a = i.sample_rate_hz,
+                  "adc_bits"_a = i.adc_bits, "adc_reference_v"_a = i.adc_reference_v,
+                  "has_vtemp"_a = i.has_vtemp != 0, "has_vdd"_a = i.has_vdd != 0,
+                  "has_reference"_a = i.has_reference != 0,
+                  "serial"_a = i.serial ? i.serial : "", "origin"_a = i.origin ? i.origin : "");
+}
 
 void add_recordings(py::module_ &module) {
   py::class_<Recording>(module, "Recording")

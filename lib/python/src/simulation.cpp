@@ -63,6 +63,13 @@ void add_simulation(py::module_ &module) {
             },
             simulation);
       }))
+      .def(py::init([](const Recording &recording, double speed, int port) {
+        return made<Emulator, ada4571_emulator>(
+            [&](ada4571_emulator **fresh) {
+              return ada4571_emulator_new_replay(recording.get(), speed, port, fresh);
+            },
+            recording);
+      }))
       .def("port", [](const Emulator &emulator) { return ada4571_emulator_port(emulator.get()); })
       .def("run",
            [](const Emulator &emulator) {

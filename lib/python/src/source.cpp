@@ -98,6 +98,23 @@ py::list devices(const std::optional<std::string> &uri) {
   return all;
 }
 
+py::list stored(const std::optional<std::string> &name) {
+  using List = Handle<ada4571_stored_list, ada4571_stored_list_free>;
+  const auto list = made<List, ada4571_stored_list>(
+      [&](ada4571_stored_list **fresh) { return ada4571_stored_list_new(or_null(name), fresh); });
+  py::list all;
+  for (std::size_t i = 0; i < ada4571_stored_list_count(list.get()); ++i) {
+    auto s = initialised(ada4571_stored_init);
+    check(Outcome(ada4571_stored_list_get(list.get(), i, &s)));
+    all.append(py::dict("name"_a = s.name, "path"_a = s.path, "uri"_a = s.uri,
+                        "device"_a = s.device, "sin_channel"_a = s.sin_channel,
+                        "cos_channel"_a = s.cos_channel, "temp_channel"_a = s.temp_channel,
+                        "vdd_channel"_a = s.vdd_channel,
+                        "calibration_file"_a = s.calibration_file, "problem"_a = s.problem));
+  }
+  return all;
+}
+
 template <auto Function> void simple(const Source &source) {
   call([&] { return Function(source.get()); }, source);
 }
@@ -121,6 +138,14 @@ void add_sources(py::module_ &module) {
                         },
                         recording);
                   })
+      .def_static("replay",
+                  [](const Recording &recording, double speed) {
+                    return made<Source, ada4571_source>(
+                        [&](ada4571_source **fresh) {
+                          return ada4571_source_open_replay(recording.get(), speed, fresh);
+                        },
+                        recording);
+                  })
       .def_static("simulation",
                   [](const Simulation &simulation, bool realtime) {
                     return made<Source, ada4571_source>(
@@ -135,6 +160,16 @@ void add_sources(py::module_ &module) {
       .def("cancel", [](const Source &source) { check(Outcome(ada4571_source_cancel(source.get()))); })
       .def("close", close<Source>)
       .def("read", read)
+      .def("fileno",
+           [](const Source &source) {
+             int fd = -1;
+             call([&] { return ada4571_source_get_fd(source.get(), &fd); }, source);
+             return fd;
+           })
+      .def("set_buffer",
+           [](const Source &source, std::size_t frames) {
+             call([&] { return ada4571_source_set_buffer(source.get(), frames); }, source);
+           })
       .def("info", source_info)
       .def("statistics", statistics)
       .def("calibration",
@@ -145,6 +180,11 @@ void add_sources(py::module_ &module) {
                  },
                  source);
            })
+      .def("write_calibration",
+           [](const Source &source, const Model &model) {
+             call([&] { return ada4571_source_write_calibration(source.get(), model.get()); },
+                  source, model);
+           })
       .def("save_config", [](const Source &source, const std::string &name,
                              const std::optional<std::string> &calibration) {
         call([&] {
@@ -152,6 +192,7 @@ void add_sources(py::module_ &module) {
         }, source);
       });
   module.def("devices", devices);
+  module.def("stored", stored);
 }
 
 } // namespace binding
