@@ -120,6 +120,8 @@ class Effect {
 public:
   virtual ~Effect() = default;
   virtual const EffectInfo &info() const = 0;
+  /// Why values that are each in their range make no sense together; empty when they do.
+  virtual std::string contradiction(Values) const { return {}; }
 
   // --- what it does, each at its place in the physical order; the default does nothing
 

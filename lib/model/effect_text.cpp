@@ -147,6 +147,8 @@ EffectInstance parse_effect(std::string_view text) {
 
 void add_effect(Model &model, EffectInstance instance) {
   const EffectInfo &info = instance.effect->info();
+  if (const std::string why = instance.effect->contradiction(instance.values); !why.empty())
+    fail(std::string(info.id) + ": " + why);
   const bool placed = std::any_of(info.parameters.begin(), info.parameters.end(), marks_place);
   for (const EffectInstance &other : model.effects)
     if (repeats(other, instance))

@@ -20,7 +20,7 @@ namespace ada {
 EffectInstance parse_effect(std::string_view text);
 
 /// Appends to the model; throws Error(ADA4571_ERROR_INVALID_ARGUMENT) when it holds the effect
-/// already at the same place.
+/// already at the same place, or its values contradict each other.
 void add_effect(Model &model, EffectInstance instance);
 
 /// Whether the parameter may be missing (NaN): a level without bounds, such as a clipping level, or

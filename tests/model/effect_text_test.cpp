@@ -63,6 +63,26 @@ TEST(EffectText, TakesNoneForALevelThatIsNotThere) {
   EXPECT_EQ(refusal("stray-field:b=none"), "stray-field: b is not a number: 'none'");
 }
 
+TEST(EffectText, RefusesLevelsThatContradictEachOther) {
+  const auto refused = [](const char *text) {
+    Model m;
+    try {
+      add_effect(m, parse_effect(text));
+    } catch (const Error &e) {
+      EXPECT_EQ(e.status(), ADA4571_ERROR_INVALID_ARGUMENT);
+      EXPECT_STREQ(e.what(), "clipping: low_v must not be above high_v");
+      EXPECT_TRUE(m.effects.empty());
+      return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused("clipping:low_v=3,high_v=2"));
+  EXPECT_TRUE(refused("clipping:low_v=-1,high_v=-2,channel=vcos"));
+  for (const char *text : {"clipping:low_v=2,high_v=3", "clipping:low_v=2,high_v=2",
+                           "clipping:low_v=4,high_v=none", "clipping:low_v=none,high_v=1"})
+    EXPECT_FALSE(refused(text)) << text;
+}
+
 TEST(EffectText, SaysWhatThereIs) {
   const std::string unknown = refusal("stray");
   EXPECT_EQ(unknown.rfind("no effect is called 'stray'; there are ", 0), 0u);

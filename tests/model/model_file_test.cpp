@@ -50,10 +50,13 @@ Model full_model(std::mt19937_64 &rng) {
   m.noise_rms_v = unit(rng) * 1e-3;
   for (const Effect *effect : catalogue()) {
     EffectInstance instance{effect, {}, {}};
-    for (const ParameterInfo &p : effect->info().parameters) {
-      instance.values.push_back(may_be_absent(p) && rng() % 2 ? std::nan("") : draw(rng, p));
+    do {
+      instance.values.clear();
+      for (const ParameterInfo &p : effect->info().parameters)
+        instance.values.push_back(may_be_absent(p) && rng() % 2 ? std::nan("") : draw(rng, p));
+    } while (!effect->contradiction(instance.values).empty());
+    for (std::size_t i = 0; i < instance.values.size(); ++i)
       instance.std_errors.push_back(rng() % 3 ? unit(rng) : std::nan(""));
-    }
     if (rng() % 2)
       instance.std_errors.clear();
     m.effects.push_back(instance);

@@ -30,6 +30,9 @@ constexpr EffectInfo kInfo{.id = "clipping",
 class Clipping final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
+  std::string contradiction(Values v) const override {
+    return v[0] > v[1] ? "low_v must not be above high_v" : ""; // never true of NaN
+  }
   void apply(Values v, Wave &w) const override {
     const double low = std::isnan(v[0]) ? -kInf : v[0] - w.mid_v;
     const double high = std::isnan(v[1]) ? kInf : v[1] - w.mid_v;
