@@ -33,6 +33,9 @@ HealthCheck check_noise(const Evidence &e);
 // times.cpp: the time column
 HealthCheck check_gaps(const Evidence &e);
 
+// reference.cpp: the two angles; only of a capture that has a reference
+HealthCheck check_reference(const Evidence &e);
+
 // checks.cpp: what they share
 /// The reason is told by check_rotation.
 inline constexpr const char *kNoCircle = "there is no circle to measure it on";

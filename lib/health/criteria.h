@@ -65,6 +65,14 @@ inline constexpr double kShortestStep = 1e-9;
 inline constexpr std::size_t kFrozenSamples = 200;
 inline constexpr double kFrozenNoiseSteps = 0.5;
 
+/// Scatter of angles, the mean of 1 - cos about their direction, from which on they count as turning:
+/// that of angles spread evenly over 28 electrical degrees.
+inline constexpr double kTurnedScatter = 0.01;
+/// Part of the sensor's turning that the reference may leave. Of one that stands still for a part of
+/// the record it is that part, of one that has nothing to do with the sensor 1; errors of 10
+/// electrical degrees leave 0.02.
+inline constexpr double kReferenceScatter = 0.5;
+
 /// Electrical degrees within which every peak was seen.
 inline constexpr double kWholeTurnDeg = 300;
 

@@ -3,6 +3,7 @@
 //
 // What cannot be, at the supply and the converter that the capture states.
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <ostream>
@@ -63,6 +64,43 @@ const Case kCases[] = {
          c.vsin_v[i] = quarter < 2 ? 1.5 : 3.5;
          c.vcos_v[i] = quarter == 1 || quarter == 2 ? 1.5 : 3.5;
        }
+     }},
+    {"reference_stands_still", "reference",
+     [](Capture &c, Sampler &) { c.reference_deg.assign(c.size(), 17.0); }},
+    {"reference_stands_still_but_for_a_few", "reference",
+     [](Capture &c, Sampler &s) {
+       c.reference_deg.assign(c.size(), 17.0);
+       for (std::size_t k = 0; k < 3; ++k)
+         c.reference_deg[k * 900] = s.uniform(0, 360);
+     }},
+    {"reference_stops_after_a_third", "reference",
+     [](Capture &c, Sampler &) {
+       const std::size_t third = c.size() / 3;
+       std::fill(c.reference_deg.begin() + static_cast<std::ptrdiff_t>(third),
+                 c.reference_deg.end(), c.reference_deg[third]);
+     }},
+    {"reference_of_another_shaft", "reference",
+     [](Capture &c, Sampler &) {
+       for (double &r : c.reference_deg)
+         r = std::fmod(0.7 * r, 360);
+     }},
+    {"other_periods_per_turn", "reference",
+     [](Capture &c, Sampler &) { c.meta.periods_per_turn = 1; }},
+    {"reference_runs_the_other_way", nullptr,
+     [](Capture &c, Sampler &) {
+       for (double &r : c.reference_deg)
+         r = 360 - r;
+     }},
+    {"reference_with_wild_values", nullptr,
+     [](Capture &c, Sampler &s) {
+       for (std::size_t k = 0; k < 3; ++k)
+         c.reference_deg[k * 900] = s.uniform(0, 1e6);
+     }},
+    {"reference_turns_and_the_outputs_stand", "reference",
+     [](Capture &c, Sampler &s) {
+       for (auto *channel : {&c.vsin_v, &c.vcos_v})
+         for (double &v : *channel)
+           v = 2.5 + 1e-3 * s.uniform(-1, 1);
      }},
     {"uniform_noise", "rotation",
      [](Capture &c, Sampler &sampler) {
