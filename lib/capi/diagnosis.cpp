@@ -5,10 +5,14 @@
 #include <memory>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "capi/guard.h"
 #include "capi/handles.h"
 #include "capi/long_capture.h"
+#include "capi/to_fit.h"
 #include "diagnosis/diagnose.h"
+#include "diagnosis/plausible.h"
 #include "recording/join.h"
 #include "report/report.h"
 
@@ -31,7 +35,7 @@ CapturePtr joined(const ada4571_recording *const *recordings, std::size_t count,
   std::vector<CapturePtr> captures;
   for (std::size_t k = 0; k < count; ++k) {
     require(recordings[k], name);
-    captures.push_back(looked_at.part_of(*recordings[k]->impl));
+    captures.push_back(looked_at.part_of(*recordings[k]));
   }
   return join(captures);
 }
@@ -87,6 +91,9 @@ ada4571_status ada4571_diagnose_captures(const ada4571_recording *const *recordi
     auto out = std::make_unique<ada4571_diagnosis>();
     out->capture = joined(recordings, count, "recordings", looked_at);
     out->impl = diagnose(*out->capture, o);
+    for (std::size_t k = 0; k < count; ++k)
+      add_checks(out->impl, check_health(to_fit(*recordings[k]), nullptr),
+                 count > 1 ? fmt::format("capture {}: ", k + 1) : "");
     out->json = looked_at.with_json(to_json(out->impl));
     out->text = to_text(out->impl) + looked_at.text();
     *diagnosis = out.release();

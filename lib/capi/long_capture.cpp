@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "capi/to_fit.h"
 #include "health/health.h"
 #include "recording/spread_sample.h"
 
@@ -24,9 +25,10 @@ std::string explanation(const Health &health, std::string_view id) {
 
 } // namespace
 
-std::shared_ptr<const Capture> LookedAt::part_of(const Recording &recording) {
+std::shared_ptr<const Capture> LookedAt::part_of(const ada4571_recording &handle) {
+  const Recording &recording = *handle.impl;
   if (recording.size() > kMost) {
-    const Health health = check_health(RecordingToFit(recording), nullptr);
+    const Health health = check_health(to_fit(handle), nullptr);
     long_.push_back({kMost, recording.size(), kMost / kStretch, explanation(health, "spikes"),
                      explanation(health, "gaps")});
   }

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "recording/recording.h"
+#include "capi/handles.h"
 
 namespace ada::capi {
 
@@ -17,7 +17,7 @@ namespace ada::capi {
 class LookedAt {
 public:
   /// All of a recording up to a million samples; of a longer one as many in 32 stretches.
-  std::shared_ptr<const Capture> part_of(const Recording &recording);
+  std::shared_ptr<const Capture> part_of(const ada4571_recording &handle);
 
   /// A sentence for each long recording, to stand after the result; empty where all are short.
   std::string text() const;

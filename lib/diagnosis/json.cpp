@@ -153,6 +153,9 @@ std::string to_json(const Diagnosis &d) {
   for (const Invisible &i : d.invisible)
     invisible.push_back({{"cause", i.cause}, {"reason", i.reason}});
   out["not_visible"] = invisible;
+  out["failed_checks"] = ordered_json::array();
+  for (const FailedCheck &c : d.failed_checks)
+    out["failed_checks"].push_back({{"check", c.id}, {"explanation", c.explanation}});
   out["verdict"] = verdict_name(d.verdict);
   if (!d.reason.empty())
     out["reason"] = d.reason;

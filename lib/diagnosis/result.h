@@ -46,6 +46,11 @@ struct Invisible {
   std::string cause, reason;
 };
 
+/// A check of the capture (health/health.h) that failed: what no model of a sensor is to blame for.
+struct FailedCheck {
+  std::string id, explanation;
+};
+
 /// A line of the budget: what lies on an axis and on none before it, V rms of one channel, on
 /// held-out data.
 struct BudgetLine {
@@ -82,6 +87,7 @@ struct Diagnosis {
   double remainder_rms_v = 0.0, remainder_angle_rms_deg = 0.0; ///< of extended.remainder
   std::vector<Structure> structure;
   std::vector<Invisible> invisible;
+  std::vector<FailedCheck> failed_checks;
   double unexplained_rms_v = 0.0, noise_rms_v = 0.0;
   Verdict verdict = Verdict::insufficient_data;
   std::string reason; ///< of insufficient data

@@ -37,13 +37,20 @@ std::string error_of(const Quality &q) {
                                : std::string();
 }
 
+std::string failed_checks(const Diagnosis &d) {
+  std::string out = d.failed_checks.empty() ? "" : "\nThe capture is not sound:\n";
+  for (const FailedCheck &c : d.failed_checks)
+    out += fmt::format("  {}: {}\n", c.id, printable(c.explanation));
+  return out;
+}
+
 } // namespace
 
 std::string to_text(const Diagnosis &d) {
   std::string out = fmt::format("{} samples, {:.4g} s, {:.4g} turns, {}\n", d.samples, d.duration_s,
                                 d.turns, d.has_reference ? "with a reference" : "no reference");
   if (d.verdict == Verdict::insufficient_data)
-    return out + verdict_sentence(d) + "\n";
+    return out + verdict_sentence(d) + "\n" + failed_checks(d);
   const Quality &base = d.baseline_quality.heldout;
   out += fmt::format("model: {}: residual {:.4g} mV rms on held-out data{}\n", printable(d.baseline_name),
                      1e3 * base.residual_rms_v, error_of(base));
@@ -77,7 +84,7 @@ std::string to_text(const Diagnosis &d) {
     for (const Invisible &i : d.invisible)
       out += fmt::format("  {} ({})\n", i.cause, i.reason);
   }
-  return out;
+  return out + failed_checks(d);
 }
 
 } // namespace ada

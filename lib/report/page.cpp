@@ -62,6 +62,15 @@ std::string invisible_section(const Diagnosis &d) {
   return out + "</tbody></table>\n";
 }
 
+std::string failed_checks(const Diagnosis &d) {
+  if (d.failed_checks.empty())
+    return {};
+  std::string out = "<div class=\"notice\" id=\"failed-checks\">The capture is not sound:<ul>";
+  for (const FailedCheck &c : d.failed_checks)
+    out += fmt::format("<li><code>{}</code> {}</li>", html_escape(c.id), html_escape(c.explanation));
+  return out + "</ul></div>\n";
+}
+
 std::string head(const Diagnosis &d, const Capture &c) {
   const std::string name = c.meta.serial.empty() ? c.identity : "sensor " + c.meta.serial;
   std::string out = page_begin(name.empty() ? "Diagnosis" : "Diagnosis of " + name,
@@ -71,7 +80,8 @@ std::string head(const Diagnosis &d, const Capture &c) {
       fmt::format("<p class=\"over\">Diagnosis of {}: {} samples, {:.4g} s, {:.4g} turns, {}</p>",
                   name.empty() ? "a capture" : html_escape(name), d.samples, d.duration_s, d.turns,
                   d.has_reference ? "with a reference angle" : "no reference angle");
-  return out + "<h1>" + html_escape(headline(d)) + "</h1></header>\n" + Gallery::notice();
+  return out + "<h1>" + html_escape(headline(d)) + "</h1></header>\n" + failed_checks(d) +
+         Gallery::notice();
 }
 
 std::string foot(const Diagnosis &d) {

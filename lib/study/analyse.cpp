@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "calibration/single.h"
 #include "diagnosis/diagnose.h"
+#include "diagnosis/plausible.h"
 #include "health/health.h"
 #include "model/effect.h"
 #include "recording/capture_file.h"
@@ -51,8 +52,8 @@ void read_header(const Capture &c, Row &row) {
     row.factors.emplace_back("vtemp_mean_v", std::to_string(mean(c.vtemp_v)));
 }
 
-void check(const Capture &c, Row &row) {
-  const Health health = check_health(c, nullptr);
+Health check(const Capture &c, Row &row) {
+  Health health = check_health(c, nullptr);
   row.sound = health.sound();
   for (const HealthCheck &h : health.checks)
     row.checks.push_back({h.id,
@@ -60,6 +61,7 @@ void check(const Capture &c, Row &row) {
                           : h.state == HealthState::failed ? "failed"
                                                            : "unknown",
                           h.measured, h.limit, h.unit});
+  return health;
 }
 
 double error_of(const std::vector<double> &errors, std::size_t k) {
@@ -119,9 +121,10 @@ double cost_of(const Finding &f, const Model &m) {
                         m.periods_per_turn);
 }
 
-void diagnose_capture(const Capture &c, const Model &calibration, const AnalysisOptions &options,
-                      Row &row) {
-  const Diagnosis d = diagnose(c, {});
+void diagnose_capture(const Capture &c, const Health &health, const Model &calibration,
+                      const AnalysisOptions &options, Row &row) {
+  Diagnosis d = diagnose(c, {});
+  add_checks(d, health);
   row.verdict = verdict_name(d.verdict);
   if (d.verdict == Verdict::insufficient_data)
     throw Error(ADA4571_ERROR_UNUSABLE_DATA, row.capture + ": cannot be diagnosed: " + d.reason);
@@ -168,10 +171,10 @@ Row analyse(const std::string &capture, const AnalysisOptions &options) {
   try {
     const Capture c = read_capture(capture);
     read_header(c, row);
-    check(c, row);
+    const Health health = check(c, row);
     const Model calibration = calibrate(c, row);
     if (options.diagnose)
-      diagnose_capture(c, calibration, options, row);
+      diagnose_capture(c, health, calibration, options, row);
     else
       findings_of_calibration(calibration, row);
     row.signature = signature_of(c);

@@ -229,13 +229,29 @@ check_names_are_printed_on_one_line_and_without_control_characters() {
 check_what_is_implausible_is_said_beside_a_result() {
   capture a.csv
   sed -i 's/^# supply_v = .*/# supply_v = 4/' a.csv
-  local verb
-  for verb in "diagnose a.csv" "calibrate single a.csv -o a.toml"; do
-    # shellcheck disable=SC2086
-    status 0 iio-angle $verb
-    says err '^but a.csv is not sound'
-    says err '^supply +failed .*4.000 V is stated'
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  says err '^but a.csv is not sound'
+  says err '^supply +failed .*4.000 V is stated'
+  status 0 iio-angle diagnose --report a.html a.csv
+  says out '^The capture is not sound:'
+  says out '^  supply: .*4.000 V is stated'
+  says a.html 'id="failed-checks".*<li><code>supply</code> .*4.000 V is stated'
+}
+
+# A model follows the volts wherever they lie: that it does is no proof that nothing is wrong.
+check_what_is_implausible_is_no_absence_of_discrepancies() {
+  capture sound.csv
+  sed 's/^# supply_v = .*/# supply_v = 4/' sound.csv >supply.csv
+  awk -F, -v OFS=, '/^[0-9]/ {$2 = 2.5 + ($2 - 2.5) / 50; $3 = 2.5 + ($3 - 2.5) / 50} 1' \
+    sound.csv >amplitude.csv
+  local check
+  for check in supply amplitude; do
+    status 0 iio-angle diagnose --json $check.csv
+    says out "\"check\": \"$check\""
+    ! grep -q '"verdict": "no-discrepancy"' out || fail "$check: $(cat out)"
   done
+  status 0 iio-angle diagnose --json sound.csv
+  says out '"failed_checks": \[\],'
 }
 
 # limited COMMAND...: no file may grow beyond a few kilobytes.

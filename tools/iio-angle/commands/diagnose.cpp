@@ -10,7 +10,6 @@
 #include "common/option_checks.h"
 #include "common/print.h"
 #include "common/progress.h"
-#include "common/soundness.h"
 #include "common/verb.h"
 
 namespace cli {
@@ -73,8 +72,6 @@ int run(const Options &options) {
   const std::string_view result = options.json ? ada4571_diagnosis_json(diagnosis.get())
                                                : ada4571_diagnosis_text(diagnosis.get());
   print("{}{}", result, result.ends_with('\n') ? "" : "\n");
-  for (std::size_t k = 0; k < captures.own.size(); ++k)
-    warn_of_faults(captures.own[k], options.captures[k]);
   // Last: whatever becomes of the page, the result is out.
   if (!options.report.empty())
     check(ada4571_diagnosis_report(diagnosis.get(), options.report.c_str()));
