@@ -60,6 +60,19 @@ check_a_list_without_lines_is_no_list() {
   says err '^iio-angle: /dev/zero: this is no list of names'
 }
 
+check_a_capture_is_no_list() {
+  quick_captures 1
+  iio-angle simulate --duration 0.2 -o a.sigmf-meta 2>err || fail "no capture: $(cat err)"
+  local list
+  for list in c1.csv a.sigmf-meta a.sigmf-data; do
+    status 1 iio-angle study run --list $list -o s.db
+    says err "^iio-angle: $list: this is no list of names"
+    [[ $(wc -l <err) -eq 1 && ! -e s.db ]] || fail "$list: $(head -3 err; ls)"
+  done
+  status 1 bash -c "iio-angle study run --list - -o s.db <c1.csv"
+  says err '^iio-angle: -: this is no list of names'
+}
+
 check_restarted_it_does_only_what_is_left_or_changed() {
   quick_captures 4
   ls c*.csv >names

@@ -52,6 +52,19 @@ void read_shard(const std::string &text, ada4571_study_options &options) {
     throw Failure(kWrongUsage, fmt::format("--shard takes K/N, K from 1 to N, not '{}'", text));
 }
 
+/// Refuses what is no list at all, a capture, say, before every line of it becomes a capture that
+/// cannot be read. One name may be wrong, and some of many; not all.
+void check_names(const std::string &list, const std::vector<std::string> &names) {
+  constexpr std::ptrdiff_t kLookedAt = 100;
+  const auto end = names.begin() + std::min(std::ssize(names), kLookedAt);
+  const auto is_there = [](const std::string &name) { return access(name.c_str(), F_OK) == 0; };
+  if (names.size() > 1 && std::none_of(names.begin(), end, is_there))
+    throw Failure(kUnusable,
+                  fmt::format("{}: this is no list of names: none of its first {} lines is the name "
+                              "of a file",
+                              list, end - names.begin()));
+}
+
 /// A name a line.
 std::vector<std::string> names_of(const std::string &list) {
   std::ifstream file;
@@ -74,6 +87,7 @@ std::vector<std::string> names_of(const std::string &list) {
     throw Failure(kUnusable, list + ": cannot be read");
   if (!in.eof())
     throw Failure(kUnusable, list + ": this is no list of names: a line is longer than any name");
+  check_names(list, names);
   return names;
 }
 
@@ -126,11 +140,16 @@ private:
   Progress progress_;
 };
 
-void list_captures(const RunOptions &options, const Study &study) {
+/// All captures that the command names.
+std::vector<std::string> captures_of(const RunOptions &options) {
   std::vector<std::string> names = options.captures;
   if (!options.list.empty())
     for (std::string &name : names_of(options.list))
       names.push_back(std::move(name));
+  return names;
+}
+
+void list_captures(const std::vector<std::string> &names, const Study &study) {
   std::vector<const char *> bare;
   for (const std::string &name : names)
     bare.push_back(name.c_str());
@@ -150,9 +169,10 @@ int run(const RunOptions &options) {
   for (std::size_t k = 0; k < options.captures.size(); ++k)
     roles.reads(options.captures[k]);
   roles.writes(options.output);
+  const std::vector<std::string> captures = captures_of(options); // before a study is made for them
   const auto study = make_as_asked<Study>(ada4571_study_open, options.output.c_str(),
                                           static_cast<const ada4571_study_options *>(&wanted));
-  list_captures(options, study);
+  list_captures(captures, study);
   std::size_t count = 0;
   check(ada4571_study_find_waiting(study.get(), options.again ? 1 : 0, &count));
   Course course(count);
