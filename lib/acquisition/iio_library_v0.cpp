@@ -63,12 +63,31 @@ ScanFormat format_of(const iio_channel *channel) {
   return format;
 }
 
+/// Errors of the connection, not of the attribute.
+bool is_connection_lost(ssize_t error) {
+  constexpr std::array kLost{EPIPE,    ECONNRESET, ECONNREFUSED, ECONNABORTED,
+                             ENOTCONN, ESHUTDOWN,  EBADF,        ETIMEDOUT};
+  return std::find(kLost.begin(), kLost.end(), -error) != kLost.end();
+}
+
+/// `read(value, size)` of an attribute; nothing where it cannot be read. That the server went away
+/// meanwhile says nothing of the attribute: a device without an offset is another one.
+template <class Read> std::optional<std::string> read_value(const char *name, Read read) {
+  std::array<char, 1024> value{};
+  const ssize_t n = read(value.data(), value.size() - 1);
+  if (is_connection_lost(n))
+    throw Error(ADA4571_ERROR_DISCONNECTED, std::string("the connection was lost at the attribute ") +
+                                                name + ": " +
+                                                errno_text(static_cast<int>(-n)));
+  return n < 0 ? std::nullopt : std::optional<std::string>(text(value.data()));
+}
+
 std::optional<std::string> read_attribute(const iio_channel *channel, const char *name) {
   if (!iio_channel_find_attr(channel, name))
     return std::nullopt;
-  std::array<char, 1024> value{};
-  const ssize_t n = iio_channel_attr_read(channel, name, value.data(), value.size() - 1);
-  return n < 0 ? std::nullopt : std::optional<std::string>(text(value.data()));
+  return read_value(name, [&](char *value, std::size_t size) {
+    return iio_channel_attr_read(channel, name, value, size);
+  });
 }
 
 IioChannel describe(const iio_channel *channel) {
@@ -219,9 +238,9 @@ std::optional<std::string> ContextV0::read(const std::string &device_id,
   const iio_device *dev = device(device_id);
   if (!iio_device_find_attr(dev, name.c_str()))
     return std::nullopt;
-  std::array<char, 1024> value{};
-  const ssize_t n = iio_device_attr_read(dev, name.c_str(), value.data(), value.size() - 1);
-  return n < 0 ? std::nullopt : std::optional<std::string>(text(value.data()));
+  return read_value(name.c_str(), [&](char *value, std::size_t size) {
+    return iio_device_attr_read(dev, name.c_str(), value, size);
+  });
 }
 
 int ContextV0::write(const std::string &device_id, const std::string &channel_id,

@@ -4,6 +4,7 @@
 // Clients that send what no client would, a server that says what no server would, and a process
 // that has run out of something.
 
+#include <atomic>
 #include <cstring>
 #include <random>
 
@@ -188,6 +189,32 @@ TEST(HostileServer, that_sends_more_than_was_asked_for_is_refused) {
     EXPECT_THROW(
         for (int i = 0; i < 50; ++i) source->read(frames, std::chrono::milliseconds(200)), Error)
         << length;
+  }
+}
+
+/// What it was not asked any more is not absent: an offset, say, without which the volts are others.
+TEST(HostileServer, that_goes_away_while_it_is_asked_is_a_loss) {
+  auto context = served_pair(kU16, kU16, 1000.0);
+  for (ServedChannel &channel : context->devices[0].channels)
+    channel.attributes.push_back({"offset", "-100", {}, {}});
+  int losses = 0;
+  for (bool open = false; !open; ++losses) {
+    ASSERT_LT(losses, 100);
+    std::atomic<int> asked = 0;
+    Served server(context, [&asked, losses](std::string_view line) -> IiodFault {
+      const bool last = line.starts_with("READ ") && asked++ == losses;
+      return {last ? IiodFault::Kind::drop : IiodFault::Kind::none, 0, {}};
+    });
+    IioSourceOptions options;
+    options.uri = server.uri();
+    try {
+      const auto source = open_iio_source(options);
+      EXPECT_GE(losses, 7) << "labels, scales, offsets, and the rate of a pair";
+      open = asked <= losses;
+      EXPECT_TRUE(open) << "opened although it went away at question " << losses;
+    } catch (const Error &e) {
+      EXPECT_EQ(e.status(), ADA4571_ERROR_DISCONNECTED) << losses << ": " << e.what();
+    }
   }
 }
 
