@@ -16,7 +16,7 @@ namespace ada {
 
 namespace {
 
-constexpr std::size_t kLongestHeader = std::size_t{1} << 16, kMostFields = 256;
+constexpr std::size_t kLongestHeader = kNumpyHead - 12, kMostFields = 256;
 
 /// The dictionary as numpy writes it: {'descr': ..., 'fortran_order': ..., 'shape': (...), }.
 class Header {
@@ -170,8 +170,9 @@ template <class Word> double as_double(char kind, Word word) {
 
 } // namespace
 
-NumpyArray parse_numpy(std::span<const std::byte> file, const std::string &shown) {
-  const std::string_view text(reinterpret_cast<const char *>(file.data()), file.size());
+NumpyArray parse_numpy(std::span<const std::byte> head, std::size_t file_bytes,
+                       const std::string &shown) {
+  const std::string_view text(reinterpret_cast<const char *>(head.data()), head.size());
   const auto fail = [&](const std::string &what) {
     throw Error(ADA4571_ERROR_FORMAT, shown + ": " + what);
   };
@@ -189,7 +190,7 @@ NumpyArray parse_numpy(std::span<const std::byte> file, const std::string &shown
     fail("the header is cut short, or longer than " + std::to_string(kLongestHeader) + " bytes");
   NumpyArray array = Header(text.substr(begin, length), begin, shown).parse();
   array.data_begin = begin + length;
-  std::size_t left = (text.size() - array.data_begin) / array.record_bytes;
+  std::size_t left = (file_bytes - array.data_begin) / array.record_bytes;
   for (const std::size_t n : array.shape)
     left = n == 0 ? left : left / n;
   if (left == 0)

@@ -36,8 +36,11 @@ struct NumpyArray {
   std::size_t data_begin = 0; ///< in the file
 };
 
-/// Throws FORMAT with the place; the data are all there.
-NumpyArray parse_numpy(std::span<const std::byte> file, const std::string &shown);
+/// From the first kNumpyHead bytes of a file, or all that it has. Throws FORMAT with the place; the
+/// data are all there.
+inline constexpr std::size_t kNumpyHead = (std::size_t{1} << 16) + 12;
+NumpyArray parse_numpy(std::span<const std::byte> head, std::size_t file_bytes,
+                       const std::string &shown);
 
 double numpy_number(const NumpyType &type, const std::byte *at);
 

@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/error.h"
-#include "base/mapped_file.h"
+#include "base/file_bytes.h"
 #include "base/text.h"
 #include "import/assignment.h"
 #include "import/numpy_file.h"
@@ -24,7 +25,8 @@ constexpr std::size_t kTimesOfRate = 2000;
 class NumpyImport final : public Importer {
 public:
   NumpyImport(const std::string &path, const ImportOptions &options)
-      : shown_(path), file_(path), array_(parse_numpy(file_.bytes(), path)) {
+      : shown_(path), file_(path),
+        array_(parse_numpy(file_.read(0, std::min(file_.size(), kNumpyHead)), file_.size(), path)) {
     lay_out();
     assignment_ = assign_columns(names_, options, path, options.sample_rate_hz > 0.0);
     channels_ = assignment_.set();
@@ -86,8 +88,22 @@ private:
     const bool records = !array_.fields.front().name.empty();
     const NumpyField &field = array_.fields[records ? column : 0];
     const std::size_t record = records ? row : row * row_stride_ + column * column_stride_;
-    return numpy_number(field.type, file_.bytes().data() + array_.data_begin +
-                                        record * array_.record_bytes + field.offset);
+    return numpy_number(field.type, bytes_at(column, array_.data_begin +
+                                                         record * array_.record_bytes +
+                                                         field.offset));
+  }
+
+  /// Numbers of a column lie one after the other or in rows: a part of the file for each column.
+  const std::byte *bytes_at(std::size_t column, std::size_t place) const {
+    constexpr std::size_t kPart = std::size_t{1} << 16, kLongestNumber = 8;
+    Part &part = parts_[column];
+    if (place < part.first || place + kLongestNumber > part.end) {
+      part.first = place;
+      part.end = std::min(file_.size(), place + kPart);
+      part.bytes = file_.read(part.first, part.end - part.first);
+    }
+    const std::span<const std::byte> bytes = part.bytes;
+    return bytes.data() + (place - part.first);
   }
 
   [[noreturn]] void fail(const Column &column, const std::string &what) const {
@@ -122,8 +138,14 @@ private:
     return times;
   }
 
+  struct Part {
+    std::size_t first = 0, end = 0;
+    BytesRead bytes{{}};
+  };
+
   std::string shown_;
-  MappedFile file_;
+  FileBytes file_;
+  mutable std::map<std::size_t, Part> parts_; ///< one a column, as it was read last
   NumpyArray array_;
   std::vector<FileColumn> names_;
   Assignment assignment_;

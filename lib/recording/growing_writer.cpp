@@ -12,7 +12,7 @@
 #include <zlib.h>
 
 #include "base/descriptor.h"
-#include "base/mapped_file.h"
+#include "base/file_bytes.h"
 #include "recording/disk_syncer.h"
 #include "recording/frame_check.h"
 #include "recording/sigmf_encoder.h"
@@ -144,17 +144,19 @@ private:
 
   /// How far the data goes, when it ends, and its checksum.
   void read_end(const std::string &shown) {
-    const MappedFile mapped(fd_.get(), shown);
-    frames_ = whole_frames(old_, mapped.bytes());
+    constexpr std::size_t kAtOnce = 65536; // bytes
+    const FileBytes data(fd_.get(), shown);
+    frames_ = whole_frames(old_, data);
     if (frames_ == 0)
       return;
-    const auto data = mapped.bytes().first(frames_ * old_.frame_bytes);
-    crc_ = add_to_crc(0, data);
+    const std::size_t end = frames_ * old_.frame_bytes;
+    for (std::size_t at = 0; at < end; at += kAtOnce)
+      crc_ = add_to_crc(crc_, data.read(at, std::min(kAtOnce, end - at)));
     if (old_.data_crc32 && *old_.data_crc32 != crc_)
       throw Error(ADA4571_ERROR_FORMAT, shown + ": the data does not fit the checksum in the meta "
                                                 "file");
-    decode_channel(*old_.find("time_s"), data.last(old_.frame_bytes), old_.frame_bytes,
-                   &last_time_);
+    decode_channel(*old_.find("time_s"), data.read(end - old_.frame_bytes, old_.frame_bytes),
+                   old_.frame_bytes, &last_time_);
     segments_ = old_.segments;
     std::erase_if(segments_, [this](const SigmfSegment &s) { return s.sample_start >= frames_; });
     datetime_ = old_.datetime;

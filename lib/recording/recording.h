@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// A recording that is read block by block, wherever it is: in memory, in a SigMF data file that is
-// mapped, or in a text file that is parsed in place. What it holds beside its blocks does not grow
+// A recording that is read block by block, wherever it is: in memory, in a SigMF data file, or in a
+// text file, of which blocks are parsed in place. What it holds beside its blocks does not grow
 // with its length.
 #pragma once
 
@@ -82,7 +82,7 @@ std::shared_ptr<const Recording> recording_of(std::shared_ptr<const Capture> cap
 std::shared_ptr<const Recording> recording_of(const Capture &capture);
 
 /// Opens and validates a file of either form, as read_capture does, without holding it in memory;
-/// "-" and whatever else cannot be mapped is read into memory.
+/// "-" and whatever else is no regular file is read into memory.
 std::shared_ptr<const Recording> open_recording(const std::string &path);
 
 } // namespace ada

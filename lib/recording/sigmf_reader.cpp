@@ -8,7 +8,7 @@
 
 #include "base/descriptor.h"
 #include "base/error.h"
-#include "base/mapped_file.h"
+#include "base/file_bytes.h"
 #include "recording/sigmf_recording.h"
 
 namespace ada {
@@ -25,14 +25,20 @@ bool is_sigmf(std::string_view path) {
   return path.ends_with(".sigmf-meta") || path.ends_with(".sigmf-data");
 }
 
-std::size_t whole_frames(const SigmfMeta &meta, std::span<const std::byte> data) {
+std::size_t whole_frames(const SigmfMeta &meta, const FileBytes &data) {
+  constexpr std::size_t kAtOnce = 4096; // frames
   std::size_t count = data.size() / meta.frame_bytes;
-  const auto is_blank = [&](std::size_t i) {
-    const auto frame = data.subspan(i * meta.frame_bytes, meta.frame_bytes);
-    return std::all_of(frame.begin(), frame.end(), [](std::byte b) { return b == std::byte{}; });
-  };
-  while (meta.unfinished && count > 0 && is_blank(count - 1))
-    --count;
+  while (meta.unfinished && count > 0) {
+    const std::size_t some = std::min(count, kAtOnce);
+    const BytesRead read = data.read((count - some) * meta.frame_bytes, some * meta.frame_bytes);
+    const std::span<const std::byte> bytes = read;
+    const auto last = std::find_if(bytes.rbegin(), bytes.rend(),
+                                   [](std::byte b) { return b != std::byte{}; });
+    const std::size_t blank = static_cast<std::size_t>(last - bytes.rbegin()) / meta.frame_bytes;
+    count -= blank;
+    if (blank < some)
+      break;
+  }
   return count;
 }
 
@@ -44,12 +50,13 @@ std::string sigmf_data_path(const std::string &path) {
 }
 
 SigmfMeta read_sigmf_meta(const std::string &meta_path) {
-  const MappedFile json(meta_path);
-  if (json.bytes().size() > kMaxSigmfMetaBytes)
+  const FileBytes json(meta_path);
+  if (json.size() > kMaxSigmfMetaBytes)
     throw Error(ADA4571_ERROR_FORMAT, meta_path + ":1:1: the meta file is longer than " +
                                           std::to_string(kMaxSigmfMetaBytes) + " bytes");
-  return parse_sigmf_meta(
-      {reinterpret_cast<const char *>(json.bytes().data()), json.bytes().size()}, meta_path);
+  const BytesRead read = json.all();
+  const std::span<const std::byte> bytes = read;
+  return parse_sigmf_meta({reinterpret_cast<const char *>(bytes.data()), bytes.size()}, meta_path);
 }
 
 namespace {
@@ -89,9 +96,7 @@ std::shared_ptr<const Recording> open_sigmf_recording(const std::string &path) {
     const SigmfMeta meta = read_sigmf_meta(meta_path);
     const std::string data_path = data_path_of(meta, path);
     try {
-      auto data = std::make_unique<MappedFile>(data_path);
-      const auto bytes = data->bytes();
-      return sigmf_recording(meta, bytes, data_path, std::move(data));
+      return sigmf_recording(meta, FileBytes(data_path), data_path);
     } catch (const Error &) {
       // A meta file of the same moment may look like the one before it: a few tries all the same.
       if (i == kTries || (i >= kTriesOfOne && version_of(meta_path) == before))

@@ -8,13 +8,14 @@
 #include <string>
 #include <string_view>
 
+#include "base/file_bytes.h"
 #include "recording/recording.h"
 #include "recording/sigmf_meta.h"
 
 namespace ada {
 
-/// Opens a SigMF recording; `path` names either of its two files. The data file is mapped, not read
-/// into memory.
+/// Opens a SigMF recording; `path` names either of its two files. The data file is read block by
+/// block.
 std::shared_ptr<const Recording> open_sigmf_recording(const std::string &path);
 
 /// The meta file of that name.
@@ -22,7 +23,7 @@ SigmfMeta read_sigmf_meta(const std::string &meta_path);
 
 /// Frames in a data file of this length. Of an unfinished one, what a crash of the machine can
 /// leave at its end does not count: part of a frame, and frames that were never filled.
-std::size_t whole_frames(const SigmfMeta &meta, std::span<const std::byte> data);
+std::size_t whole_frames(const SigmfMeta &meta, const FileBytes &data);
 
 /// Whether a path names a SigMF recording, by either of its files.
 bool is_sigmf(std::string_view path);

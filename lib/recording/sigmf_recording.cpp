@@ -34,12 +34,11 @@ struct Checked {
 
 class SigmfRecording final : public Recording {
 public:
-  SigmfRecording(const SigmfMeta &meta, std::span<const std::byte> data, const std::string &shown,
-                 std::unique_ptr<MappedFile> owner)
-      : meta_(meta), data_(data), shown_(shown), owner_(std::move(owner)) {
+  SigmfRecording(const SigmfMeta &meta, FileBytes data, const std::string &shown)
+      : meta_(meta), data_(std::move(data)), shown_(shown) {
     check_size();
     facts_.meta = meta_.meta;
-    if (owner_)
+    if (data_.is_file())
       facts_.data_file = shown_;
     for (const SigmfChannel &channel : meta_.channels)
       add(channel);
@@ -62,11 +61,21 @@ public:
 
   void read(std::size_t block, std::size_t offset, std::size_t count, ColumnMask wanted,
             Block &out) const override {
-    if (owner_)
-      owner_->check_holds(data_.size());
+    place(block, offset, count, out);
+    const ColumnMask in_file = regular_ ? kAllColumns & ~kTimeColumn : kAllColumns;
+    decode(wanted & in_file ? frames(out.first, out.count) : BytesRead({}), wanted, out);
+  }
+
+private:
+  /// Which samples of a block are meant.
+  void place(std::size_t block, std::size_t offset, std::size_t count, Block &out) const {
     const std::size_t end = block_begin(block + 1);
     out.first = std::min(block_begin(block) + offset, end);
     out.count = std::min(count, end - out.first);
+  }
+
+  /// The columns of these samples, whose frames they are.
+  void decode(std::span<const std::byte> frames, ColumnMask wanted, Block &out) const {
     for (std::size_t c = 0; c < kColumns.size(); ++c) {
       std::span<const double> &column = out.*kColumns[c].block;
       column = {};
@@ -78,12 +87,11 @@ public:
       if (counted)
         count_time(out.first, values);
       else
-        decode(*columns_[c], out.first, values);
+        decode(*columns_[c], frames, out.first, values);
       column = values;
     }
   }
 
-private:
   [[noreturn]] void fail(const std::string &what) const {
     throw Error(ADA4571_ERROR_FORMAT, shown_ + ": " + what);
   }
@@ -102,10 +110,8 @@ private:
       fail("the file ends within a frame: " + std::to_string(data_.size()) +
            " bytes are no whole number of frames of " + std::to_string(meta_.frame_bytes) +
            " bytes");
-    if (meta_.unfinished) { // the meta file may have got further than the data
-      data_ = data_.first(size_ * meta_.frame_bytes);
+    if (meta_.unfinished) // the meta file may have got further than the data
       std::erase_if(meta_.segments, [this](const auto &s) { return s.sample_start >= size_; });
-    }
     if (meta_.segments.back().sample_start >= size_)
       fail("a captures segment begins at sample " +
            std::to_string(meta_.segments.back().sample_start) + ", but there are " +
@@ -122,15 +128,17 @@ private:
   }
   bool has(ColumnMask column) const { return columns_[std::countr_zero(column)] != nullptr; }
 
-  std::span<const std::byte> frames(std::size_t first, std::size_t count) const {
-    return data_.subspan(first * meta_.frame_bytes, count * meta_.frame_bytes);
+  BytesRead frames(std::size_t first, std::size_t count) const {
+    return data_.read(first * meta_.frame_bytes, count * meta_.frame_bytes);
   }
 
-  void decode(const SigmfChannel &channel, std::size_t first, std::span<double> out) const {
+  /// A channel of frames, of which the first is that of sample `first`.
+  void decode(const SigmfChannel &channel, std::span<const std::byte> frames, std::size_t first,
+              std::span<double> out) const {
     if (&channel == columns_[0] && !channel.type.is_float)
-      decode_timestamps(channel, first, out);
+      decode_timestamps(channel, frames, first, out);
     else
-      decode_channel(channel, frames(first, out.size()), meta_.frame_bytes, out.data());
+      decode_channel(channel, frames, meta_.frame_bytes, out.data());
   }
 
   /// Timestamps are nanoseconds from any origin: the first sample is at the time of the first
@@ -145,12 +153,14 @@ private:
     start_ns_ = std::llround(meta_.segments.front().time_s * kNanoseconds);
   }
 
-  void decode_timestamps(const SigmfChannel &channel, std::size_t first,
-                         std::span<double> out) const {
+  void decode_timestamps(const SigmfChannel &channel, std::span<const std::byte> frames,
+                         std::size_t first, std::span<double> out) const {
     std::array<std::int64_t, 1024> block;
     for (std::size_t i = 0; i < out.size(); i += block.size()) {
       const std::size_t count = std::min(block.size(), out.size() - i);
-      decode_integers(channel, frames(first + i, count), meta_.frame_bytes, block.data());
+      decode_integers(channel,
+                      frames.subspan(i * meta_.frame_bytes, count * meta_.frame_bytes),
+                      meta_.frame_bytes, block.data());
       for (std::size_t k = 0; k < count; ++k) {
         std::int64_t elapsed = 0;
         if (__builtin_sub_overflow(block[k], first_timestamp_, &elapsed) ||
@@ -211,12 +221,13 @@ private:
 
   void check_block(std::size_t k, ColumnMask wanted, Checked &out) const {
     Block &block = out.block;
-    read(k, 0, size_, wanted, block);
-    if (meta_.data_crc32) {
-      const auto bytes = frames(block.first, block.count);
+    place(k, 0, size_, block);
+    const BytesRead read = frames(block.first, block.count);
+    const std::span<const std::byte> bytes = read;
+    decode(bytes, wanted, block);
+    if (meta_.data_crc32)
       out.crc = crc32(crc32(0, nullptr, 0), reinterpret_cast<const Bytef *>(bytes.data()),
                       static_cast<uInt>(bytes.size()));
-    }
     for (const Column &column : kColumns) {
       const auto values = block.*column.block;
       for (std::size_t i = 0; i < values.size(); ++i)
@@ -262,20 +273,17 @@ private:
   }
 
   SigmfMeta meta_;
-  std::span<const std::byte> data_;
+  FileBytes data_;
   std::string shown_;
-  std::unique_ptr<MappedFile> owner_;
   std::array<const SigmfChannel *, kColumnCount> columns_{}; ///< in the order of kColumns
   std::int64_t first_timestamp_ = 0, start_ns_ = 0;
 };
 
 } // namespace
 
-std::shared_ptr<const Recording> sigmf_recording(const SigmfMeta &meta,
-                                                 std::span<const std::byte> data,
-                                                 const std::string &shown,
-                                                 std::unique_ptr<MappedFile> owner) {
-  return std::make_shared<SigmfRecording>(meta, data, shown, std::move(owner));
+std::shared_ptr<const Recording> sigmf_recording(const SigmfMeta &meta, FileBytes data,
+                                                 const std::string &shown) {
+  return std::make_shared<SigmfRecording>(meta, std::move(data), shown);
 }
 
 } // namespace ada

@@ -13,7 +13,7 @@
 #include <zlib.h>
 
 #include "base/atomic_file.h"
-#include "base/mapped_file.h"
+#include "base/file_bytes.h"
 #include "recording/fixed_point.h"
 #include "recording/frame_check.h"
 #include "recording/sigmf_encoder.h"
@@ -136,17 +136,17 @@ private:
       return;
     data_file_->flush();
     const std::unique_ptr<AtomicFile> old_file = std::exchange(data_file_, new_data_file());
-    const MappedFile bytes(old_file->fd(), path_);
+    const FileBytes bytes(old_file->fd(), path_);
     crc_ = 0;
     constexpr std::size_t kBlock = 4096;
     for (std::size_t first = 0; first < written; first += kBlock)
-      recode_block(old, bytes.bytes(), first, std::min(kBlock, written - first));
+      recode_block(old, bytes, first, std::min(kBlock, written - first));
   }
 
-  void recode_block(const SigmfMeta &old, std::span<const std::byte> bytes, std::size_t first,
+  void recode_block(const SigmfMeta &old, const FileBytes &bytes, std::size_t first,
                     std::size_t count) {
     Capture block;
-    const auto frames = bytes.subspan(first * old.frame_bytes, count * old.frame_bytes);
+    const BytesRead frames = bytes.read(first * old.frame_bytes, count * old.frame_bytes);
     for (const Column &column : kColumns) {
       std::vector<double> &values = block.*column.values;
       const SigmfChannel *channel = old.find(column.name);

@@ -10,7 +10,7 @@
 namespace ada {
 
 /// Opens a capture in text form, "-" from standard input; docs/recordings.md has the format. A
-/// regular file is mapped and parsed in place, block by block; a pipe is read into memory.
+/// regular file is read and parsed block by block; a pipe is read into memory.
 std::shared_ptr<const Recording> open_text_recording(const std::string &path);
 
 /// The whole of it in memory.

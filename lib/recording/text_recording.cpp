@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/mapped_file.h"
+#include "base/file_bytes.h"
 #include "base/parallel.h"
 #include "recording/gap_detector.h"
 #include "recording/identity.h"
@@ -23,6 +23,7 @@ namespace {
 
 /// Bytes a block, to the next line.
 constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+constexpr std::size_t kLookedThrough = 4096; ///< bytes at once, for the end of a line
 constexpr const char *kChanges = "the file changes while it is read";
 constexpr std::size_t kAllRows = std::numeric_limits<std::size_t>::max();
 
@@ -36,8 +37,7 @@ public:
     facts_.meta = std::move(head.meta);
     facts_.ignored_columns = std::move(head.ignored_columns);
     channels_ = rows_.channels();
-    text_ = {reinterpret_cast<const char *>(file_.bytes().data()), file_.bytes().size()};
-    text_.remove_prefix(std::min(lines.bytes_read(), text_.size()));
+    begins_.push_back(std::min(lines.bytes_read(), file_.size()));
     find_blocks();
     check_rows();
   }
@@ -49,7 +49,6 @@ public:
 
   void read(std::size_t block, std::size_t offset, std::size_t count, ColumnMask wanted,
             Block &out) const override {
-    file_.check_holds(file_.bytes().size());
     clear(out);
     const std::size_t end = first_rows_[block + 1];
     out.first = std::min(first_rows_[block] + offset, end);
@@ -71,7 +70,8 @@ private:
   /// What was sound when the file was opened; false where it no longer is.
   bool read_rows(std::size_t block, std::size_t skipped, std::size_t count, ColumnMask wanted,
                  TextRows::Store &out) const {
-    LineReader lines(text_of(block, block + 1), shown_, 0);
+    const BytesRead bytes = bytes_of(block, block + 1);
+    LineReader lines(text(bytes), shown_, 0);
     try {
       return rows_.read(lines, 0, skipped, out).rows == skipped &&
              rows_.read(lines, wanted, count, out).rows == count;
@@ -90,16 +90,37 @@ private:
   }
 
   void find_blocks() {
-    begins_.push_back(0);
-    while (begins_.back() < text_.size()) {
-      const std::size_t from = begins_.back() + kBlockBytes;
-      const std::size_t line = from < text_.size() ? text_.find('\n', from) : text_.npos;
-      begins_.push_back(line == text_.npos ? text_.size() : line + 1);
-    }
+    while (begins_.back() < file_.size())
+      begins_.push_back(line_after(begins_.back() + kBlockBytes));
   }
 
-  std::string_view text_of(std::size_t block, std::size_t end) const {
-    return text_.substr(begins_[block], begins_[end] - begins_[block]);
+  /// Where the first line begins that begins after a place; the end of the file where none does.
+  std::size_t line_after(std::size_t place) const {
+    while (place < file_.size()) {
+      const std::size_t some = std::min(file_.size() - place, kLookedThrough);
+      const BytesRead bytes = file_.read(place, some);
+      const std::size_t end = text(bytes).find('\n');
+      if (end != std::string_view::npos)
+        return place + end + 1;
+      place += some;
+    }
+    return file_.size();
+  }
+
+  BytesRead bytes_of(std::size_t block, std::size_t end) const {
+    return file_.read(begins_[block], begins_[end] - begins_[block]);
+  }
+  static std::string_view text(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
+  }
+
+  std::size_t lines_before(std::size_t block) const {
+    std::size_t lines = head_lines_;
+    for (std::size_t k = 0; k < block; ++k) {
+      const BytesRead bytes = bytes_of(k, k + 1);
+      lines += static_cast<std::size_t>(std::count(text(bytes).begin(), text(bytes).end(), '\n'));
+    }
+    return lines;
   }
 
   void check_rows() {
@@ -113,7 +134,7 @@ private:
         [&](std::size_t k, const Checked &c) {
           if (c.found.rows > 0) {
             if (blank < k)
-              explain(blank, k + 1);
+              explain_blank(blank, k);
             if (size_ > 0 && c.block.time_s.front() < last_time_s_)
               explain(last, k + 1);
             join_times(c.block, jump, steps);
@@ -126,16 +147,16 @@ private:
           first_rows_.push_back(size_);
         });
     if (size_ == 0)
-      explain(0, blocks());
+      explain_no_rows();
     facts_.gaps = steps.gaps();
     facts_.identity = columns.identity(channels_, size_);
   }
 
   void check_block(std::size_t k, Checked &out) const {
     clear(out.block);
-    file_.check_holds(file_.bytes().size());
+    const BytesRead bytes = bytes_of(k, k + 1);
     try {
-      LineReader lines(text_of(k, k + 1), shown_, 0);
+      LineReader lines(text(bytes), shown_, 0);
       out.found = rows_.read(lines, kAllColumns, kAllRows, out.block.store);
     } catch (const Error &) {
       explain(k, k + 1);
@@ -147,12 +168,26 @@ private:
 
   /// Reads these blocks again to say what is wrong with them, in its place.
   [[noreturn]] void explain(std::size_t block, std::size_t end) const {
-    const std::string_view before = text_.substr(0, begins_[block]);
-    const auto count = std::count(before.begin(), before.end(), '\n');
-    LineReader lines(text_of(block, end), shown_, head_lines_ + static_cast<std::size_t>(count));
+    const BytesRead bytes = bytes_of(block, end);
+    LineReader lines(text(bytes), shown_, lines_before(block));
     TextRows::Store columns;
-    const bool rows = rows_.read(lines, kAllColumns, kAllRows, columns).rows > 0;
-    lines.fail(1, rows ? kChanges : "there is no row after the header line");
+    rows_.read(lines, kAllColumns, kAllRows, columns);
+    lines.fail(1, kChanges);
+  }
+
+  /// A block with rows after one with an empty line; there may be any number between them.
+  [[noreturn]] void explain_blank(std::size_t blank, std::size_t block) const {
+    const BytesRead before = bytes_of(blank, blank + 1), after = bytes_of(block, block + 1);
+    LineReader lines_until(text(before), shown_, lines_before(blank));
+    LineReader lines(text(after), shown_, lines_before(block));
+    TextRows::Store columns;
+    const TextRows::Count until = rows_.read(lines_until, 0, kAllRows, columns);
+    rows_.read(lines, 0, kAllRows, columns, until.blank_line);
+    lines.fail(1, kChanges);
+  }
+
+  [[noreturn]] void explain_no_rows() const {
+    LineReader({}, shown_, lines_before(blocks())).fail(1, "there is no row after the header line");
   }
 
   void join_times(const Block &block, GapDetector &jump, RateSteps &steps) {
@@ -167,11 +202,10 @@ private:
   }
 
   std::string shown_;
-  MappedFile file_;
+  FileBytes file_;
   TextRows rows_;
   std::size_t head_lines_ = 0;
-  std::string_view text_;               ///< the rows
-  std::vector<std::size_t> begins_;     ///< of the blocks in it, and its end
+  std::vector<std::size_t> begins_;     ///< of the blocks in the file, and its end
   std::vector<std::size_t> first_rows_; ///< of the blocks, and the number of rows
   std::vector<std::size_t> jumps_;
 };

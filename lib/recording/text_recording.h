@@ -9,7 +9,7 @@
 
 namespace ada {
 
-/// The text form in a regular file, open from its beginning, which is mapped and checked; `shown`
+/// The text form in a regular file, open from its beginning, checked and read block by block; `shown`
 /// names it in messages.
 std::shared_ptr<const Recording> text_recording(int fd, const std::string &shown);
 

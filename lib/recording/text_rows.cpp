@@ -120,8 +120,8 @@ ChannelSet TextRows::channels() const {
 }
 
 TextRows::Count TextRows::read(LineReader &lines, ColumnMask wanted, std::size_t most,
-                               Store &out) const {
-  Count count;
+                               Store &out, std::size_t blank_line) const {
+  Count count{.blank_line = blank_line};
   std::string_view line;
   while (count.rows < most && lines.next(line)) {
     if (trim(line).empty()) {

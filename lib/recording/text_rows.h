@@ -31,8 +31,10 @@ public:
     std::size_t rows = 0, blank_line = 0; ///< number of the first empty line, 0 without
   };
   /// Appends the wanted columns of up to `most` rows to `out`. Each column that is wanted is
-  /// checked, and so are time, if it is, and the number of cells.
-  Count read(LineReader &lines, ColumnMask wanted, std::size_t most, Store &out) const;
+  /// checked, and so are time, if it is, and the number of cells. `blank_line` is the number of an
+  /// empty line that was before, 0 without.
+  Count read(LineReader &lines, ColumnMask wanted, std::size_t most, Store &out,
+             std::size_t blank_line = 0) const;
 
 private:
   static constexpr std::size_t kIgnored = kColumnCount;

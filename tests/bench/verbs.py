@@ -108,24 +108,21 @@ def measure(args, folder):
     savetxt = (10 * (tenth[0] - empty[0]), tenth[1])
     calibrate = run("calibrate", "single", sigmf, "-o", model)
     convert = ["convert", "--calibration", model, sigmf, "-o"]
-    mapped = os.path.getsize(data) / 2**20
-    mapped_text = os.path.getsize(text) / 2**20
     rows = [
-        ("`calibrate single`, SigMF", calibrate, "numpy: ellipse and angles", ellipse, 1.0, mapped),
-        ("`check`, SigMF", run("check", sigmf), "the same", ellipse, 2.0, mapped),
+        ("`calibrate single`, SigMF", calibrate, "numpy: ellipse and angles", ellipse, 1.0),
+        ("`check`, SigMF", run("check", sigmf), "the same", ellipse, 2.0),
         ("`convert`, SigMF to SigMF", run(*convert, f"{folder}/angles.sigmf-meta"),
-         "numpy: `arctan2` of the file", arctan2, 0.5, mapped),
-        ("`convert`, SigMF to CSV", run(*convert, "/dev/null"), "`numpy.savetxt`", savetxt, 0.1,
-         mapped),
+         "numpy: `arctan2` of the file", arctan2, 0.5),
+        ("`convert`, SigMF to CSV", run(*convert, "/dev/null"), "`numpy.savetxt`", savetxt, 0.1),
         ("`calibrate single`, CSV", run("calibrate", "single", text, "-o", model),
-         "`pandas.read_csv`", read_csv, 1.0, mapped_text),
+         "`pandas.read_csv`", read_csv, 1.0),
     ]
     if args.diagnose:
         short = f"{folder}/short.sigmf-meta"
         simulate(args.pairs // 10, short)
         args.repeat = 1
         rows.append(("`diagnose`, against a tenth of it", run("diagnose", sigmf),
-                     "`diagnose` of the tenth", run("diagnose", short), 2.0, mapped))
+                     "`diagnose` of the tenth", run("diagnose", short), 2.0))
     return rows
 
 
@@ -136,12 +133,12 @@ def table(rows, args):
         f"{time.strftime('%Y-%m-%d', time.gmtime())}. Processor seconds, user and system; the least "
         f"of {args.repeat} runs.",
         "",
-        "| work | s | against | s | ratio | aim | MB beyond the mapping |",
+        "| work | s | against | s | ratio | aim | MB |",
         "|---|---|---|---|---|---|---|",
     ]
-    for work, (seconds, memory), other, (their_seconds, _), aim, mapped in rows:
+    for work, (seconds, memory), other, (their_seconds, _), aim in rows:
         lines.append(f"| {work} | {seconds:.2f} | {other} | {their_seconds:.2f} | "
-                     f"{seconds / their_seconds:.2f} | {aim:g} | {max(0, memory - mapped):.0f} |")
+                     f"{seconds / their_seconds:.2f} | {aim:g} | {memory:.0f} |")
     return "\n".join(lines)
 
 

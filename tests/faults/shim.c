@@ -5,7 +5,7 @@
  * (open, write, fsync, rename, link, truncate). FAULT_HOW is the number of an errno, "kill" to end the program
  * before the call, "killed" to end it after. With FAULT_ON every later call fails as well, as
  * on a disk that is full. FAULT_LOG is a file that gets a line a call, to know how many there are.
- * With FAULT_SHRINK a recording's data file is cut short as soon as it is mapped.
+ * With FAULT_SHRINK=N a recording's data file is cut short before it is read for the Nth time.
  * Counted is only what changes files: opens for writing, writes to regular files and to standard
  * output. */
 #define _GNU_SOURCE
@@ -18,7 +18,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -108,12 +107,22 @@ int ftruncate(int fd, off_t length) {
   FAULTY(int, "truncate", 1, syscall(SYS_ftruncate, fd, length));
 }
 
-void *mmap(void *start, size_t length, int protection, int flags, int fd, off_t offset) {
-  void *const map = (void *)syscall(SYS_mmap, start, length, protection, flags, fd, offset);
+/* The data file of a recording is cut short before the read of it that FAULT_SHRINK counts to. */
+static void shrink(int fd) {
+  static atomic_int reads;
+  const char *when = getenv("FAULT_SHRINK");
   char link[64], path[4096] = "";
   snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
-  if (fd >= 0 && getenv("FAULT_SHRINK") && readlink(link, path, sizeof path - 1) > 0 &&
-      strstr(path, ".sigmf-data"))
+  if (when && readlink(link, path, sizeof path - 1) > 0 && strstr(path, ".sigmf-data") &&
+      atomic_fetch_add(&reads, 1) + 1 == atoi(when))
     syscall(SYS_truncate, path, (off_t)1000);
-  return map;
+}
+
+ssize_t pread(int fd, void *bytes, size_t count, off_t offset) {
+  shrink(fd);
+  return syscall(SYS_pread64, fd, bytes, count, offset);
+}
+
+ssize_t pread64(int fd, void *bytes, size_t count, off_t offset) {
+  return pread(fd, bytes, count, offset);
 }

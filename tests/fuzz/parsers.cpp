@@ -92,7 +92,7 @@ Outcome parse_sigmf_meta(std::string_view input) {
   }();
   return run([&] {
     const SigmfMeta meta = ada::parse_sigmf_meta(input, "input");
-    check(*sigmf_recording(meta, data, "data")->whole());
+    check(*sigmf_recording(meta, FileBytes(data, "data"), "data")->whole());
   });
 }
 

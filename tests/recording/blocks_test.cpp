@@ -4,9 +4,11 @@
 // Recordings of many blocks: the same whatever reads them, and faults are named in their place.
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -113,6 +115,27 @@ TEST_P(Blocks, that_were_cut_off_meanwhile_are_an_error) {
   const auto read_last = [&] { recording->read(recording->blocks() - 1, kAllColumns, block); };
   EXPECT_EQ(failure(read_last), data + ": the file was cut short while it was read");
   EXPECT_EQ(failure([&] { recording->whole(); }), failure(read_last));
+}
+
+/// A mapping of such a file would end the process by SIGBUS.
+TEST_P(Blocks, of_a_file_that_shrinks_again_and_again_are_read_or_an_error) {
+  const auto recording = open_recording(path_);
+  const std::string data = GetParam() == std::string(".csv") ? path_ : (folder_ / "c.sigmf-data");
+  const auto size = std::filesystem::file_size(data);
+  std::atomic<bool> done = false;
+  std::thread other([&] {
+    for (bool short_now = true; !done; short_now = !short_now)
+      std::filesystem::resize_file(data, short_now ? size / 3 : size);
+  });
+  std::size_t refused = 0;
+  for (int round = 0; round < 1000 && refused < 100; ++round)
+    for (std::size_t k = 0; k < recording->blocks(); ++k) {
+      Block block;
+      refused += failure([&] { recording->read(k, kAllColumns, block); }).empty() ? 0 : 1;
+    }
+  done = true;
+  other.join();
+  EXPECT_GT(refused, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Forms, Blocks, testing::Values(".csv", ".sigmf-meta"),

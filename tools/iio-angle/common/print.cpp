@@ -39,25 +39,6 @@ bool write_all(int fd, std::string_view text) noexcept {
   return true;
 }
 
-/// A capture is mapped, not copied: where its file became shorter meanwhile there is nothing to
-/// read. What was being written has no name yet, or is removed as after a kill.
-extern "C" void on_bus_error(int signal, siginfo_t *info, void *) {
-  constexpr std::string_view kWhy = "iio-angle: a file was cut short, or its disk failed, while it "
-                                    "was read\n";
-  if (info->si_code == BUS_ADRERR) {
-    write_all(STDERR_FILENO, kWhy);
-    _exit(kUnusable);
-  }
-  std::signal(signal, SIG_DFL); // the machine's own fault, which comes again at once
-}
-
-void end_where_a_file_is_cut_short() {
-  struct sigaction action = {};
-  action.sa_sigaction = on_bus_error;
-  action.sa_flags = SA_SIGINFO;
-  sigaction(SIGBUS, &action, nullptr);
-}
-
 } // namespace
 
 void open_standard_descriptors() {
@@ -68,7 +49,6 @@ void open_standard_descriptors() {
                     "cannot open /dev/null in the place of a closed standard descriptor");
   pipe_was_ignored = std::signal(SIGPIPE, SIG_IGN) == SIG_IGN;
   std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is a failed write, with its sentence
-  end_where_a_file_is_cut_short();
 }
 
 void put(std::string_view text) {

@@ -16,8 +16,7 @@
 namespace cli {
 
 /// To be called first: descriptors 0, 1 and 2 are open, be it /dev/null, so that no file that is
-/// opened later takes their place and gets what is printed; a closed pipe is a failed write,
-/// and a file that is cut short while it is read a reason.
+/// opened later takes their place and gets what is printed; a closed pipe is a failed write.
 void open_standard_descriptors();
 
 /// Thrown when the reader of standard output has gone, as `| head` does.
