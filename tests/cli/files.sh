@@ -373,7 +373,7 @@ check_a_file_that_is_cut_short_meanwhile_is_an_error() {
   whole=$(stat -c %s long.sigmf-data)
   iio-angle diagnose --jobs 1 long.sigmf-meta >out 2>err &
   reader=$!
-  while kill -0 $reader && ! ls -l "/proc/$reader/fd" | grep -q long.sigmf-data; do sleep 0.01; done
+  while kill -0 $reader && [[ -z $(find "/proc/$reader/fd" -lname "*long.sigmf-data") ]]; do sleep 0.01; done
   truncate -s $((whole / 4)) long.sigmf-data
   wait $reader && fail "no error"
   same status $? 1
