@@ -67,6 +67,7 @@ public:
     out.bytes.resize(used);
   }
 
+  bool holds_times() const override { return true; }
   void write(const Bytes &bytes) override { file_.write(bytes.bytes.data(), bytes.bytes.size()); }
   void finish() override { file_.commit(); }
 
@@ -100,15 +101,22 @@ public:
   }
 
   void encode(const AngleBlock &angles, Bytes &out) const override {
-    out.bytes.assign(angles.count() * meta_.frame_bytes, 0);
+    const std::size_t step = meta_.frame_bytes;
+    out.bytes.resize(angles.count() * step);
     char *frame = out.bytes.data();
-    for (std::size_t i = 0; i < angles.count(); ++i, frame += meta_.frame_bytes) {
+    for (std::size_t i = 0; i < angles.count(); ++i, frame += step) {
       const float values[] = {static_cast<float>(angles.angle_deg[i]),
                               static_cast<float>(angles.radius[i]),
-                              static_cast<float>(angles.status[i])};
+                              static_cast<float>(static_cast<int>(angles.status[i]))};
       std::memcpy(frame, values, sizeof values);
-      if (!recording_.regular())
-        std::memcpy(frame + meta_.channels[3].byte, &angles.block.time_s[i], sizeof(double));
+    }
+    if (holds_times()) {
+      frame = out.bytes.data();
+      const std::size_t after = sizeof(float[3]), time = meta_.channels[3].byte;
+      for (std::size_t i = 0; i < angles.count(); ++i, frame += step) {
+        std::memset(frame + after, 0, time - after);
+        std::memcpy(frame + time, &angles.block.time_s[i], sizeof(double));
+      }
     }
     out.crc32 = static_cast<std::uint32_t>(crc32(crc32(0, nullptr, 0),
                                                  reinterpret_cast<const Bytef *>(out.bytes.data()),
@@ -120,6 +128,7 @@ public:
     data_.write(bytes.bytes.data(), bytes.bytes.size());
   }
 
+  bool holds_times() const override { return !recording_.regular(); }
   void finish() override {
     meta_.data_crc32 = static_cast<std::uint32_t>(crc_);
     const std::string data = free_sigmf_stem(path_) + ".sigmf-data";
@@ -189,7 +198,7 @@ void save_angles(const Model &model, const Recording &recording, const std::stri
   in_order<Passing>(
       recording.blocks(),
       [&](std::size_t k, Passing &p) {
-        converter.convert(k, p.angles);
+        converter.convert(k, p.angles, file->holds_times());
         file->encode(p.angles, p.bytes);
       },
       [&](std::size_t, const Passing &p) {

@@ -25,6 +25,7 @@ public:
   };
 
   virtual ~AngleFile() = default;
+  virtual bool holds_times() const = 0;
   /// Any thread, several at once.
   virtual void encode(const AngleBlock &angles, Bytes &out) const = 0;
   virtual void write(const Bytes &bytes) = 0;

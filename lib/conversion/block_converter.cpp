@@ -60,8 +60,8 @@ BlockConverter::BlockConverter(const Model &model, const Recording &recording)
   }
 }
 
-void BlockConverter::convert(std::size_t k, AngleBlock &out) const {
-  recording_.read(k, columns(), out.block);
+void BlockConverter::convert(std::size_t k, AngleBlock &out, bool times) const {
+  recording_.read(k, columns(times), out.block);
   convert(out);
 }
 

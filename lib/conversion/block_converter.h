@@ -35,11 +35,14 @@ public:
   /// Refuses what FrameConverter::capture refuses.
   BlockConverter(const Model &model, const Recording &recording);
 
-  /// Reads a block and converts it.
-  void convert(std::size_t block, AngleBlock &out) const;
+  /// Reads a block and converts it, with or without its times.
+  void convert(std::size_t block, AngleBlock &out, bool times = true) const;
   /// Converts the block in `out`, of which columns() at least was read.
   void convert(AngleBlock &out) const;
-  ColumnMask columns() const { return kTimeColumn | kPairColumns | (raw_ ? 0 : kVtempColumn); }
+  /// `times`: the result is to hold them; the kernels need none.
+  ColumnMask columns(bool times = true) const {
+    return (times || !raw_ ? kTimeColumn : 0) | kPairColumns | (raw_ ? 0 : kVtempColumn);
+  }
 
 private:
   void by_kernel(AngleBlock &out) const;
