@@ -6,6 +6,10 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "base/error.h"
 #include "base/parallel.h"
 #include "recording/gap_detector.h"
 #include "recording/identity.h"
@@ -53,6 +57,19 @@ private:
   std::shared_ptr<const Capture> capture_;
 };
 
+/// What has to be held as a whole leaves the other half of the machine's memory to others; beyond
+/// that the system would end whatever it likes.
+void check_fits_memory(std::size_t samples, std::size_t columns) {
+  const double bytes = static_cast<double>(samples) * static_cast<double>(columns * sizeof(double));
+  const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
+                        static_cast<double>(sysconf(_SC_PAGESIZE));
+  if (bytes > 0.5 * memory)
+    throw Error(ADA4571_ERROR_NO_MEMORY,
+                fmt::format("this has to hold the recording as a whole, {} samples in {:.3g} GB: more "
+                            "than half of this machine's memory of {:.3g} GB",
+                            samples, 1e-9 * bytes, 1e-9 * memory));
+}
+
 } // namespace
 
 std::size_t Recording::block_of(std::size_t sample) const {
@@ -96,6 +113,9 @@ const std::string &Recording::identity() const {
 
 Capture Recording::materialise() const {
   Capture out = facts_;
+  check_fits_memory(size_, static_cast<std::size_t>(std::count_if(
+                               kColumns.begin(), kColumns.end(),
+                               [this](const Column &c) { return channels_.has(c); })));
   for (std::size_t c = 0; c < kColumns.size(); ++c)
     if (channels_.has(kColumns[c]))
       (out.*kColumns[c].values).resize(size_);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "base/parallel.h"
 #include "captures.h"
@@ -142,6 +143,27 @@ INSTANTIATE_TEST_SUITE_P(Forms, Blocks, testing::Values(".csv", ".sigmf-meta"),
                          [](const auto &form) {
                            return std::string(form.index == 0 ? "text" : "sigmf");
                          });
+
+/// A file of holes; nothing of it is read.
+TEST(LongRecording, as_a_whole_is_refused_where_it_takes_most_of_the_memory) {
+  const TempFolder folder;
+  const auto memory = static_cast<std::uintmax_t>(sysconf(_SC_PHYS_PAGES)) *
+                      static_cast<std::uintmax_t>(sysconf(_SC_PAGESIZE));
+  const std::uintmax_t frames = memory / 32; // of three columns of doubles: three quarters of it
+  std::ofstream(folder / "c.sigmf-meta")
+      << R"({"global": {"core:datatype": "ru16_le", "core:version": "1.2.0", "core:num_channels": 2,)"
+      << R"("core:sample_rate": 1000, "core:extensions": [{"name": "ada4571", "version": "1.0.0",)"
+      << R"("optional": true}], "ada4571:channels": [{"name": "vsin_v", "unit": "V", "scale": 1e-5,)"
+      << R"("offset": 0}, {"name": "vcos_v", "unit": "V", "scale": 1e-5, "offset": 0}]},)"
+      << R"("captures": [{"core:sample_start": 0}], "annotations": []})";
+  std::ofstream(folder / "c.sigmf-data");
+  std::filesystem::resize_file(folder / "c.sigmf-data", 4 * frames);
+  const auto recording = open_recording(folder / "c.sigmf-meta");
+  ASSERT_EQ(recording->size(), frames);
+  const std::string why = failure([&] { recording->whole(); });
+  EXPECT_EQ(why.rfind("this has to hold the recording as a whole, " + std::to_string(frames), 0), 0u)
+      << why;
+}
 
 /// Rows of a text capture, a fault in one of them.
 class FaultyText : public testing::Test {
