@@ -25,9 +25,7 @@ constexpr std::size_t kFine = 20;
 constexpr std::size_t kFineBins = kBins * kFine;
 static_assert(kFineBins % kCoverageBins == 0);
 
-/// Histogram of the distances of each structure bin, for their median: cells over this many sigmas.
-constexpr std::size_t kCells = 128;
-constexpr double kCellSigmas = 4.0;
+constexpr std::size_t kCells = kDistanceCells; ///< of each structure bin
 
 constexpr std::size_t kBlocksARun = 8; ///< blocks that are summed up at once
 constexpr int kMostPasses = 10;
@@ -88,7 +86,7 @@ public:
   RecordingFitter(const Recording &recording, const EllipseFitOptions &options,
                   const EllipseFit &first)
       : recording_(recording), circle_(options.circle), value_(first.value),
-        limit_v_(first.limit_v), cell_v_(kCellSigmas * first.limit_v / kOutlierSigmas / kCells) {}
+        limit_v_(first.limit_v), cell_v_(kDistanceSigmas * first.limit_v / kOutlierSigmas / kCells) {}
 
   void run(EllipseFit &fit);
 

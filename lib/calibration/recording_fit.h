@@ -14,6 +14,11 @@
 
 namespace ada {
 
+/// Histogram of the distances of a long recording, for their median: this many cells over this many
+/// sigmas of the first fit.
+inline constexpr std::size_t kDistanceCells = 128;
+inline constexpr double kDistanceSigmas = 4.0;
+
 /// As fit_ellipse; but `accepted` is of the samples of `what.sample`.
 EllipseFit fit_ellipse(const RecordingToFit &what, const EllipseFitOptions &options = {});
 

@@ -97,9 +97,14 @@ TEST(RecordingFitOfATurn, in_a_long_rest_is_the_fit_of_all_samples) {
   const RecordingToFit what(*recording);
   ASSERT_TRUE(what.is_long);
   const EllipseFit fit = fit_ellipse(what);
-  // At rest the converter gives a few codes: which of them the median is, a histogram knows to one
-  // of its cells, 4/128 of a sigma where the median is at 0.67.
-  expect_equal(fit, fit_ellipse(c.vsin_v, c.vcos_v), 4.0 / 128 / 0.67);
+  const EllipseFit whole = fit_ellipse(c.vsin_v, c.vcos_v);
+  // At rest the converter gives a few codes, so that the median distance is one of them, and a
+  // histogram knows it to one of its cells. A cell is a part of the first fit's sigma, and the limit
+  // is the median in sigmas, times so many: both limits differ by that part at most.
+  constexpr double kSigmaPerMad = 1.4827; // of a Gaussian, rounded up
+  const double cell = kDistanceSigmas / static_cast<double>(kDistanceCells);
+  const double first_v = fit_ellipse_to_sample(what).limit_v;
+  expect_equal(fit, whole, cell * kSigmaPerMad * first_v / whole.limit_v);
   ASSERT_EQ(fit.accepted.size(), what.sample->size());
   EXPECT_EQ(std::count(fit.accepted.begin(), fit.accepted.end(), 0), 0);
 }
