@@ -15,26 +15,33 @@ namespace ada {
 
 namespace {
 
-/// Slopes of straight lines over +-half samples. Each window is summed about its own middle:
-/// running sums would lose the digits of a slope in those of a long record.
+/// Sums over the samples before a place, about an origin.
+struct SlopeSums {
+  double x = 0, y = 0, xx = 0, xy = 0;
+  SlopeSums with(double u, double v) const { return {x + u, y + v, xx + u * u, xy + u * v}; }
+  SlopeSums operator-(const SlopeSums &o) const { return {x - o.x, y - o.y, xx - o.xx, xy - o.xy}; }
+};
+
+/// Slopes of straight lines over +-half samples. Sums run over a few windows only, each run about an
+/// origin of its own: over all of a long record they would lose the digits of a slope.
 std::vector<double> local_slopes(std::span<const double> x, std::span<const double> y,
                                  std::size_t half) {
-  const std::size_t n = x.size();
+  const std::size_t n = x.size(), run = half + 1;
   std::vector<double> slope(n, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t from = i > half ? i - half : 0;
-    const std::size_t to = std::min(n, i + half + 1);
-    double sx = 0, sy = 0, sxx = 0, sxy = 0;
-    for (std::size_t k = from; k < to; ++k) {
-      const double u = x[k] - x[i], v = y[k] - y[i];
-      sx += u;
-      sy += v;
-      sxx += u * u;
-      sxy += u * v;
+  std::vector<SlopeSums> before;
+  for (std::size_t first = 0; first < n; first += run) {
+    const std::size_t end = std::min(n, first + run), begin = first > half ? first - half : 0;
+    const std::size_t last = std::min(n, end + half), origin = (first + end) / 2;
+    before.assign(1, {});
+    for (std::size_t k = begin; k < last; ++k)
+      before.push_back(before.back().with(x[k] - x[origin], y[k] - y[origin]));
+    for (std::size_t i = first; i < end; ++i) {
+      const std::size_t from = i > half ? i - half : 0, to = std::min(n, i + half + 1);
+      const SlopeSums s = before[to - begin] - before[from - begin];
+      const double count = static_cast<double>(to - from);
+      const double d = count * s.xx - s.x * s.x;
+      slope[i] = d > 0.0 ? (count * s.xy - s.x * s.y) / d : (i > 0 ? slope[i - 1] : 0.0);
     }
-    const double count = static_cast<double>(to - from);
-    const double d = count * sxx - sx * sx;
-    slope[i] = d > 0.0 ? (count * sxy - sx * sy) / d : (i > 0 ? slope[i - 1] : 0.0);
   }
   return slope;
 }
