@@ -164,7 +164,8 @@ private:
 
   /// With the first frame: the data file is there, or cut to whole frames.
   void begin(const Frame &first) {
-    const std::string data = stem_ + ".sigmf-data";
+    data_path_ = stem_ + ".sigmf-data";
+    const std::string &data = data_path_;
     if (fd_.get() < 0)
       create(data);
     else if (::ftruncate(fd_.get(), static_cast<off_t>(frames_ * encoder_.frame_bytes)) != 0)
@@ -226,7 +227,7 @@ private:
     const off_t before = ::lseek(fd_.get(), 0, SEEK_END);
     try {
       write_all(fd_.get(), {reinterpret_cast<const char *>(bytes_.data()), bytes_.size()},
-                stem_ + ".sigmf-data");
+                data_path_);
     } catch (const Error &) {
       [[maybe_unused]] const int cut = ::ftruncate(fd_.get(), before);
       throw;
@@ -235,6 +236,7 @@ private:
   }
 
   std::string path_, stem_; ///< as asked for; where it grows, without the end
+  std::string data_path_;   ///< once it grows: no write makes the name anew
   FrameCheck check_;
   SigmfEncoder encoder_;
   SigmfMeta old_; ///< of the recording that goes on; frame_bytes 0: there is none

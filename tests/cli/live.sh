@@ -7,6 +7,7 @@
 set -u
 BUILD=$(cd "$1" && pwd)
 PATH=$BUILD/tools:$BUILD/tools/examples:$PATH
+TESTS=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=tests/cli/words.sh
 . "$(dirname "$0")/words.sh"
 
@@ -214,6 +215,27 @@ gaps = [b["ada4571:time_s"] - a["ada4571:time_s"] - (b["core:sample_start"] - a[
         for a, b in zip(parts, parts[1:])]
 assert max(gaps, default=0) >= 1 and min(gaps) > 0, gaps
 EOF
+}
+
+# allocations_of FILE SAMPLES: of `record`, from start to end.
+allocations_of() {
+  LD_PRELOAD=$PWD/allocations.so ALLOCATIONS=$PWD/count \
+    iio-angle record -u "$URI" --within 0.001 --samples "$2" -o "$1" 2>err || fail "$(cat err)"
+  cat count
+}
+
+# Beginning and ending take some thousand allocations, a hundred more or fewer. One a buffer of 100
+# samples would be 3000 of them.
+check_record_allocates_nothing_while_it_runs() {
+  ! ldd "$BUILD/tools/iio-angle" | grep -q 'lib[at]san' || return 0 # they have a malloc of their own
+  cc -shared -fPIC -O1 -o allocations.so "$TESTS/allocations.c"
+  emulate --temperature constant:deg_c=25 --rate 100k
+  local file short long
+  for file in a.csv a.sigmf-meta; do
+    short=$(allocations_of $file 20000)
+    long=$(allocations_of $file 320000)
+    ((long - short < 600)) || fail "$file: $short allocations, and $long where it is 3000 buffers longer"
+  done
 }
 
 check_read_goes_on_when_asked_and_watch_unasked() {
