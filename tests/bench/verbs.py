@@ -99,8 +99,8 @@ def measure(args, folder):
     def python(script, path):
         return cost(["/usr/bin/python3", "-c", script, path], args.repeat)
 
-    def run(*words):
-        return cost([angle, *words], args.repeat)
+    def run(*words, repeat=args.repeat):
+        return cost([angle, *words], repeat)
 
     ellipse, arctan2 = python(ELLIPSE, data), python(ARCTAN2, data)
     read_csv = python(READ_CSV, text)
@@ -120,9 +120,8 @@ def measure(args, folder):
     if args.diagnose:
         short = f"{folder}/short.sigmf-meta"
         simulate(args.pairs // 10, short)
-        args.repeat = 1
-        rows.append(("`diagnose`, against a tenth of it", run("diagnose", sigmf),
-                     "`diagnose` of the tenth", run("diagnose", short), 2.0))
+        rows.append(("`diagnose`, against a tenth of it (one run)", run("diagnose", sigmf, repeat=1),
+                     "`diagnose` of the tenth", run("diagnose", short, repeat=1), 2.0))
     return rows
 
 
@@ -152,13 +151,13 @@ def processor():
 
 def write(path, text):
     """Between the two marks of the page."""
-    begin, end = "<!-- measured -->\n", "\n<!-- /measured -->"
+    begin, end = "<!-- measured -->\n", "<!-- /measured -->"
     with open(path, encoding="utf-8") as file:
         page = file.read()
     head, rest = page.split(begin, 1)
     tail = rest.split(end, 1)[1]
     with open(path, "w", encoding="utf-8") as file:
-        file.write(head + begin + text + end + tail)
+        file.write(head + begin + text + "\n" + end + tail)
 
 
 if __name__ == "__main__":
