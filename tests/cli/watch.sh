@@ -161,6 +161,51 @@ check_a_recording_stays_at_its_end_and_ctrl_c_ends() {
   ended 0
 }
 
+# What is pending for a stopped thread is delivered when it goes on, the last one first: the terminating
+# signal, then the interrupt, before the program can end in good order.
+check_a_second_ctrl_c_gives_the_terminal_back() {
+  simulate
+  terminal 80 24 "stty -a | grep -oE -- '-?(icanon|echo)\\b' >modes; $WATCH; stty -a | grep -oE -- '-?(icanon|echo)\\b' >after"
+  shows 'q quit'
+  python3 - "$(pgrep -f '^iio-angle watch --capture a.csv' | head -1)" <<'EOS' || fail "no such thread"
+import ctypes, os, signal, sys
+pid = int(sys.argv[1])
+libc = ctypes.CDLL(None, use_errno=True)
+os.kill(pid, signal.SIGSTOP)
+for number in (signal.SIGINT, signal.SIGTERM):
+    if libc.tgkill(pid, pid, int(number)) != 0:
+        sys.exit(os.strerror(ctypes.get_errno()))
+os.kill(pid, signal.SIGCONT)
+EOS
+  local i
+  for ((i = 0; i < 200; i++)); do
+    [[ ! -s after ]] || break
+    sleep 0.1
+  done
+  same "modes" "$(cat after)" "$(cat modes)"
+  same "alternate screen, cursor" "$(mux display -p '#{alternate_on} #{cursor_flag}')" '0 1'
+}
+
+check_a_terminal_that_cannot_be_drawn_on_gets_lines() {
+  simulate
+  local kind
+  for kind in dumb '' no-such-terminal; do
+    terminal 80 14 "TERM='$kind' $WATCH --speed 0.01"
+    shows "^ +[0-9.]+ s +[0-9.]+ deg +radius"
+    mux capture-pane -p -S - >whole
+    case $kind in
+    '') says whole '^TERM is not set, so there is no picture: lines follow$' ;;
+    *) says whole "^a terminal of the kind '$kind' shows no picture: lines follow\$" ;;
+    esac
+    mux kill-server
+  done
+  # Lines need no room, and a pipe is told nothing of terminals.
+  terminal 40 8 "TERM=dumb $WATCH --speed 1000 2>err | head -3 >piped"
+  ended 0
+  same "lines" "$(wc -l <piped)" 3
+  ! grep -q 'picture' err || fail "$(cat err)"
+}
+
 check_colours_and_no_color() {
   simulate
   local escape=$'\e'

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -116,7 +117,18 @@ void draw_live(Screen &screen, const Source &source, LiveReader &reader, LiveAng
   watcher.stay();
 }
 
-/// Not a terminal: the same as `read`, lines that a log can hold.
+/// Lines instead of the picture, for a terminal that has a reason.
+void mention_no_picture() {
+  if (isatty(STDOUT_FILENO) == 0)
+    return;
+  const char *type = std::getenv("TERM");
+  if (type == nullptr || *type == '\0')
+    note("TERM is not set, so there is no picture: lines follow\n");
+  else
+    note("a terminal of the kind '{}' shows no picture: lines follow\n", type);
+}
+
+/// Not a terminal, or none to draw on: the same as `read`, lines that a log can hold.
 void print_live(LiveReader &reader, LiveAngles &angles) {
   AngleText text(AngleFormat::text, angles.range_deg());
   reader.run([&](std::span<const ada4571_frame> frames) {
@@ -132,13 +144,16 @@ int run(const Options &options) {
   const Model model = live_model(source, options.calibration);
   mention_remainder(model);
   LiveAngles angles(model, options.dynamic);
-  require_room();
+  if (Screen::is_there())
+    require_room();
   LiveReader reader(source, options.reconnect, patience(options.source));
   // After the reader: ncurses leaves signals alone that are handled already.
-  if (const auto screen = Screen::open())
+  if (const auto screen = Screen::open()) {
     draw_live(*screen, source, reader, angles);
-  else
+  } else {
+    mention_no_picture();
     print_live(reader, angles);
+  }
   reader.report();
   return kDone;
 }

@@ -13,8 +13,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/stop.h"
+
 #define NCURSES_NOMACROS
 #include <curses.h>
+#include <term.h>
+#undef columns // which term.h makes a macro
 
 namespace cli {
 
@@ -85,6 +89,21 @@ std::size_t bytes_of(std::string_view text, int characters) {
   return at;
 }
 
+/// What gives the terminal back: ncurses' own endwin() may not be called by a signal handler.
+std::string giving_back() {
+  static std::string bytes; // tputs() calls a function without an argument of ours
+  bytes.clear();
+  for (const char *name : {"sgr0", "op", "rmkx", "cnorm", "rmcup"}) {
+    const char *capability = tigetstr(name);
+    if (capability && capability != reinterpret_cast<const char *>(-1))
+      tputs(capability, 1, [](int c) {
+        bytes.push_back(static_cast<char>(c));
+        return c;
+      });
+  }
+  return bytes;
+}
+
 bool wants_colours() {
   const char *no = std::getenv("NO_COLOR");
   return no == nullptr || *no == '\0';
@@ -97,10 +116,12 @@ struct Screen::Terminal {
   FILE *keys = nullptr; ///< the terminal, where standard input is something else
   SCREEN *screen = nullptr;
   bool colours = false;
+  Farewell farewell;
 
   ~Terminal() {
     if (screen) {
       endwin();
+      set_farewell(nullptr);
       delscreen(screen);
     }
     if (keys)
@@ -108,17 +129,28 @@ struct Screen::Terminal {
   }
 };
 
-std::unique_ptr<Screen> Screen::open() {
+bool Screen::is_there() {
   const char *type = std::getenv("TERM");
-  if (isatty(STDOUT_FILENO) == 0 || type == nullptr || std::string_view(type) == "dumb")
+  return isatty(STDOUT_FILENO) != 0 && type != nullptr && *type != '\0' &&
+         std::string_view(type) != "dumb";
+}
+
+std::unique_ptr<Screen> Screen::open() {
+  if (!is_there())
     return nullptr;
   std::setlocale(LC_CTYPE, ""); // the characters alone: numbers keep their point
   auto terminal = std::make_unique<Terminal>();
   if (isatty(STDIN_FILENO) == 0)
     terminal->keys = std::fopen("/dev/tty", "re");
+  Farewell &farewell = terminal->farewell;
+  farewell.screen = STDOUT_FILENO;
+  farewell.keys = terminal->keys ? fileno(terminal->keys) : STDIN_FILENO;
+  tcgetattr(farewell.keys, &farewell.modes);
   terminal->screen = newterm(nullptr, stdout, terminal->keys ? terminal->keys : stdin);
   if (!terminal->screen)
     return nullptr;
+  farewell.bytes = giving_back();
+  set_farewell(&farewell);
   return std::unique_ptr<Screen>(new Screen(std::move(terminal)));
 }
 

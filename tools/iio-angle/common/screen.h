@@ -17,7 +17,9 @@ class Screen {
 public:
   static constexpr int kNoKey = -1, kResized = -2;
 
-  /// Takes the terminal over; null where standard output is none, or one that cannot be drawn on.
+  /// Whether standard output is a terminal that can be drawn on, as far as its name tells.
+  static bool is_there();
+  /// Takes the terminal over; null where it is none or cannot be drawn on.
   static std::unique_ptr<Screen> open();
   ~Screen();
   Screen(const Screen &) = delete;
