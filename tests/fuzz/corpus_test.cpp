@@ -39,6 +39,7 @@ INSTANTIATE_TEST_SUITE_P(Fuzzers, Corpus,
                                          Fuzzer{"sigmf_meta", parse_sigmf_meta},
                                          Fuzzer{"model_file", parse_model_file},
                                          Fuzzer{"effect_text", parse_effect_text},
+                                         Fuzzer{"foreign_file", parse_foreign_file},
                                          Fuzzer{"pipeline", run_pipeline}),
                          [](const auto &test) { return test.param.name; });
 

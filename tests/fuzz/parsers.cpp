@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "import/importer.h"
 #include "model/effect_text.h"
 #include "model/model_file.h"
 #include "recording/columns.h"
@@ -57,6 +59,29 @@ void check(const Capture &capture) {
   promise(capture.identity == capture_identity(capture), "the identity is that of the content");
 }
 
+Descriptor file_of(std::string_view input) {
+  Descriptor file(::memfd_create("fuzz", MFD_CLOEXEC));
+  promise(::write(file.get(), input.data(), input.size()) == static_cast<ssize_t>(input.size()) &&
+              ::lseek(file.get(), 0, SEEK_SET) == 0,
+          "the input can be put into a file");
+  return file;
+}
+
+/// All frames, which are no more than the input has bytes: each needs one at least.
+void check(Importer &import, std::size_t bytes) {
+  std::array<Frame, 64> frames;
+  std::size_t all = 0;
+  double last_s = -HUGE_VAL;
+  while (const std::size_t n = import.read(frames)) {
+    promise(n <= frames.size() && (all += n) <= bytes, "frames come out of bytes");
+    for (const Frame &frame : std::span(frames).first(n)) {
+      promise(std::isfinite(frame.vsin_v) && std::isfinite(frame.vcos_v), "volts are numbers");
+      promise(frame.time_s >= last_s, "time does not go back");
+      last_s = frame.time_s;
+    }
+  }
+}
+
 template <class Body> Outcome run(Body body) {
   try {
     body();
@@ -70,10 +95,7 @@ template <class Body> Outcome run(Body body) {
 } // namespace
 
 Capture capture_of_text(std::string_view input) {
-  const Descriptor file(::memfd_create("fuzz", MFD_CLOEXEC));
-  promise(::write(file.get(), input.data(), input.size()) == static_cast<ssize_t>(input.size()) &&
-              ::lseek(file.get(), 0, SEEK_SET) == 0,
-          "the input can be put into a file");
+  const Descriptor file = file_of(input);
   return read_text_capture(file.get(), "input");
 }
 
@@ -102,6 +124,22 @@ Outcome parse_model_file(std::string_view input) {
     promise(model_to_toml(model_from_toml(text, "again")) == text,
             "what was read can be written and read again");
   });
+}
+
+Outcome parse_foreign_file(std::string_view input) {
+  const Descriptor file = file_of(input);
+  const std::string path = "/proc/self/fd/" + std::to_string(file.get());
+  ImportOptions told;
+  told.columns[1].column = "2";
+  told.columns[2].column = "3";
+  told.columns[2].scale = -1e-3;
+  told.sample_rate_hz = 1e3;
+  Outcome outcome = Outcome::refused;
+  for (const ImportOptions &options : {ImportOptions(), told}) {
+    const Outcome now = run([&] { check(*open_import(path, options), input.size()); });
+    outcome = now == Outcome::accepted ? now : outcome;
+  }
+  return outcome;
 }
 
 Outcome parse_effect_text(std::string_view input) {

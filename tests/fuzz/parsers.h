@@ -19,6 +19,8 @@ Outcome parse_text_capture(std::string_view input);
 Outcome parse_sigmf_meta(std::string_view input);
 Outcome parse_model_file(std::string_view input);
 Outcome parse_effect_text(std::string_view input);
+/// A file of another program, by what it says of itself and by columns that are told.
+Outcome parse_foreign_file(std::string_view input);
 
 /// The capture that a text is. Throws Error.
 Capture capture_of_text(std::string_view input);
