@@ -134,7 +134,7 @@ typedef struct ada4571_source_options {
   size_t buffer_frames;     /* frames a buffer; 0: as many as latency_s allows */
   double latency_s; /* longest time that a frame waits for its buffer to fill; 0: 0.05. Each buffer
                      * is a wake-up: a short one gives fresh angles, a long one costs little
-                     * processor time (docs/latency.md) */
+                     * processor time; iio-angle-read(1) measures both */
 } ada4571_source_options;
 
 typedef struct ada4571_source_info {
@@ -210,7 +210,7 @@ ADA4571_API ada4571_status ada4571_source_read(ada4571_source *source, ada4571_f
  * the end, when cancelled and after an error it stays readable until the next start: stop watching
  * it then, or start again. It is the same from the first call to ada4571_source_free(), which closes
  * it; do not read it, and do not close it. Any thread may wait for it while one reads
- * (docs/event-loops.md). */
+ * (the documentation's "Event loops"). */
 ADA4571_API ada4571_status ada4571_source_get_fd(ada4571_source *source, int *fd);
 /* Makes a read in another thread return at once. Thread-safety: any thread, not a signal handler. */
 ADA4571_API ada4571_status ada4571_source_cancel(ada4571_source *source);
@@ -220,7 +220,7 @@ ADA4571_API ada4571_status ada4571_source_get_statistics(const ada4571_source *s
 /* The calibration that a stored configuration names, or that the driver keeps in calibbias and
  * calibscale; ADA4571_ERROR_NOT_FOUND when there is none. By the kernel's ABI a driver applies its
  * calibbias and calibscale: the volts of such a source are corrected already, and correcting them
- * again with this model does harm (docs/acquisition.md). */
+ * again with this model does harm (the documentation's "Acquisition"). */
 ADA4571_API ada4571_status ada4571_source_read_calibration(ada4571_source *source,
                                                            ada4571_model **model);
 /* Writes offsets and amplitudes of the model to the driver's calibbias and calibscale:
@@ -279,7 +279,7 @@ ADA4571_API void ada4571_device_list_free(ada4571_device_list *list);
 
 /* --------------------------------------------------------------- recording */
 /* A capture: text (.csv) or SigMF (.sigmf-meta with .sigmf-data; either name will do). "-" is
- * standard input or output, in the text form. Both forms: docs/recordings.md. */
+ * standard input or output, in the text form. Both forms: ada4571-capture(5). */
 
 typedef struct ada4571_writer ada4571_writer;
 typedef struct ada4571_file ada4571_file;
@@ -349,7 +349,7 @@ ADA4571_API void ada4571_writer_free(ada4571_writer *writer);
 /* Measurements of other programs as frames: the CSV text of an oscilloscope or of an acquisition
  * program, with whatever stands before its rows, and numpy's .npy. What the file says of itself is
  * taken from it, the rest from the options; what cannot be told is refused rather than guessed
- * (docs/import.md). The file is read as the frames are, so that its length does not matter. */
+ * (iio-angle-import(1)). The file is read as the frames are, so that its length does not matter. */
 typedef struct ada4571_import ada4571_import;
 
 typedef struct ada4571_import_column {
@@ -448,7 +448,7 @@ ADA4571_API ada4571_status ada4571_catalogue_range(size_t index, size_t paramete
 ADA4571_API ada4571_status ada4571_model_new(const ada4571_baseline *baseline,
                                              ada4571_model **model);
 /* ADA4571_ERROR_FORMAT with file, line and column for whatever is not fully understood, a wrong
- * checksum included (docs/model-file.md). */
+ * checksum included (ada4571-model(5)). */
 ADA4571_API ada4571_status ada4571_model_load(const char *path, ada4571_model **model);
 /* Whole or not at all, as ada4571_file_commit. */
 ADA4571_API ada4571_status ada4571_model_save(const ada4571_model *model, const char *path);
@@ -465,7 +465,7 @@ ADA4571_API ada4571_status ada4571_model_parameter(const ada4571_model *model, s
                                                    size_t parameter, ada4571_parameter *out);
 
 /* What repeats with the angle and no effect explains: a Fourier series of each channel, which a
- * model may carry beside its effects (docs/model-file.md). It is corrected like an effect, but it
+ * model may carry beside its effects (ada4571-model(5)). It is corrected like an effect, but it
  * has no name and is none of ada4571_model_effect. */
 typedef struct ada4571_remainder {
   size_t struct_size;
@@ -481,7 +481,7 @@ ADA4571_API ada4571_status ada4571_model_get_remainder(const ada4571_model *mode
 ADA4571_API void ada4571_model_free(ada4571_model *model);
 
 /* ------------------------------------------------------------- calibration */
-/* The application note's calibrations, with its misprints put right (docs/calibration.md). */
+/* The application note's calibrations, with its misprints put right: the documentation's "Calibration". */
 
 typedef enum ada4571_calibration_method {
   ADA4571_CALIBRATE_FIT = 0,     /* ellipse by maximum likelihood; needs no full turn */
@@ -565,7 +565,7 @@ ADA4571_API ada4571_status ada4571_converter_raw_f64(const ada4571_converter *co
 ADA4571_API void ada4571_converter_free(ada4571_converter *converter);
 
 /* out[i] = atan2(y[i], x[i]), vectorised for the best instruction set of this processor. Special
- * values as C's atan2; docs/conversion.md has the table. */
+ * values as C's atan2; the documentation's "Conversion" has the table. */
 ADA4571_API ada4571_status ada4571_atan2_f32(const float *y, const float *x, size_t count,
                                              float *out);
 ADA4571_API ada4571_status ada4571_atan2_f64(const double *y, const double *x, size_t count,
@@ -640,7 +640,7 @@ typedef struct ada4571_simulation_options {
   double noise_rms_v;        /* 0.0005 */
   int adc_bits;              /* 16; 0: not quantised */
   double adc_reference_v;    /* 5.0 */
-  const char *motion;        /* docs/simulation.md; "constant:rpm=600", "steps:rpm=60/600/-600" ... */
+  const char *motion;        /* iio-angle-simulate(1); "constant:rpm=600", "steps:rpm=60/600/-600" ... */
   const char *temperature;   /* "constant:deg_c=25", "ramp:from=-20,to=100", "cycle:..." */
   int gain_control;          /* 1: amplitude compensated over temperature, 0: not */
   int has_vtemp, has_vdd, has_reference; /* 1: the column exists */

@@ -53,5 +53,20 @@ while read -r function; do
   [[ -e $pages/man3/$function.3 ]] || complain "no page for $function"
 done < <(sed -n 's/^    \(ada4571_[a-z0-9_]*\);$/\1/p' "$(dirname "$0")/../../lib/libada4571.map")
 
+# What is installed points to what is installed: to pages that there are, and to no file of the source.
+source=$(cd "$(dirname "$0")/../.." && pwd)
+texts=("${files[@]}" "$source/lib/include/ada4571.h" "$source"/udev/*.service "$source"/udev/*.rules
+  "$source"/tools/examples/*.c)
+for text in "${texts[@]}"; do
+  ! grep -HnE '\b(docs|udev|tests|lib)/[A-Za-z0-9_/-]*|[A-Za-z0-9_-]+\.md\b' "$text" |
+    grep -vE '/(usr/)?lib/|/share/doc/' || complain "$text points into the source tree"
+done
+references=$(sed 's/\\-/-/g; s/\\f[A-Z]//g' "${texts[@]}" |
+  grep -oE '\b(lib|iio-angle|ada4571)[a-z0-9_-]*\([135]\)' | sort -u)
+(($(wc -l <<<"$references") > 5)) || complain "only these references found: $references"
+while IFS='()' read -r page section _; do
+  [[ -e $pages/man$section/$page.$section ]] || complain "there is no $page($section)"
+done <<<"$references"
+
 [[ -z $failed ]]
 echo "${#files[@]} pages, $count options"
