@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "base/error.h"
+#include "base/utf8.h"
 
 namespace ada {
 
@@ -15,29 +16,6 @@ namespace {
 
 bool is_ascii(char c) {
   return static_cast<unsigned char>(c) < 0x80;
-}
-
-/// The character that begins at `at`, and its bytes; 0 bytes when it is no UTF-8.
-struct Character {
-  char32_t code = 0;
-  std::size_t bytes = 0;
-};
-
-Character character_at(std::string_view line, std::size_t at) {
-  const auto lead = static_cast<unsigned char>(line[at]);
-  const std::size_t bytes = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
-  if (lead < 0xc2 || lead > 0xf4 || at + bytes > line.size())
-    return {};
-  char32_t code = lead & (0xffu >> (bytes + 1));
-  for (std::size_t i = 1; i < bytes; ++i) {
-    const auto next = static_cast<unsigned char>(line[at + i]);
-    if ((next & 0xc0) != 0x80)
-      return {};
-    code = code << 6 | (next & 0x3f);
-  }
-  const bool overlong = code < (bytes == 2 ? 0x80u : bytes == 3 ? 0x800u : 0x10000u);
-  const bool surrogate = code >= 0xd800 && code <= 0xdfff;
-  return overlong || surrogate || code > 0x10ffff ? Character{} : Character{code, bytes};
 }
 
 class LineConverter {
@@ -88,7 +66,7 @@ private:
   }
 
   void escape(char quote) {
-    const Character character = character_at(line_, at_);
+    const Utf8Character character = utf8_at(line_, at_);
     if (character.bytes == 0 || quote == '\'') {
       problem = character.bytes == 0 ? "this is no UTF-8"
                                      : "a letter beyond ASCII must stand in double quotes";

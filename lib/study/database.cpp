@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/utf8.h"
 
 namespace ada::study {
 
@@ -160,6 +161,11 @@ void Database::add_shards(const std::vector<int> &shards) {
 }
 
 void Database::list(const std::vector<std::string> &captures) {
+  for (const std::string &capture : captures)
+    if (!is_utf8(capture))
+      throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
+                  capture +
+                      ": a study keeps names as text, and this one is not UTF-8: rename the file");
   Transaction all(sqlite_);
   Statement put(sqlite_, "INSERT OR IGNORE INTO captures(capture, state) VALUES(?, 'waiting')");
   for (const std::string &capture : captures)

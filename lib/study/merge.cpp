@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <set>
+#include <span>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -66,8 +67,11 @@ private:
   std::string target_, path_;
 };
 
-/// The rows of all parts in the order of their names, one a name.
-void merge_rows(const std::vector<std::string> &parts, Database &out) {
+/// Parts that are open at a time: a process may have 1024 files open on most machines.
+constexpr std::size_t kAtOnce = 128;
+
+/// The rows of a few parts in the order of their names, one a name.
+void merge_few(std::span<const std::string> parts, Database &out) {
   struct Source {
     std::unique_ptr<StudyReader> reader;
     std::optional<Row> row;
@@ -97,6 +101,22 @@ void merge_rows(const std::vector<std::string> &parts, Database &out) {
   }
 }
 
+/// The same of any number: so many at a time become parts themselves. What better() keeps does not
+/// depend on who met whom first.
+void merge_rows(std::span<const std::string> parts, const std::string &beside, Database &out) {
+  if (parts.size() <= kAtOnce)
+    return merge_few(parts, out);
+  std::vector<std::unique_ptr<Draft>> drafts;
+  std::vector<std::string> larger;
+  for (std::size_t at = 0; at < parts.size(); at += kAtOnce) {
+    drafts.push_back(std::make_unique<Draft>(fmt::format("{}.{}", beside, at)));
+    larger.push_back(drafts.back()->path());
+    Database part(larger.back(), out.setup(), false);
+    merge_few(parts.subspan(at, std::min(kAtOnce, parts.size() - at)), part);
+  }
+  merge_rows(larger, beside + ".0", out);
+}
+
 } // namespace
 
 void merge(const std::vector<std::string> &parts, const std::string &path) {
@@ -115,7 +135,7 @@ void merge(const std::vector<std::string> &parts, const std::string &path) {
     Database out(draft.path(), whole, false);
     if (!dealt.complete())
       out.add_shards({dealt.shards.begin(), dealt.shards.end()});
-    merge_rows(parts, out);
+    merge_rows(parts, draft.path(), out);
   }
   draft.commit();
 }

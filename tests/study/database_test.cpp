@@ -4,7 +4,10 @@
 // The database: rows come back as they were put, parts become one file whatever their order.
 
 #include <algorithm>
+#include <filesystem>
 #include <random>
+
+#include <sys/resource.h>
 
 #include <gtest/gtest.h>
 
@@ -89,6 +92,54 @@ TEST_F(DatabaseTest, MergedFilesAreTheSameByteForByte) {
     return to_json(summarise(read_fleet(Database(path))));
   };
   EXPECT_EQ(json(one[0]), json(folder / "b.db"));
+}
+
+/// Fewer files than there are parts may be open while it lives.
+class FewFiles {
+public:
+  explicit FewFiles(rlim_t most) {
+    getrlimit(RLIMIT_NOFILE, &before_);
+    const rlimit few{most, before_.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &few);
+  }
+  ~FewFiles() { setrlimit(RLIMIT_NOFILE, &before_); }
+
+private:
+  rlimit before_{};
+};
+
+TEST_F(DatabaseTest, MorePartsThanFilesMayBeOpenAreMergedToTheSameFile) {
+  const std::vector<Row> rows = draw(40);
+  merge(parts(rows, 1, "one"), folder / "a.db");
+  std::vector<std::string> many = parts(rows, 7, "part");
+  // Shards that were run again and again, each a file of its own.
+  for (std::size_t k = 0; many.size() < 300; ++k) {
+    many.push_back(folder / ("again" + std::to_string(k) + ".db"));
+    std::filesystem::copy_file(many[k % 7], many.back());
+  }
+  std::shuffle(many.begin(), many.end(), rng);
+  {
+    const FewFiles few(200);
+    merge(many, folder / "b.db");
+  }
+  EXPECT_EQ(test::read_file(folder / "a.db"), test::read_file(folder / "b.db"));
+  for (const auto &entry : std::filesystem::directory_iterator(folder / ""))
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+}
+
+TEST_F(DatabaseTest, ANameThatIsNoTextIsRefusedAndNothingIsListed) {
+  Database study(folder / "s.db", {false, 1, 1});
+  for (const char *name : {"sch\xf6n.csv", "\xc3", "\xed\xa0\x80.csv", "\xc0\xaf.csv"}) {
+    try {
+      study.list({"good.csv", name});
+      ADD_FAILURE() << "taken: " << name;
+    } catch (const Error &e) {
+      EXPECT_NE(std::string(e.what()).find("not UTF-8"), std::string::npos) << e.what();
+    }
+  }
+  EXPECT_TRUE(study.waiting(false).empty());
+  study.list({"good.csv", "sch\xc3\xb6n.csv", "\xf0\x9f\xa7\xb2.csv"});
+  EXPECT_EQ(study.waiting(false).size(), 3u);
 }
 
 TEST_F(DatabaseTest, WhatIsMissingIsNamed) {
