@@ -47,11 +47,15 @@ double off_median(std::span<const double> x, std::size_t i) {
 
 } // namespace
 
-double standing_out_limit(std::span<const double> x, double threshold, double floor) {
+std::vector<double> off_medians(std::span<const double> x) {
   std::vector<double> off(x.size());
   for (std::size_t i = 0; i < x.size(); ++i)
     off[i] = off_median(x, i);
-  return threshold * std::max({robust_spread(off), floor, 1e-9});
+  return off;
+}
+
+double standing_out_limit(std::span<const double> x, double threshold, double floor) {
+  return threshold * std::max({robust_spread(off_medians(x)), floor, 1e-9});
 }
 
 std::vector<std::size_t> beyond_median(std::span<const double> x, double limit) {

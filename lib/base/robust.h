@@ -71,6 +71,9 @@ inline double noise_between(std::span<const double> x, std::span<const char> usa
 /// one in sixty does: what is not rare is structure.
 std::vector<std::size_t> standing_out(std::span<const double> x, double threshold, double floor);
 
+/// Difference of each value from the median of the seven about it.
+std::vector<double> off_medians(std::span<const double> x);
+
 /// The two halves of that, for a column that is measured in one place and searched in others: the
 /// limit of the difference, and the places beyond it, however many.
 double standing_out_limit(std::span<const double> x, double threshold, double floor);

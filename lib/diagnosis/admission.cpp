@@ -59,20 +59,19 @@ bool leak_unexplained(const SearchData &data, const Model &model) {
 
 double side_evidence(const SearchData &data, const Model &model) {
   double sum = -0.5 * leak_left(data, model) * leak_left(data, model);
-  std::array<double, 2> ripple{0.0, 0.0};
+  // The reference's own error must show against a smooth motion, unless the motion ripples so.
+  std::vector<Ripple> left = data.scene->reference_ripples;
   for (const EffectInstance &e : model.effects) {
-    const auto part = e.effect->reference_ripple(e.values);
-    ripple[0] += part[0];
-    ripple[1] += part[1];
+    const OrderRipple part = e.effect->reference_ripple(e.values);
+    const auto n = static_cast<std::size_t>(std::clamp(part.order, 0.0, 1e6));
+    if (part.order != static_cast<double>(n) || n == 0 || n > left.size())
+      continue;
+    left[n - 1].cos -= part.cos;
+    left[n - 1].sin -= part.sin;
   }
-  if (data.scene->reference_ripple_error > 0.0) {
-    // The reference's own error must show against a smooth motion, unless the motion ripples so.
-    const double dc = data.scene->reference_cos - ripple[0];
-    const double ds = data.scene->reference_sin - ripple[1];
-    const double z2 = (dc * dc + ds * ds) /
-                      (data.scene->reference_ripple_error * data.scene->reference_ripple_error);
-    sum -= std::min(0.5 * z2, criteria::kCoincidence);
-  }
+  for (const Ripple &r : left)
+    sum -= std::min(0.5 * (r.cos * r.cos + r.sin * r.sin) / (r.error * r.error),
+                    criteria::kCoincidence);
   return sum;
 }
 
@@ -149,18 +148,40 @@ Eigen::MatrixXd Search::own_moves(const Model &model) const {
          (2.0 * static_cast<double>(samples));
 }
 
-/// Whether an effect stands by itself: it is no larger than what there is to explain, and no other
-/// cancels it.
+namespace {
+
+/// Whether the effects of `group`, together with any others after `from`, do so much less than the
+/// largest of them does alone that they cancel each other.
+bool cancels(const Eigen::MatrixXd &own, Eigen::Index from, std::size_t members, double together,
+             double largest, std::vector<Eigen::Index> &group) {
+  constexpr std::size_t kMostMembers = 4;
+  if (members >= 2 && together < criteria::kLeastOfGroup * criteria::kLeastOfGroup * largest)
+    return true;
+  for (Eigen::Index j = from; members < kMostMembers && j < own.rows(); ++j) {
+    if (std::find(group.begin(), group.end(), j) != group.end())
+      continue;
+    double more = own(j, j);
+    for (Eigen::Index k : group)
+      more += 2.0 * own(j, k);
+    group.push_back(j);
+    const bool found = cancels(own, j + 1, members + 1, together + more,
+                               std::max(largest, own(j, j)), group);
+    group.pop_back();
+    if (found)
+      return true;
+  }
+  return false;
+}
+
+} // namespace
+
+/// Whether an effect stands by itself: it is no larger than what there is to explain, and no others
+/// cancel it.
 bool Search::stands_alone(const Eigen::MatrixXd &own, std::size_t effect) const {
   const auto k = static_cast<Eigen::Index>(effect);
-  const auto square = [](double v) { return v * v; };
-  if (own(k, k) > square(criteria::kMostOfDiscrepancy * discrepancy_v_))
-    return false;
-  for (Eigen::Index j = 0; j < own.rows(); ++j)
-    if (j != k && own(k, k) + own(j, j) + 2.0 * own(j, k) <
-                      square(criteria::kLeastOfPair) * std::max(own(j, j), own(k, k)))
-      return false;
-  return true;
+  const double most = criteria::kMostOfDiscrepancy * discrepancy_v_;
+  std::vector<Eigen::Index> group{k};
+  return own(k, k) <= most * most && !cancels(own, 0, 1, own(k, k), own(k, k), group);
 }
 
 bool Search::all_stand_alone(const Model &model) const {
@@ -254,11 +275,17 @@ bool Search::refuted(const State &state, std::size_t effect) const {
 bool Search::dominates(double size_v, std::size_t effect, const Model &model) const {
   if (unnamed_v2_ <= 0.0)
     return true;
-  double rest = unnamed_v2_ - size_v * size_v;
+  double larger = 0.0, smaller = 0.0;
   for (std::size_t k = 0; k < model.effects.size(); ++k)
-    if (k != effect && model.effects[k].effect->info().signature)
-      if (const double other = reach(model, k); other > size_v)
-        rest -= other * other;
+    if (k != effect && model.effects[k].effect->info().signature) {
+      const double other = reach(model, k);
+      (other > size_v ? larger : smaller) += other * other;
+    }
+  // Two bounds: of what was unnamed without signatures, and of what the model leaves over. Beside
+  // large ones a difference of squares says little.
+  const double left = white_sum_of_squares(quick_, model) / (2.0 * static_cast<double>(quick_.size())) -
+                      data_.scene->white_noise_v * data_.scene->white_noise_v;
+  const double rest = std::min(unnamed_v2_ - size_v * size_v - larger, left + smaller);
   return size_v * size_v > rest;
 }
 

@@ -44,6 +44,8 @@ inline constexpr std::size_t kFewestRecords = 3;
 /// Stops from which on every third one judges, and readings a stop.
 inline constexpr std::size_t kFewestStops = 6;
 inline constexpr double kFewestReadings = 3.0;
+/// Of all readings, those at rest. The others were taken on the way to a stop.
+inline constexpr double kLeastAtRest = 0.75;
 
 // --- the anonymous model
 
@@ -113,8 +115,9 @@ inline constexpr double kMostBlurred = 0.3;
 /// because others cancel it: two true causes of one size leave two thirds of it unless three quarters
 /// of their shapes are the same and of opposite sign.
 inline constexpr double kMostOfDiscrepancy = 1.5;
-/// For the same reason two causes together must move it by half of what the larger one does alone.
-inline constexpr double kLeastOfPair = 0.5;
+/// For the same reason two to four causes together must move it by half of what the largest of them
+/// does alone.
+inline constexpr double kLeastOfGroup = 0.5;
 /// Square of the standard errors, a mean over its coordinates, by which a finding must differ from
 /// none: three of them, which chance makes once in 400.
 inline constexpr double kClear = 9.0;

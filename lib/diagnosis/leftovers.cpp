@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
+#include "base/angle.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/noise_causes.h"
 #include "diagnosis/whiteness.h"
@@ -21,6 +24,19 @@ constexpr std::size_t kLookedAt = 300000, kLookedAtRun = 25000;
 constexpr double kStandsOut = 6.0;      ///< standard deviations
 constexpr double kOfNoise = 0.12;       ///< the least structure that is worth a word
 constexpr double kMoreThanNoise = 1.15; ///< of a residual that is not white
+
+/// Single rows in which the reference is wrong: no cause, and not the sensor's.
+Structure of_wrong_rows(const Scene &scene, double amplitude_v) {
+  const WrongRows &rows = scene.wrong_rows;
+  // What they would make of both channels, spread over the record.
+  const double rms_rad =
+      std::sqrt(rows.squares_rad2 / static_cast<double>(scene.capture->size()));
+  return {"time",
+          fmt::format("the reference alone is wrong in {} of {} rows, by up to {:.3g} deg: they "
+                      "are left out",
+                      rows.count, scene.capture->size(), rows.worst_rad * kDegPerRad),
+          scene.periods * rms_rad * amplitude_v / std::numbers::sqrt2};
+}
 
 } // namespace
 
@@ -66,6 +82,8 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
     for (const auto &more : {angle, find_structure_in_rough(scene, model, least), bursts})
       out.structure.insert(out.structure.end(), more.begin(), more.end());
   }
+  if (scene.wrong_rows.count != 0)
+    out.structure.push_back(of_wrong_rows(scene, model.baseline.amplitude_v));
   const double rest2 = last.heldout.residual_rms_v * last.heldout.residual_rms_v -
                        explained.noise_v * explained.noise_v;
   out.unexplained_rms_v = rest2 > 0.0 ? std::sqrt(rest2) : 0.0;

@@ -19,6 +19,7 @@
 #include "diagnosis/looks.h"
 #include "diagnosis/screening.h"
 #include "motion/kinematics.h"
+#include "motion/reference_rows.h"
 #include "motion/surroundings.h"
 
 namespace ada {
@@ -60,44 +61,6 @@ void describe_temperature(const Capture &capture, Scene &scene) {
 }
 
 namespace {
-
-/// Order-1 ripple of the reference against a smooth motion, with an error from its scatter between
-/// parts of the capture: a rough motion makes it large, which says that it proves nothing.
-void prepare_reference_ripple(const Capture &capture, const std::vector<double> &alpha,
-                              const std::vector<char> &usable, Scene &scene) {
-  constexpr double kMostParts = 8.0, kTurnsOfPart = 4.0;
-  double turns = 0.0;
-  for (std::size_t i = 1; i < alpha.size(); ++i)
-    turns += std::abs(alpha[i] - alpha[i - 1]) / kTwoPi;
-  const auto parts = static_cast<std::size_t>(std::clamp(turns / kTurnsOfPart, 3.0, kMostParts));
-  const std::size_t part = capture.size() / parts;
-  std::vector<double> c, s;
-  for (std::size_t k = 0; k < parts; ++k) {
-    const std::size_t first = k * part;
-    const std::span<const double> time(capture.time_s.data() + first, part);
-    const std::span<const double> angle(alpha.data() + first, part);
-    std::vector<char> good(usable.begin() + static_cast<std::ptrdiff_t>(first),
-                           usable.begin() + static_cast<std::ptrdiff_t>(first + part));
-    double travel = 0.0;
-    for (std::size_t i = 1; i < part; ++i)
-      travel += std::abs(angle[i] - angle[i - 1]);
-    if (travel < 2.5 * kTwoPi || part < 200)
-      continue;
-    const SmoothMotion m = smooth_motion(time, angle, good, 3);
-    c.push_back(m.cos[0]);
-    s.push_back(m.sin[0]);
-  }
-  if (c.size() < 3)
-    return;
-  const auto median = [](std::vector<double> v) { return quantile(std::move(v), 0.5); };
-  scene.reference_cos = median(c);
-  scene.reference_sin = median(s);
-  std::vector<double> off;
-  for (std::size_t k = 0; k < c.size(); ++k)
-    off.push_back(std::hypot(c[k] - scene.reference_cos, s[k] - scene.reference_sin));
-  scene.reference_ripple_error =
-      std::max(1.5 * median(off) / std::sqrt(static_cast<double>(c.size())), 5e-5);
-}
 
 /// Where the speed changes within a few samples, speed and sense of each sample are not known.
 void leave_out_kinks(const std::vector<double> &omega, std::vector<char> &usable) {
@@ -158,9 +121,12 @@ void describe_motion(Scene &scene) {
     way.travel += std::abs(step);
   }
   scene.turns = (forward.travel + backward.travel) / kTwoPi;
+  // What a way back tells from the angle it is seen at must be seen at many: a quarter of a turn.
+  // The shaft's own smooth motion needs a turn to tell one from the other.
+  const double least = scene.has_reference ? 0.25 * kTwoPi : kTwoPi;
   scene.both_directions =
       std::min(forward.time, backward.time) > 0.05 * (forward.time + backward.time) &&
-      std::min(forward.travel, backward.travel) > kTwoPi;
+      std::min(forward.travel, backward.travel) > least;
   scene.fastest_omega = quantile(speed, 0.98);
   scene.several_speeds = quantile(speed, 0.05) < 0.8 * scene.fastest_omega;
 }
@@ -245,16 +211,31 @@ Kinematics at_rest(std::vector<double> alpha, const Stops &stops) {
   return out;
 }
 
+/// Rows in which the reference alone errs are not used, and do not count as motion.
+void leave_out_wrong_rows(std::vector<double> &reference, Screened &look, Scene &scene) {
+  const double step = converter_step(look.capture.reference_deg) * kRadPerDeg;
+  const RowsApart apart = mend_rows(reference, look.angle, step);
+  for (std::size_t k = 0; k < apart.rows.size(); ++k) {
+    if (!look.usable[apart.rows[k]])
+      continue;
+    look.usable[apart.rows[k]] = 0;
+    const double by = apart.by_rad[k];
+    scene.wrong_rows += {1, by, by * by};
+  }
+}
+
 Kinematics motion_by_reference(Screened &look, Scene &scene) {
   const Capture &capture = look.capture;
   std::vector<double> alpha(capture.size());
   for (std::size_t i = 0; i < alpha.size(); ++i)
     alpha[i] = capture.reference_deg[i] * kRadPerDeg;
+  leave_out_wrong_rows(alpha, look, scene);
   unwrap(alpha, kTwoPi);
   scene.stops = find_stops(alpha, noise_between(alpha));
   if (scene.stops)
     return at_rest(std::move(alpha), scene.stops);
-  prepare_reference_ripple(capture, alpha, look.usable, scene);
+  scene.reference_ripples =
+      ripples_against_time(capture.time_s, alpha, look.usable, kRippleOrders);
   Kinematics motion = differentiate(capture.time_s, std::move(alpha), 4);
   leave_out_changes(motion, look.usable);
   return motion;

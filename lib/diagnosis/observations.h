@@ -5,6 +5,7 @@
 // taken, and split by whole revolutions into what fits may see and what only judges them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "diagnosis/conditions/holdout.h"
 #include "model/residual.h"
 #include "model/wave.h"
+#include "motion/reference_rows.h"
 #include "recording/capture.h"
 
 namespace ada {
@@ -62,6 +64,18 @@ struct Observations {
   void keep(const std::vector<std::uint32_t> &indices);
 };
 
+/// Single rows in which the reference alone is wrong: none of them is used.
+struct WrongRows {
+  std::size_t count = 0;
+  double worst_rad = 0.0, squares_rad2 = 0.0; ///< of their departures; the sum over all
+  WrongRows &operator+=(const WrongRows &more) {
+    count += more.count;
+    worst_rad = std::max(worst_rad, more.worst_rad);
+    squares_rad2 += more.squares_rad2;
+    return *this;
+  }
+};
+
 /// What a capture as a whole can show.
 struct Scene {
   const Capture *capture = nullptr;
@@ -77,9 +91,10 @@ struct Scene {
   double white_noise_v = 0.0; ///< from sample to sample, one channel
   /// Step of a converter that stands so far above the noise that its error is none; otherwise 0.
   double coarse_step_v = 0.0;
-  /// Order-1 ripple of the reference against smooth time, rad, and its standard error; the error
-  /// is 0 without a reference.
-  double reference_cos = 0.0, reference_sin = 0.0, reference_ripple_error = 0.0;
+  /// Ripples of the reference against smooth time, entry n - 1 is order n of the turn; empty where
+  /// there is no reference, or too little steady motion.
+  std::vector<Ripple> reference_ripples;
+  WrongRows wrong_rows;
 
   Observations all;                        ///< usable samples
   std::vector<std::uint32_t> index;        ///< their places in the capture

@@ -64,8 +64,11 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
   for (const Candidate &c : list) {
     if (c.effect == self || c.gain < 0.8 * highest)
       continue;
-    // A signature is no rival of a physical cause; without a reference nothing tells them apart.
-    if (c.effect->info().signature && !self->info().signature && data_.scene->has_reference)
+    // A signature is no rival of a physical cause, unless other evidence speaks for it; without a
+    // reference nothing tells them apart.
+    const bool a_cause = !c.effect->info().signature || self->info().signature ||
+                         side_evidence(data_, c.start) > my_side + criteria::kRivalNats;
+    if (!a_cause && data_.scene->has_reference)
       continue;
     State rival = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
     choose(rival, rival.fit.model.effects.size() - 1);
@@ -95,7 +98,7 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
         (rival.score + saved > now.score + needed ||
          c.effect->info().prior_rank < self->info().prior_rank ||
          (yields && left <= std::min({blurred, criteria::kSlight * part, criteria::kHidden * noise}))) &&
-        (!c.effect->info().signature || self->info().signature) &&
+        a_cause &&
         (better->score == 0.0 || rival.score > better->score))
       *better = std::move(rival);
   }

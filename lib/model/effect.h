@@ -105,6 +105,11 @@ struct EffectInfo {
 using Values = std::span<const double>;
 using Rng = std::mt19937_64;
 
+/// A ripple a cos(n alpha) + b sin(n alpha) with the mechanical angle.
+struct OrderRipple {
+  double order = 0.0, cos = 0.0, sin = 0.0; ///< n per turn (0: none); rad
+};
+
 /// One part of a capture while the simulation makes it.
 struct Take {
   const Model &model;
@@ -134,8 +139,8 @@ public:
   virtual void shaft_from_reference(Values, const Conditions &, std::span<double>) const {}
   /// The part of VCOS that VTEMP carries over, where VTEMP is in the scan.
   virtual double vtemp_on_vcos(Values) const { return 0.0; }
-  /// Order-1 error that the reference itself shows against smooth time: cos and sin part, rad.
-  virtual std::array<double, 2> reference_ripple(Values) const { return {0.0, 0.0}; }
+  /// Error of one order of the turn that the reference itself shows against smooth time.
+  virtual OrderRipple reference_ripple(Values) const { return {}; }
   /// Step in which the reference counts, rad; 0: none.
   virtual double reference_step_rad(Values) const { return 0.0; }
   /// Acts on a simulated capture: lost rows, spikes, wander, the reference column.

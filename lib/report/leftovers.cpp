@@ -54,11 +54,12 @@ std::string reference_speaks(const View &view) {
   const std::string trust =
       "It trusts the reference: what the reference itself gets wrong as it turns "
       "is in it, too. ";
-  if (!(scene.reference_ripple_error > 0.0))
+  if (scene.reference_ripples.empty())
     return trust +
            "This capture has no steady motion that could speak for or against the reference.";
-  const double ripple = std::hypot(scene.reference_cos, scene.reference_sin) * kDegPerRad;
-  const double error = scene.reference_ripple_error * kDegPerRad;
+  const Ripple &once = scene.reference_ripples.front();
+  const double ripple = std::hypot(once.cos, once.sin) * kDegPerRad;
+  const double error = once.error * kDegPerRad;
   if (ripple > 3.0 * error)
     return trust +
            fmt::format("Against smooth time the reference ripples once a turn by {} \u00b1 {}, "

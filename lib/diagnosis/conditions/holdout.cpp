@@ -20,6 +20,23 @@ double travel_of(std::span<const double> alpha) {
   return travel;
 }
 
+/// Of all readings, those of stops in which several readings differ by no more than at rest: a
+/// shaft that only turns slowly now and then creeps on in what looks like one stop.
+double share_at_rest(std::span<const double> alpha, const std::vector<std::uint32_t> &of,
+                     double moved) {
+  std::size_t count = 0;
+  for (std::size_t from = 0, to = 0; from < alpha.size(); from = to) {
+    double low = alpha[from], high = alpha[from];
+    for (to = from; to < alpha.size() && of[to] == of[from]; ++to) {
+      low = std::min(low, alpha[to]);
+      high = std::max(high, alpha[to]);
+    }
+    if (static_cast<double>(to - from) >= criteria::kFewestReadings && high - low <= moved)
+      count += to - from;
+  }
+  return static_cast<double>(count) / static_cast<double>(alpha.size());
+}
+
 } // namespace
 
 Stops find_stops(std::span<const double> alpha, double noise_rad) {
@@ -36,7 +53,8 @@ Stops find_stops(std::span<const double> alpha, double noise_rad) {
     of[i] = stop;
   }
   const double length = static_cast<double>(alpha.size()) / (stop + 1.0);
-  if (stop + 1 < criteria::kFewestStops || length < criteria::kFewestReadings)
+  if (stop + 1 < criteria::kFewestStops || length < criteria::kFewestReadings ||
+      share_at_rest(alpha, of, moved) < criteria::kLeastAtRest)
     return out;
   out.of = std::move(of);
   out.count = stop + 1;

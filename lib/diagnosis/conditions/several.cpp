@@ -135,6 +135,7 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
     append(out.spiked_index, scene.spiked_index);
     append(out.train, scene.train);
     append(out.heldout, scene.heldout);
+    out.wrong_rows += scene.wrong_rows;
     out.coarse_step_v = std::max(out.coarse_step_v, scene.coarse_step_v);
     for (ScreenFinding &f : scene.screened) // what several records show is said once
       if (std::none_of(out.screened.begin(), out.screened.end(),

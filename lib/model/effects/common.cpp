@@ -44,11 +44,9 @@ void ReferenceError::shaft_from_reference(Values v, const Conditions &,
   std::copy(alpha, alpha + n, angle.begin());
 }
 
-std::array<double, 2> ReferenceError::reference_ripple(Values v) const {
-  if (order(v) != 1.0)
-    return {0.0, 0.0};
+OrderRipple ReferenceError::reference_ripple(Values v) const {
   const double e = v[amplitude_index()] * kRadPerDeg, phase = v[phase_index()] * kRadPerDeg;
-  return {e * std::sin(phase), e * std::cos(phase)};
+  return {order(v), e * std::sin(phase), e * std::cos(phase)};
 }
 
 void ReferenceError::record(Values v, Take &take) const {

@@ -74,7 +74,7 @@ protected:
 class ReferenceError : public PolarEffect {
 public:
   void shaft_from_reference(Values v, const Conditions &at, std::span<double> angle) const override;
-  std::array<double, 2> reference_ripple(Values v) const override;
+  OrderRipple reference_ripple(Values v) const override;
   void record(Values v, Take &take) const override;
   std::string invisible(const Residual &r) const override;
 

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "motion/reference_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include "base/angle.h"
+#include "base/robust.h"
+#include "motion/spline.h"
+
+namespace ada {
+
+namespace {
+
+/// Cosine and sine part of each order beside a smooth motion: a spline with a knot every other turn
+/// of travel, stiff enough to leave a ripple of order 1 to it.
+std::vector<std::complex<double>> periodic_part(std::span<const double> time,
+                                                std::span<const double> angle,
+                                                std::span<const char> usable, int orders) {
+  constexpr double kKnotEvery = 2.0; // turns
+  double turns = 0.0;
+  for (std::size_t i = 1; i < angle.size(); ++i)
+    turns += std::abs(angle[i] - angle[i - 1]) / kTwoPi;
+  const double pieces = std::max(1.0, std::floor(turns / kKnotEvery));
+  std::vector<double> knots{time.front()};
+  double travel = 0.0;
+  for (std::size_t i = 1; i + 1 < angle.size(); ++i) {
+    travel += std::abs(angle[i] - angle[i - 1]) / kTwoPi;
+    if (travel * pieces >= turns * static_cast<double>(knots.size()) && time[i] > knots.back() &&
+        static_cast<double>(knots.size()) < pieces)
+      knots.push_back(time[i]);
+  }
+  knots.push_back(time.back());
+  CubicSpline motion(std::move(knots));
+  motion.fit(time, angle, usable, static_cast<std::size_t>(2 * orders),
+             [&](std::size_t i, double *term) {
+               const std::complex<double> once = std::polar(1.0, angle[i]);
+               std::complex<double> z = once;
+               for (int n = 0; n < orders; ++n, z *= once) {
+                 *term++ = z.real();
+                 *term++ = z.imag();
+               }
+             });
+  std::vector<std::complex<double>> out;
+  for (std::size_t k = 0; k < motion.term_coefficients().size(); k += 2)
+    out.emplace_back(motion.term_coefficients()[k], motion.term_coefficients()[k + 1]);
+  return out;
+}
+
+} // namespace
+
+RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair, double step) {
+  constexpr double kFar = 8.0;       // standard deviations of white noise
+  constexpr double kOfCommon = 2.0;  // times what one row in fifty departs by
+  constexpr double kCommon = 0.98;
+  constexpr double kOfSteps = 1.5;   // a row may fall to either side of one
+  constexpr double kOfPair = 0.5;    // of the departure: more of it would be the pair's own
+  constexpr std::size_t kReach = 3;  // of the median: at the ends of the record it is one-sided
+  const std::size_t n = reference.size();
+  if (n < kRareSample)
+    return {};
+  double together = 0.0; // the sensor may be mounted the other way round
+  for (std::size_t i = 1; i < n; ++i)
+    together += wrap_centred(reference[i] - reference[i - 1], kTwoPi) * (pair[i] - pair[i - 1]);
+  const double sense = together < 0.0 ? -1.0 : 1.0;
+  std::complex<double> sum;
+  for (std::size_t i = 0; i < n; ++i)
+    sum += std::polar(1.0, reference[i] - sense * pair[i]);
+  std::vector<double> off(n);
+  for (std::size_t i = 0; i < n; ++i)
+    off[i] = wrap_centred(reference[i] - sense * pair[i] - std::arg(sum), kTwoPi);
+  const std::vector<double> departure = off_medians(off);
+  std::vector<double> sizes;
+  for (double d : departure)
+    sizes.push_back(std::abs(d));
+  const double limit = std::max({kFar * noise_between(off), kOfSteps * step,
+                                 kOfCommon * quantile(std::move(sizes), kCommon)});
+  RowsApart out;
+  // What a row departs by from the straight line between good rows on either side.
+  const auto own = [&](std::size_t i) {
+    const double span = wrap_centred(reference[i + kReach] - reference[i - kReach], kTwoPi);
+    return wrap_centred(reference[i] - reference[i - kReach] - 0.5 * span, kTwoPi);
+  };
+  const auto its_own = [&](std::size_t i) {
+    return std::abs(wrap_centred(own(i) - departure[i], kTwoPi)) < kOfPair * std::abs(departure[i]);
+  };
+  for (std::size_t i = kReach; i + kReach < n; ++i)
+    if (std::abs(departure[i]) > limit && its_own(i)) {
+      out.rows.push_back(static_cast<std::uint32_t>(i));
+      out.by_rad.push_back(std::abs(wrap_centred(departure[i], kTwoPi)));
+    }
+  if (out.rows.size() * kRareSample > n)
+    return {};
+  for (std::uint32_t i : out.rows)
+    reference[i] -= departure[i];
+  return out;
+}
+
+std::vector<Ripple> ripples_against_time(std::span<const double> time,
+                                         std::span<const double> angle,
+                                         std::span<const char> usable, int orders) {
+  constexpr double kMostParts = 8.0, kTurnsOfPart = 4.0, kFewestTurns = 2.5;
+  constexpr std::size_t kFewestParts = 3;
+  // Rad: what a motion that ripples by nothing shows beside a drive that is never quite even.
+  constexpr double kLeastError = 5e-5;
+  constexpr double kOfMedian = 1.5; // standard deviation over the median of a vector's length
+  double travel = 0.0;
+  for (std::size_t i = 1; i < angle.size(); ++i)
+    travel += std::abs(angle[i] - angle[i - 1]);
+  const auto parts = static_cast<std::size_t>(
+      std::clamp(travel / kTwoPi / kTurnsOfPart, static_cast<double>(kFewestParts), kMostParts));
+  const std::size_t part = angle.size() / parts;
+  const auto terms = static_cast<std::size_t>(2 * orders);
+  std::vector<std::vector<std::complex<double>>> seen;
+  for (std::size_t k = 0; k < parts; ++k) {
+    const auto piece = angle.subspan(k * part, part);
+    double turns = 0.0;
+    for (std::size_t i = 1; i < part; ++i)
+      turns += std::abs(piece[i] - piece[i - 1]) / kTwoPi;
+    if (turns >= kFewestTurns && part >= 10 * terms)
+      seen.push_back(periodic_part(time.subspan(k * part, part), piece,
+                                   usable.subspan(k * part, part), orders));
+  }
+  if (seen.size() < kFewestParts)
+    return {};
+  std::vector<Ripple> out;
+  for (std::size_t n = 0; n < seen.front().size(); ++n) {
+    std::vector<double> re, im, off;
+    for (const auto &part_of : seen) {
+      re.push_back(part_of[n].real());
+      im.push_back(part_of[n].imag());
+    }
+    Ripple r{quantile(re, 0.5), quantile(im, 0.5), 0.0};
+    for (std::size_t k = 0; k < re.size(); ++k)
+      off.push_back(std::hypot(re[k] - r.cos, im[k] - r.sin));
+    r.error = std::max(kOfMedian * quantile(std::move(off), 0.5) /
+                           std::sqrt(static_cast<double>(re.size())),
+                       kLeastError);
+    out.push_back(r);
+  }
+  return out;
+}
+
+} // namespace ada
