@@ -214,6 +214,18 @@ bool has_fellow(const Residual &r, const MostlyAt &at, double frequency) {
   return false;
 }
 
+/// Whether for most of the record a frequency lies so near to that of the pair that from the turning
+/// vector it is seen as a slow change of gain and angle, which what is slow in time holds as well.
+bool slow_beside_pair(const Residual &r, double frequency) {
+  constexpr double kMost = 0.5;
+  const double span = r.time.back() - r.time.front();
+  const double band = 0.5 * criteria::kMostTrends / span; // half waves
+  std::size_t near = 0;
+  for (double w : r.omega)
+    near += std::abs(std::abs(w) * r.periods / kTwoPi - frequency) < band;
+  return static_cast<double>(near) > kMost * static_cast<double>(r.omega.size());
+}
+
 /// A line at an order of a steady rotation is no tone when the residual follows the angle as well.
 bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
   return order != 0 &&
@@ -351,6 +363,7 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
     if (!most)
       most = mostly_at(r);
     return turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line) ||
+           slow_beside_pair(r, frequency) ||
            (rotates(line) && one_sided(r, *most, frequency)) || has_fellow(r, *most, frequency);
   };
   for (const auto &[frequency, line] : strongest_lines(r, no_tone)) {

@@ -4,13 +4,17 @@
 #include "diagnosis/naming.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "diagnosis/criteria.h"
+#include "diagnosis/fit.h"
 
 namespace ada {
 
 namespace {
+
+constexpr int kRefit = 6; // iterations
 
 std::vector<std::string_view> names_of(const SearchResult &found) {
   std::vector<std::string_view> out;
@@ -47,6 +51,42 @@ std::optional<Model> with_better_rival(const Parts &parts, const SearchResult &f
         better = &rival.model;
       }
   return better ? std::optional(*better) : std::nullopt;
+}
+
+/// Held-out log likelihood, nats, of a model together with what has no name beside it.
+double nats_beside_anonymous(const Scene &scene, const Parts &parts, const Model &model) {
+  const Anonymous left = anonymous_of(scene, parts, model);
+  return -0.5 * left.from.n_heldout *
+         std::log(std::max(left.selection.noise_v2, criteria::kLeastMeanSquare));
+}
+
+/// A cause is no finding where held-out data are likelier without it, with what has no name then
+/// chosen anew: it stood for something that the anonymous model holds better.
+void drop_what_has_no_name(const Scene &scene, Parts parts, SearchResult &found) {
+  parts.train = thinned(parts.train);
+  parts.train.coloured.reset();
+  for (;;) {
+    const Model &model = found.fit.model;
+    const double with = nats_beside_anonymous(scene, parts, model);
+    std::size_t worst = found.order.size();
+    double most = criteria::kRivalNats;
+    for (std::size_t place = 0; place < found.order.size(); ++place) {
+      if (model.effects[found.order[place]].effect->info().prior_rank == 0)
+        continue;
+      Model less = model;
+      less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(found.order[place]));
+      const double without =
+          nats_beside_anonymous(scene, parts, fit(parts.train, less, kRefit).model);
+      if (without - with > most) {
+        most = without - with;
+        worst = place;
+      }
+    }
+    if (worst == found.order.size())
+      return;
+    found.forget(worst);
+    found.fit.model = fit(parts.train, found.fit.model, kRefit).model;
+  }
 }
 
 } // namespace
@@ -91,9 +131,10 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
     if (better)
       found.fit.model = *better; // the next round orders and weighs it anew
     else if (same)
-      return found;
+      break;
     exchanged = better.has_value();
   }
+  drop_what_has_no_name(start.scene, parts, found);
   return found;
 }
 
