@@ -228,6 +228,28 @@ bool Search::choose_simpler(State &now) {
   return changed;
 }
 
+/// Whether what repeats with the angle is shared between a physical cause and a signature: a
+/// signature alone may need less.
+bool Search::shared_with_signature(const Model &model) const {
+  const auto any = [&](bool signature) {
+    return std::any_of(model.effects.begin() + static_cast<std::ptrdiff_t>(given_),
+                       model.effects.end(), [&](const EffectInstance &e) {
+                         return e.effect->info().prior_rank > 0 && of_the_angle(*e.effect) &&
+                                e.effect->info().signature == signature;
+                       });
+  };
+  return any(true) && any(false);
+}
+
+/// Whether fewer causes do as well, up to what is not known to second order.
+bool Search::needs_less(const State &fewer, const State &now) const {
+  const double more = std::max(0.0, fewer.heldout - now.heldout);
+  return fewer.fit.determined &&
+         fewer.fit.model.effects.size() < now.fit.model.effects.size() &&
+         std::sqrt(more / (2.0 * static_cast<double>(data_.heldout.size()))) <
+             doubt_v(now.fit.model);
+}
+
 /// A cause found early, while others were still mixed into the residual, may be a wrong one that
 /// hides the right ones. Where much is left over, the suspects are given up in turn and the search
 /// goes on from there.
@@ -235,18 +257,25 @@ bool Search::shake(State &now) {
   if (shaken_)
     return false;
   const double rms = std::sqrt(now.fit.rss / (2.0 * static_cast<double>(data_.train.size())));
-  if (rms < criteria::kShaken * std::max(noise_v_, data_.scene->white_noise_v) ||
-      now.fit.model.effects.size() > given_ + criteria::kMostShaken)
+  const bool loud = rms >= criteria::kShaken * std::max(noise_v_, data_.scene->white_noise_v);
+  const bool shared = shared_with_signature(now.fit.model);
+  if (!(loud || shared) || now.fit.model.effects.size() > given_ + criteria::kMostShaken)
     return false;
   State best = now;
   const bool rejected = std::exchange(supply_rejected_, true); // weights stay as they are
-  for (std::size_t k : suspects(now)) {
-    State other = without(now, k);
+  const auto from = [&](State other) {
     climb(other);
     backward(other);
-    if (value(other) > value(best) + criteria::kRivalNats)
+    if (value(other) > value(best) + criteria::kRivalNats || needs_less(other, best))
       best = std::move(other);
-  }
+  };
+  const std::vector<std::size_t> given_up = suspects(now);
+  for (std::size_t k : given_up)
+    if (loud)
+      from(without(now, k));
+  // Several that share the work of one hide it from each other's absence.
+  if (shared || given_up.size() > 1)
+    from(evaluate(with_expected(baseline_), 12));
   supply_rejected_ = rejected;
   shaken_ = best.score == now.score;
   if (shaken_)

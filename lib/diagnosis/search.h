@@ -91,6 +91,8 @@ private:
   std::vector<std::size_t> suspects(const State &now) const;
   double value(const State &state) const;
   bool choose_simpler(State &now);
+  bool shared_with_signature(const Model &model) const;
+  bool needs_less(const State &fewer, const State &now) const;
   bool shake(State &now);
   bool backward(State &now);
   bool sideways(State &now);
