@@ -56,12 +56,18 @@ std::vector<double> clearness_of(const FitResult &fit) {
   Eigen::Index first = static_cast<Eigen::Index>(coordinates_of(Model{}).size());
   for (const EffectInstance &e : fit.model.effects) {
     const std::vector<double> x = e.effect->to_coordinates(e.values);
-    const auto n = static_cast<Eigen::Index>(x.size());
-    const Eigen::Map<const Eigen::VectorXd> value(x.data(), n);
-    const Eigen::MatrixXd c = fit.covariance.block(first, first, n, n);
-    const double z2 = n == 0 ? std::numeric_limits<double>::infinity() : value.dot(c.ldlt().solve(value)) / static_cast<double>(n);
+    const auto parameters = e.effect->info().parameters;
+    std::vector<Eigen::Index> sizes; // the coordinates that are 0 where it is absent
+    for (std::size_t k = 0; k < x.size(); ++k)
+      if (x.size() != parameters.size() || !is_place(parameters[k]))
+        sizes.push_back(static_cast<Eigen::Index>(k));
+    const auto all = static_cast<Eigen::Index>(x.size()), n = static_cast<Eigen::Index>(sizes.size());
+    const Eigen::VectorXd value = Eigen::Map<const Eigen::VectorXd>(x.data(), all)(sizes);
+    const Eigen::MatrixXd c = fit.covariance.block(first, first, all, all)(sizes, sizes);
+    const double z2 = n == 0 ? std::numeric_limits<double>::infinity()
+                             : value.dot(c.ldlt().solve(value)) / static_cast<double>(n);
     out.push_back(fit.determined && std::isfinite(z2) ? z2 : std::numeric_limits<double>::infinity());
-    first += n;
+    first += all;
   }
   return out;
 }

@@ -273,8 +273,9 @@ bool Search::shake(State &now) {
   for (std::size_t k : given_up)
     if (loud)
       from(without(now, k));
-  // Several that share the work of one hide it from each other's absence.
-  if (shared || given_up.size() > 1)
+  // Several that share the work of one hide it from each other's absence. Begun anew, the search
+  // takes the same way each time.
+  if ((shared || given_up.size() > 1) && !std::exchange(begun_anew_, true))
     from(evaluate(with_expected(baseline_), 12));
   supply_rejected_ = rejected;
   shaken_ = best.score == now.score;

@@ -128,7 +128,7 @@ private:
   double supply_rms_fraction_ = 0.0;
   double unnamed_v2_ = 0.0; ///< mean square of what repeats with the angle without a name
   bool signatures_ = true; ///< whether shapes without a physical cause are tried
-  bool supply_rejected_ = false, shaken_ = false;
+  bool supply_rejected_ = false, shaken_ = false, begun_anew_ = false;
   /// Effects of the model in which no supply was seen last; one more may bring it out.
   std::size_t looked_at_with_ = static_cast<std::size_t>(-1);
   int steps_ = 0;

@@ -42,6 +42,12 @@ struct ParameterInfo {
   double step = 1e-4; ///< for finite differences: a size at which the effect is small and linear
 };
 
+/// Whether a parameter says where a cause lies rather than how much it does: it is not 0 where the
+/// cause is absent.
+inline bool is_place(const ParameterInfo &p) {
+  return p.name == "order" || p.name == "frequency_hz" || p.name == "time_s";
+}
+
 /// An experiment that would tell this effect from a rival.
 struct Separation {
   std::string_view rival;
