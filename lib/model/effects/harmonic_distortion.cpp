@@ -54,6 +54,9 @@ public:
       }
     return out;
   }
+  /// A channel with more than one part in n of order n turns back within each period: what it reads
+  /// then is no sensor's harmonic.
+  bool refuted(Values v, const Residual &) const override { return v[2] * v[0] > 1.0; }
 
 protected:
   std::size_t amplitude_index() const override { return 2; }
