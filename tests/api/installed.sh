@@ -58,6 +58,7 @@ installed_whole "$work/package/usr" /usr
 [[ $(ls "$work/package") == usr ]] || fail "a package also has: $(ls "$work/package")"
 ! has_rpath "$work/package/usr/bin/iio-angle" || fail "a packaged program has an RPATH"
 has_rpath "$work/moved/bin/iio-angle" || fail "RPATHs are not seen"
+rm -rf "$work/package" # an installed tree of a development build is large, and /tmp may be small
 
 # The build folder may be another user's.
 written=$(find "$build" "$build/udev" -maxdepth 1 -name '[a-z]*' -newer "$work/began" -type f)
@@ -72,6 +73,7 @@ if ((EUID == 0)) && "${as_nobody[@]}" test -r "$build/cmake_install.cmake"; then
   installed_whole "$work/nobody/own" "$work/nobody/own"
   [[ $(ls "$work/nobody") == $'install.log\nown' ]] || fail "beside the prefix: $(ls "$work/nobody")"
   "${as_nobody[@]}" "$work/nobody/own/bin/iio-angle" --version >/dev/null || fail "it does not start for nobody"
+  rm -rf "$work/nobody"
 fi
 
 prefix=$work/moved
