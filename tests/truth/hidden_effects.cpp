@@ -75,7 +75,9 @@ void offset_curvature(Random &random, Conditions &c, double scale, std::vector<T
 
 void amplitude_drift(Random &random, Conditions &c, double scale, std::vector<Truth> &truths) {
   const double tc = scale * (random.chance(0.8) ? -1 : 1) * random.uniform(0.02, 0.18);
-  c.bench.chain.amplitude_drift = tc;
+  // Per volt of VTEMP as the capture has it, which is ratiometric to the capture's own supply. Up to
+  // 2e-4 of the number: several standard errors.
+  c.bench.chain.amplitude_drift = tc * c.bench.supply.ratio;
   truths.push_back(
       {"amplitude-temperature-drift", {{"tc_amplitude", sized(tc, "1/V", 5e-4)}}, {}, {}});
 }
