@@ -167,9 +167,9 @@ inline constexpr double kNatsOfNoise = 12.0;
 inline constexpr double kMoreVariance = 1.1;
 /// Mean step of an even clock over its median one, with a third of the turns held out.
 inline constexpr double kUneven = 1.2;
-/// Highest corner of flicker noise, as a part of half the sample rate: above it no white noise is
-/// seen that it could meet.
-inline constexpr double kHighestCorner = 0.25;
+/// Highest corner of flicker noise that is tried, over half the sample rate: the density there falls
+/// as 1/f to within an eighth, as without any white noise.
+inline constexpr double kHighestCorner = 8.0;
 /// Structure of up to this part of what random causes leave over is of their kind; more of it says
 /// that they are no noise.
 inline constexpr double kOfRandom = 0.5, kOfProcess = 1.2;

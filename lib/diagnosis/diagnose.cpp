@@ -459,12 +459,11 @@ private:
     Anonymous slow = anonymous_of(scene_, white, named, false);
     const double whole = slow.from.heldout(slow.from.heldout.rows() - 1, slow.from.heldout.rows() - 1) /
                          slow.from.n_heldout;
+    std::vector<RandomCause> processes;
     if (slow.selection.noise_v2 - unnamed_.selection.noise_v2 <
         criteria::kLittle * (whole - unnamed_.selection.noise_v2)) {
-      const std::vector<RandomCause> causes = slow_causes(slow, white, named);
-      for (const RandomCause &c : causes)
-        name_process(c);
-      if (!causes.empty()) {
+      processes = slow_causes(slow, white, named);
+      if (!processes.empty()) {
         unnamed_ = std::move(slow);
         slow_waves_ = unnamed_.selection.orders[static_cast<std::size_t>(Axis::time)];
         take_out_courses();
@@ -473,23 +472,27 @@ private:
         white.train.coloured.reset();
       }
     }
-    if (supply_is_inferred())
-      return;
+    // A converter's steps are no noise.
+    const bool reads_noise = !supply_is_inferred() && scene_.coarse_step_v <= 0.0;
     const double stated = !noise_stated_ ? 0.0
                           : named_before_ && named_before_->noise_rms_v
                               ? std::max(noise_, *named_before_->noise_rms_v)
                               : noise_;
-    // A converter's steps are no noise.
-    if (scene_.coarse_step_v > 0.0)
+    const std::vector<double> &t = scene_.all.time;
+    std::vector<RandomCause> noise;
+    if (reads_noise)
+      noise = noise_causes(unnamed_, white, named, stated, reference_step_rad(),
+                           even_clock() ? &scene_.all : nullptr);
+    leave_to_flicker(processes, noise, slow_waves_, t.back() - t.front());
+    for (const std::vector<RandomCause> *causes : {&processes, &noise})
+      for (const RandomCause &c : *causes)
+        name_process(c);
+    if (!reads_noise)
       return;
-    const std::vector<RandomCause> causes =
-        noise_causes(unnamed_, white, named, stated, reference_step_rad(), even_clock());
-    for (const RandomCause &c : causes)
-      name_process(c);
     // Without a reference the motion has taken in what lies along the circle.
     const double left = std::max(std::sqrt(unnamed_.selection.noise_v2),
                                  scene_.has_reference ? 0.0 : out_.noise.along_v);
-    if (!random_.empty() || !causes.empty())
+    if (!random_.empty() || !noise.empty())
       explained_noise_ = std::max(noise_, left);
   }
 

@@ -176,8 +176,8 @@ Growth growth_of(const Shape &shape, double along, int periods) {
   return {constant, slope, grows - fixed};
 }
 
-/// Takes out what lies along the circle: without a reference the motion is the pair's own, smoothed,
-/// and what the smoothing leaves of it is as slow as flicker noise.
+/// Takes out what lies along the circle: without a reference the motion is the pair's own,
+/// smoothed, and what the smoothing leaves of it is as slow as flicker noise.
 void keep_radial(const Observations &data, ResidualColumns &rest) {
   for (std::size_t i = 0; i < rest.sin.size(); ++i) {
     const double s = rest.model_sin[i] - data.centre_sin_v;
@@ -198,35 +198,17 @@ struct Flicker {
   double corner_hz = 0.0, rms_v = 0.0, nats = 0.0;
 };
 
-/// Training and held-out samples of one capture as they follow one another: a spectrum over time
-/// suffers from every gap.
-Observations in_one(const Parts &parts) {
-  const Observations &a = parts.train, &b = parts.heldout;
-  if (parts.second_capture || b.size() == 0)
-    return a;
-  Observations both = a;
-  for (auto column : {&Observations::time, &Observations::vsin, &Observations::vcos,
-                      &Observations::alpha, &Observations::omega, &Observations::temp})
-    (both.*column).insert((both.*column).end(), (b.*column).begin(), (b.*column).end());
-  for (auto column : {&Observations::accel, &Observations::temp_rate, &Observations::supply,
-                      &Observations::supply_rate, &Observations::supply_bend})
-    (both.*column).insert((both.*column).end(), (b.*column).begin(), (b.*column).end());
-  both.direction.insert(both.direction.end(), b.direction.begin(), b.direction.end());
-  std::vector<std::uint32_t> order(both.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t i, std::uint32_t k) { return both.time[i] < both.time[k]; });
-  return both.select(order);
-}
-
-Flicker flicker_of(const Parts &parts, const Model &model, const Anonymous &left) {
-  // What is smooth in time is taken out: flicker noise goes on above it, a wander does not.
+Flicker flicker_of(const Observations &whole, bool has_reference, const Model &model,
+                   const Anonymous &left) {
+  // What is smooth in time is taken out: flicker noise goes on above it, a wander does not. Of the
+  // whole record: into the gaps of a selection the low frequencies leak, and the corner seems
+  // higher.
   Flicker out;
-  Observations data = in_one(parts);
+  Observations data = whole;
   data.coloured.reset();
   ResidualColumns rest = residual_columns(data, model);
   subtract(left.basis, left.selection, data, rest);
-  if (!parts.has_reference)
+  if (!has_reference)
     keep_radial(data, rest);
   const double span = data.time.back() - data.time.front();
   if (!(data.frame_period_s > 0.0) || span <= 0.0)
@@ -239,13 +221,15 @@ Flicker flicker_of(const Parts &parts, const Model &model, const Anonymous &left
                                           [&](std::size_t i) { return std::complex(v[i], 0.0); });
     bin = s.bin_hz;
     for (std::size_t k = 0; k < s.line.size() / 2; ++k)
-      power[static_cast<std::size_t>(channel)].push_back(std::norm(std::complex<double>(s.line[k])));
+      power[static_cast<std::size_t>(channel)].push_back(
+          std::norm(std::complex<double>(s.line[k])));
   }
   const std::size_t lines = power[0].size();
   if (lines < 64)
     return out;
   // Lines of the grid closer than the record resolves are no news: every so many.
-  const auto stride = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (span * bin))));
+  const auto stride =
+      std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (span * bin))));
   // Below these what is slow in time, or steps with the speed, has been taken out.
   const auto first = stride * static_cast<std::size_t>(criteria::kMostTrends);
   if (first >= lines / 4)
@@ -265,10 +249,12 @@ Flicker flicker_of(const Parts &parts, const Model &model, const Anonymous &left
   for (int c = 0; c < 2; ++c)
     still[c] = likelihood(c, 0.0, white[c]);
   const double top = static_cast<double>(lines) * bin;
-  double least = 0.0;
+  double least = 0.0, at_end = 0.0;
   for (double corner = 2.0 / span; corner < criteria::kHighestCorner * top; corner *= 1.08) {
     double w[2];
-    const double a = likelihood(0, corner, w[0]) - still[0], b = likelihood(1, corner, w[1]) - still[1];
+    const double a = likelihood(0, corner, w[0]) - still[0],
+                 b = likelihood(1, corner, w[1]) - still[1];
+    at_end = a + b;
     if (a + b > out.nats) {
       out.nats = a + b;
       out.corner_hz = corner;
@@ -277,9 +263,9 @@ Flicker flicker_of(const Parts &parts, const Model &model, const Anonymous &left
       white[1] = w[1];
     }
   }
-  // A corner at the end of the search is none that was seen.
-  if (least < criteria::kNatsOfNoise || out.corner_hz == 0.0 ||
-      out.corner_hz * 1.09 > criteria::kHighestCorner * top)
+  // As likely at the end of the search, where no white noise is left that it could meet: no corner
+  // was seen.
+  if (least < criteria::kNatsOfNoise || out.nats - at_end < criteria::kNatsOfNoise)
     return {};
   // Flicker noise and nothing else: every octave must be as this spectrum has it.
   for (int c = 0; c < 2; ++c)
@@ -293,8 +279,8 @@ Flicker flicker_of(const Parts &parts, const Model &model, const Anonymous &left
         return {};
     }
   // Density of the white part from its share of the whole mean square.
-  const double of_white = parts.has_reference ? 1.0 : kRadialWhite;
-  out.corner_hz *= parts.has_reference ? 1.0 : kRadialWhite / kRadialSlow;
+  const double of_white = has_reference ? 1.0 : kRadialWhite;
+  out.corner_hz *= has_reference ? 1.0 : kRadialWhite / kRadialSlow;
   double sum = 0.0;
   for (int c = 0; c < 2; ++c) {
     double all = 0.0, count = 0.0;
@@ -314,7 +300,8 @@ std::string id_of(const Effect *effect) {
 
 } // namespace
 
-std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model) {
+std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts,
+                                     const Model &model) {
   std::vector<RandomCause> out;
   const double noise2 = left.selection.noise_v2;
   if (left.selection.orders[static_cast<std::size_t>(Axis::time)] == 0)
@@ -336,14 +323,20 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
   const auto offset_course = course_of(left, 0);
   const double sin = rms(offset_course, true), cos = rms(offset_course, false);
   if (offset_effect && clear(offset) && std::max(sin, cos) > word_v) {
-    out.push_back({offset_effect, {sin, cos}, {relative * sin, relative * cos}, {}, offset.nats,
+    out.push_back({offset_effect,
+                   {sin, cos},
+                   {relative * sin, relative * cos},
+                   {},
+                   offset.nats,
                    0.5 * (sin * sin + cos * cos)});
   }
-  const Effect *gain_effect = effect_of(Evidence::process, "time", Pattern::gain, Character::process);
+  const Effect *gain_effect =
+      effect_of(Evidence::process, "time", Pattern::gain, Character::process);
   const double grown_v = rms(course_of(left, model.periods_per_turn), false);
   if (gain_effect && clear(gain) && grown_v > word_v) {
     const double fraction = grown_v / std::abs(model.baseline.amplitude_v);
-    out.push_back({gain_effect, {fraction}, {relative * fraction}, {}, gain.nats, 0.5 * grown_v * grown_v});
+    out.push_back(
+        {gain_effect, {fraction}, {relative * fraction}, {}, gain.nats, 0.5 * grown_v * grown_v});
   }
   // A supply that nobody recorded moves the offsets and the gain by one and the same wave.
   if (out.size() == 2 && parts.train.supply.empty()) {
@@ -363,7 +356,8 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
 }
 
 std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts, const Model &model,
-                                      double stated_v, double step_rad, bool even_clock) {
+                                      double stated_v, double step_rad,
+                                      const Observations *in_order) {
   std::vector<RandomCause> out;
   const Shape shape = shape_of(left, parts, model);
   const double n = static_cast<double>(shape.along.size());
@@ -386,8 +380,8 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   const double across = std::max(std::min(all_across, along), all_across - of_steps);
   const bool differ = nats_of_two(along, across, n / 2.0) > criteria::kNatsOfNoise &&
                       std::max(along, across) > criteria::kMoreVariance * std::min(along, across);
-  // A variance from differences of n samples is known to this part (von Neumann, Ann. Math. Stat. 12,
-  // 1941).
+  // A variance from differences of n samples is known to this part (von Neumann, Ann. Math. Stat.
+  // 12, 1941).
   const double relative_error = std::sqrt(3.0 / n);
   const double error_of_two = std::hypot(along, across) * relative_error;
   // Without a reference what lies across the vector may be the motion's.
@@ -419,9 +413,11 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
       out.push_back({noise, {deg}, {relative * deg}, others, nats, 0.0});
     }
   }
-  const Flicker flicker = even_clock ? flicker_of(parts, model, left) : Flicker{};
+  const Flicker flicker =
+      in_order ? flicker_of(*in_order, parts.has_reference, model, left) : Flicker{};
   if (flicker.corner_hz > 0.0)
-    if (const Effect *e = effect_of(Evidence::noise, "noise", Pattern::offset, Character::process)) {
+    if (const Effect *e =
+            effect_of(Evidence::noise, "noise", Pattern::offset, Character::process)) {
       constexpr double kOfCorner = 0.15, kOfRms = 0.1; // what octaves of a record let one tell
       out.push_back({e,
                      {flicker.rms_v, flicker.corner_hz},
@@ -450,6 +446,25 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
                      0.0});
   }
   return out;
+}
+
+void leave_to_flicker(std::vector<RandomCause> &slow, const std::vector<RandomCause> &noise, int waves,
+                      double span_s) {
+  const Effect *flicker =
+      effect_of(Evidence::noise, "noise", Pattern::offset, Character::process);
+  for (const RandomCause &n : noise) {
+    if (n.effect != flicker || n.slow_v2 <= 0.0)
+      continue;
+    const double corner_hz = n.values[1];
+    // A density s/f has s ln(corner span) below its corner, and s/k in the k-th half wave.
+    double expected = 0.0;
+    for (int k = 1; k <= waves; ++k)
+      expected += n.slow_v2 / std::log(std::max(corner_hz * span_s, std::exp(1.0))) / k;
+    std::erase_if(slow, [&](const RandomCause &c) {
+      return c.effect->info().pattern == Pattern::offset &&
+             c.slow_v2 < criteria::kOctaveOff * expected;
+    });
+  }
 }
 
 } // namespace ada

@@ -17,7 +17,7 @@ struct RandomCause {
   const Effect *effect;
   std::vector<double> values, std_errors;
   std::vector<std::string> alternatives;
-  double nats = 0.0;   ///< by which it raises the log likelihood of held-out data
+  double nats = 0.0;    ///< by which it raises the log likelihood of held-out data
   double slow_v2 = 0.0; ///< what it moves slowly, V^2, mean of a channel; 0: it is white
 };
 
@@ -26,8 +26,14 @@ struct RandomCause {
 std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model);
 
 /// The noise along and across the vector and over frequency, against `stated_v` where the capture
-/// states it (0: it does not).
+/// states it (0: it does not). `in_order`: the whole record, where a spectrum of it means anything.
 std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts, const Model &model,
-                                      double stated_v, double step_rad, bool even_clock);
+                                      double stated_v, double step_rad,
+                                      const Observations *in_order);
+
+/// Takes out of `slow` offsets what flicker noise among `noise` holds anyway: its spectrum goes on to
+/// the `waves` half waves of a record of `span_s` by which they were seen.
+void leave_to_flicker(std::vector<RandomCause> &slow, const std::vector<RandomCause> &noise, int waves,
+                      double span_s);
 
 } // namespace ada

@@ -90,7 +90,9 @@ void flicker_noise(Random &random, Conditions &c, double scale, Truths &truths) 
   const double strength =
       scale * corner * 2 * c.bench.converter.noise * c.bench.converter.noise / rate;
   const double whole = std::sqrt(strength * std::log(0.5 * rate * duration));
-  const auto points = static_cast<std::size_t>(rate * duration) + 1;
+  // Finer than the samples, which lie between the points: the straight lines there would take away
+  // what is fast.
+  const auto points = static_cast<std::size_t>(4 * rate * duration) + 1;
   c.bench.wander.sine = course(flicker(random, duration, points, whole));
   c.bench.wander.cosine = course(flicker(random, duration, points, whole));
   const double below = std::sqrt(strength * std::log(corner * duration));

@@ -34,9 +34,10 @@ Track random_walk(Random &random, double duration, std::size_t points, double rm
   return {duration, with_rms(std::move(values), rms)};
 }
 
-/// 1/f noise as a sum of relaxations whose time constants are spread evenly over the octaves.
+/// 1/f noise as a sum of relaxations whose time constants are spread evenly over the octaves, from
+/// two points.
 Track flicker(Random &random, double duration, std::size_t points, double rms) {
-  constexpr int kOctaves = 16;
+  constexpr int kOctaves = 17;
   std::vector<double> state(kOctaves);
   std::vector<double> values(points);
   for (double &x : state)
@@ -45,7 +46,7 @@ Track flicker(Random &random, double duration, std::size_t points, double rms) {
     v = 0.0;
     for (int i = 0; i < kOctaves; ++i) {
       double &x = state[static_cast<std::size_t>(i)];
-      const double keep = std::exp(-std::ldexp(1.0, -i));
+      const double keep = std::exp(-std::ldexp(0.5, -i));
       x = keep * x + std::sqrt(1 - keep * keep) * random.normal();
       v += x;
     }
