@@ -181,6 +181,9 @@ inline constexpr double kOfSteps = 1.5;
 inline constexpr double kAlmostWhite = 1.1;
 /// Lines of an octave that tell its power to a quarter, and the factor by which it may be off.
 inline constexpr double kFewestOfOctave = 16.0, kOctaveOff = 2.0;
+/// What a line that is another one's image has of what an image has not, as a part of itself or in
+/// radians: several errors of a line of ten times the noise's own power.
+inline constexpr double kNoImage = 0.2;
 /// Samples that tell the shape of the noise: a variance to 14 %.
 inline constexpr double kFewestForNoise = 100.0;
 /// Correlation of two courses that may be one and the same wave.

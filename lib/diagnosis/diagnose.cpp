@@ -18,6 +18,7 @@
 #include "diagnosis/criteria.h"
 #include "diagnosis/describe.h"
 #include "diagnosis/first_model.h"
+#include "diagnosis/images.h"
 #include "diagnosis/ladder.h"
 #include "diagnosis/leftovers.h"
 #include "diagnosis/moments.h"
@@ -78,7 +79,8 @@ public:
       const double less = now > kAboveNoise * floor() ? kMuchLess : kLess;
       if (found_.order.empty() || now > less * std::exchange(before, now))
         break;
-      const Model known = found_.fit.model;
+      Model known = found_.fit.model;
+      fold_images(scene_.all, known);
       Scene again = prepare(worked_on(), options_.heldout == nullptr, &known);
       if (!again.insufficient.empty())
         break;

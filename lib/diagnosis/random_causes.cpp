@@ -90,6 +90,25 @@ struct Shape {
   Observations data;
 };
 
+double mean_square(const std::vector<double> &x) {
+  double sum = 0.0;
+  for (double v : x)
+    sum += v * v;
+  return sum / static_cast<double>(std::max<std::size_t>(1, x.size()));
+}
+
+/// Residual along and across the vector.
+void split(const Observations &data, const ResidualColumns &rest, std::vector<double> &along,
+           std::vector<double> &across) {
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const double s = rest.model_sin[i] - data.centre_sin_v;
+    const double c = rest.model_cos[i] - data.centre_cos_v;
+    const double length = std::max(std::hypot(s, c), 1e-12);
+    along.push_back((rest.sin[i] * s + rest.cos[i] * c) / length);
+    across.push_back((rest.sin[i] * c - rest.cos[i] * s) / length);
+  }
+}
+
 Shape shape_of(const Anonymous &left, const Parts &parts, const Model &model) {
   Shape out;
   std::vector<std::uint32_t> all(parts.train.size());
@@ -97,15 +116,21 @@ Shape shape_of(const Anonymous &left, const Parts &parts, const Model &model) {
   out.data = parts.train.select(thin(all, criteria::kAnonymousTrain, 400));
   out.data.coloured.reset();
   out.rest = residual_columns(out.data, model);
+  split(out.data, out.rest, out.along, out.across);
   subtract(left.basis, left.selection, out.data, out.rest);
+  std::vector<double> along, across;
+  split(out.data, out.rest, along, across);
+  // What has no name is chosen by what it takes out in all. Where it adds to one direction of the two,
+  // it belongs to the other.
+  if (mean_square(along) < mean_square(out.along))
+    out.along = std::move(along);
+  if (mean_square(across) < mean_square(out.across))
+    out.across = std::move(across);
   for (std::size_t i = 0; i < out.data.size(); ++i) {
-    const double s = out.rest.model_sin[i] - out.data.centre_sin_v;
-    const double c = out.rest.model_cos[i] - out.data.centre_cos_v;
-    const double length = std::max(std::hypot(s, c), 1e-12);
-    out.along.push_back((out.rest.sin[i] * s + out.rest.cos[i] * c) / length);
-    out.across.push_back((out.rest.sin[i] * c - out.rest.cos[i] * s) / length);
     out.omega.push_back(out.data.omega[i]);
-    out.radius.push_back(length);
+    out.radius.push_back(std::max(std::hypot(out.rest.model_sin[i] - out.data.centre_sin_v,
+                                             out.rest.model_cos[i] - out.data.centre_cos_v),
+                                  1e-12));
   }
   return out;
 }
@@ -125,13 +150,6 @@ double white_variance(const std::vector<double> &x) {
   std::nth_element(d.begin(), d.begin() + static_cast<std::ptrdiff_t>(keep), d.end());
   const double sum = std::accumulate(d.begin(), d.begin() + static_cast<std::ptrdiff_t>(keep), 0.0);
   return 0.5 * sum / static_cast<double>(keep) / kStays;
-}
-
-double mean_square(const std::vector<double> &x) {
-  double sum = 0.0;
-  for (double v : x)
-    sum += v * v;
-  return sum / static_cast<double>(std::max<std::size_t>(1, x.size()));
 }
 
 /// Nats by which two variances are better than one, of n values each.
