@@ -36,12 +36,12 @@
   X(low_pass_rolloff)                                                                              \
   X(propagation_delay)                                                                             \
   X(channel_skew)                                                                                  \
+  X(periodic_interference)                                                                         \
   X(multiplexer_memory)                                                                            \
   X(timing_jitter)                                                                                 \
   X(angle_noise)                                                                                   \
   X(amplitude_noise)                                                                               \
   X(flicker_noise)                                                                                 \
-  X(periodic_interference)                                                                         \
   X(impulse_noise)                                                                                 \
   X(excess_noise)                                                                                  \
   X(stuck_channel)                                                                                 \

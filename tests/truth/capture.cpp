@@ -12,6 +12,12 @@
 namespace truth {
 namespace {
 
+/// V of VTEMP, as it is recorded, for each part of the supply: drifts are counted by it, and a
+/// converter that keeps a part of VCOS there shows so much less of its changes.
+double shown_vtemp(const Bench &bench) {
+  return bench.chain.supply * (bench.sampler.scans_vtemp ? 1.0 - bench.sampler.memory : 1.0);
+}
+
 /// One output of the sensor as a function of time, asked for at rising times. Each channel owns
 /// its memories (hysteresis, filter), so that skewed channels stay exact.
 class AnalogOutput {
@@ -74,7 +80,7 @@ private:
         gain_now * (unknown.gain ? unknown.gain(t) : 1.0) * (1.0 + bench_.wander.gain(t));
     const double extra = (unknown.offset ? unknown.offset(channel_, t) : 0.0) +
                          (channel_ == Channel::sine ? bench_.wander.sine : bench_.wander.cosine)(t);
-    const double vtemp = bench_.chain.supply * bench_.thermal.bridge_fraction(t);
+    const double vtemp = shown_vtemp(bench_) * bench_.thermal.bridge_fraction(t);
     const double ratio = bench_.supply.at(t);
     double volts = bench_.chain.output(channel_, unit, bridge.periods_per_turn * direction, vtemp,
                                        t, gain, extra, ratio);
@@ -137,7 +143,7 @@ double mean_vtemp(const Bench &bench) {
     sum += k == 0 ? bench.thermal.bridge_fraction(0.0)
                   : lag(1.0 / bench.sampler.rate, bench.thermal.bridge_fraction(t));
   }
-  return bench.chain.supply * sum / static_cast<double>(bench.samples);
+  return shown_vtemp(bench) * sum / static_cast<double>(bench.samples);
 }
 
 Capture simulate(const Bench &bench) {

@@ -39,8 +39,12 @@ public:
       turned_s[i] = w.at.omega ? w.periods * w.at.omega[i] * w.at.frame_period_s : 0.0;
     sincos_of(turned_s, w.n, turned_s, turned_c);
     for (std::size_t i = 0; i < w.n; ++i) {
-      // VCOS one frame ago: turn the pair back by the step of psi.
-      double before = w.mid_v + (w.c[i] - w.mid_v) * turned_c[i] + (w.s[i] - w.mid_v) * turned_s[i];
+      // The pair one frame ago: turned back by the step of psi. What is kept of VCOS has itself kept
+      // a part of VSIN; m^2 of a volt still is more than the noise.
+      const double c = w.c[i] - w.mid_v, s = w.s[i] - w.mid_v;
+      const double cos_before = c * turned_c[i] + s * turned_s[i];
+      const double sin_before = s * turned_c[i] - c * turned_s[i];
+      double before = w.mid_v + cos_before + m * (sin_before - cos_before);
       if (w.at.vtemp_scan != nullptr) // VTEMP has kept a part of it
         before = w.at.vtemp_scan[i] + m * (before - w.at.vtemp_scan[i]);
       w.s[i] += m * (before - w.s[i]);
