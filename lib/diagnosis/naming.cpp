@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "diagnosis/criteria.h"
@@ -89,6 +90,67 @@ void drop_what_has_no_name(const Scene &scene, Parts parts, SearchResult &found)
   }
 }
 
+/// Mean square, V^2 of a channel, that an order of the structure has which repeats with the angle and
+/// has no name, weighted by itself: of the orders that carry it, not of those that happen to be in.
+double comb_v2(const Anonymous &left) {
+  std::map<int, double> of_order;
+  for (std::size_t k = 0; k < left.selection.columns.size(); ++k) {
+    const Group &group =
+        left.basis.groups()[static_cast<std::size_t>(left.selection.columns[k] / 2)];
+    if (group.axis == Axis::angle)
+      of_order[group.order] +=
+          0.5 * std::pow(left.selection.values[static_cast<Eigen::Index>(k)], 2);
+  }
+  double sum = 0.0, squares = 0.0;
+  for (const auto &[order, v2] : of_order) {
+    sum += v2;
+    squares += v2 * v2;
+  }
+  return sum > 0.0 ? squares / sum : 0.0;
+}
+
+bool has_chosen_order(const Effect &effect) {
+  const auto parameters = effect.info().parameters;
+  return std::any_of(parameters.begin(), parameters.end(), [](const ParameterInfo &p) {
+    return p.role == Role::chosen && p.name == "order";
+  });
+}
+
+/// One order of many that repeat with the angle is no cause of its own: it must stand out of what has
+/// no name.
+void drop_orders_of_a_comb(const Scene &scene, Parts parts, SearchResult &found) {
+  parts.train = thinned(parts.train);
+  parts.train.coloured.reset();
+  for (;;) {
+    const Model &model = found.fit.model;
+    std::size_t least_place = found.order.size();
+    double least = 0.0;
+    const ResidualColumns all = residual_columns(parts.heldout, model);
+    for (std::size_t place = 0; place < found.order.size(); ++place) {
+      const std::size_t at = found.order[place];
+      if (!has_chosen_order(*model.effects[at].effect))
+        continue;
+      Model less = model;
+      less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(at));
+      const ResidualColumns without = residual_columns(parts.heldout, less);
+      double v2 = 0.0;
+      for (std::size_t i = 0; i < all.model_sin.size(); ++i)
+        v2 += 0.5 * (std::pow(all.model_sin[i] - without.model_sin[i], 2) +
+                     std::pow(all.model_cos[i] - without.model_cos[i], 2));
+      v2 /= static_cast<double>(std::max<std::size_t>(1, all.model_sin.size()));
+      if (least_place == found.order.size() || v2 < least) {
+        least = v2;
+        least_place = place;
+      }
+    }
+    if (least_place == found.order.size() ||
+        least > criteria::kAboveComb * comb_v2(anonymous_of(scene, parts, model)))
+      return;
+    found.forget(least_place);
+    found.fit.model = fit(parts.train, found.fit.model, kRefit).model;
+  }
+}
+
 } // namespace
 
 double unnamed_on_angle(const Scene &scene, const Parts &parts, const Model &model,
@@ -134,6 +196,7 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
       break;
     exchanged = better.has_value();
   }
+  drop_orders_of_a_comb(start.scene, parts, found);
   drop_what_has_no_name(start.scene, parts, found);
   return found;
 }
