@@ -7,7 +7,8 @@
 
 # What programs and tests are linked with, and the foreign programs that tests start.
 FOREIGN_PACKAGES=(libiio-dev libgpiod-dev libeigen3-dev libhwy-dev libcli11-dev libfmt-dev
-                  libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev libsqlite3-dev libboost-dev libgtest-dev libumockdev-dev)
+                  libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev libsqlite3-dev libboost-dev
+                  libncurses-dev libgtest-dev libumockdev-dev)
 TOOL_PACKAGES=("g++-$TRIPLET" cmake ninja-build pkgconf device-tree-compiler python3 binutils)
 
 comma() {
@@ -15,10 +16,19 @@ comma() {
   echo "$*"
 }
 
+# is_made WHAT PACKAGE...: whether that system was made with just these packages; `note_made` says that it
+# was. One that was made for an older tree lacks what this one needs.
+is_made() {
+  [[ -e $1.done && $(<"$1.done") == "${*:2}" ]]
+}
+note_made() {
+  echo "${*:2}" >"$1.done"
+}
+
 # A foreign Debian whose packages are unpacked and not configured: its libraries are linked with and
 # loaded, none of its services runs, and so nothing of it has to be emulated here.
 make_foreign_system() {
-  [[ ! -e $ROOT.done ]] || return 0
+  ! is_made "$ROOT" "${FOREIGN_PACKAGES[@]}" || return 0
   echo "== making Debian $SUITE for $ARCH in $ROOT"
   rm -rf "$ROOT"
   mkdir -p "$CACHE"
@@ -30,7 +40,7 @@ make_foreign_system() {
     dpkg-deb -x "$package" "$ROOT"
   done
   make_links_relative
-  touch "$ROOT.done"
+  note_made "$ROOT" "${FOREIGN_PACKAGES[@]}"
 }
 
 # An absolute link means another file for who looks at the system from outside.
@@ -53,7 +63,7 @@ make_tools() {
     install_named "${TOOL_PACKAGES[@]}"
     return
   fi
-  [[ ! -e $TOOLS.$ARCH.done ]] || return 0
+  ! is_made "$TOOLS.$ARCH" "${TOOL_PACKAGES[@]}" || return 0
   echo "== making a Debian $SUITE for the compiler in $TOOLS"
   [[ -e $TOOLS/etc/debian_version ]] ||
     debootstrap --variant=minbase "$SUITE" "$TOOLS" "$MIRROR" >"$TOOLS.log" 2>&1 ||
@@ -62,13 +72,13 @@ make_tools() {
   DEBIAN_FRONTEND=noninteractive chroot "$TOOLS" apt-get -qq install -y --no-install-recommends \
     "${TOOL_PACKAGES[@]}" >>"$TOOLS.log" 2>&1 </dev/null ||
     { tail -5 "$TOOLS.log" >&2 && refuse "cannot install g++-$TRIPLET"; }
-  touch "$TOOLS.$ARCH.done"
+  note_made "$TOOLS.$ARCH" "${TOOL_PACKAGES[@]}"
 }
 
 is_prepared() {
-  [[ -e $ROOT.done && -e /proc/sys/fs/binfmt_misc/qemu-$QEMU ]] &&
+  is_made "$ROOT" "${FOREIGN_PACKAGES[@]}" && [[ -e /proc/sys/fs/binfmt_misc/qemu-$QEMU ]] &&
     if [[ -n $TOOLS ]]; then
-      [[ -e $TOOLS.$ARCH.done ]]
+      is_made "$TOOLS.$ARCH" "${TOOL_PACKAGES[@]}"
     else
       command -v "$TRIPLET-g++" >/dev/null
     fi
