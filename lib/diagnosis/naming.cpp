@@ -151,6 +151,43 @@ void drop_orders_of_a_comb(const Scene &scene, Parts parts, SearchResult &found)
   }
 }
 
+/// Whether a cause that every pair has is not there without a signature: less than half as large.
+bool brings_forth(const Model &with, const Model &without) {
+  for (const EffectInstance &e : with.effects) {
+    if (e.effect->info().prior_rank != 0)
+      continue;
+    for (const EffectInstance &f : without.effects)
+      if (f.effect == e.effect) {
+        const double had = std::abs(e.values.front()),
+                     has = std::abs(f.values.front()); // they have one number
+        if (has < criteria::kLeastOfGroup * had)
+          return true;
+      }
+  }
+  return false;
+}
+
+/// A signature names a shape and no physics. Where mismatch or quadrature error are only there beside
+/// it, as its counterpart, what they share has no name.
+void drop_signatures_that_bring_forth(Parts parts, SearchResult &found) {
+  parts.train = thinned(parts.train);
+  parts.train.coloured.reset();
+  for (std::size_t place = found.order.size(); place-- > 0;) {
+    const Model &model = found.fit.model;
+    const std::size_t at = found.order[place];
+    if (!model.effects[at].effect->info().signature)
+      continue;
+    Model less = model;
+    less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(at));
+    less = fit(parts.train, less, kRefit).model;
+    if (!brings_forth(model, less))
+      continue;
+    found.forget(place);
+    found.fit.model = std::move(less);
+    place = found.order.size();
+  }
+}
+
 } // namespace
 
 double unnamed_on_angle(const Scene &scene, const Parts &parts, const Model &model,
@@ -197,6 +234,7 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
     exchanged = better.has_value();
   }
   drop_orders_of_a_comb(start.scene, parts, found);
+  drop_signatures_that_bring_forth(parts, found);
   drop_what_has_no_name(start.scene, parts, found);
   return found;
 }
