@@ -3,9 +3,9 @@
 //
 // With u = VCOS + i VSIN and psi the pair's angle, a tone P exp(i w t) + N exp(-i w t) turns in the
 // frame of the vector as P exp(i (w t - psi)), slow where w is near the pair's own, and as
-// N exp(-i (w t + psi)), which is fast. The motion takes a part g of what lies along the circle, the
-// imaginary part of the slow one: (1 - g/2) P stays at w, and g/2 conj(P) exp(2 i psi) becomes a line
-// that turns with the vector alone, at 2 w_e - w.
+// N exp(-i (w t + psi)), which is fast. The motion takes a part g of what lies along the circle,
+// the imaginary part of the slow one: (1 - g/2) P stays at w, and g/2 conj(P) exp(2 i psi) becomes
+// a line that turns with the vector alone, at 2 w_e - w.
 
 #include "diagnosis/images.h"
 
@@ -49,7 +49,8 @@ void set_turning(EffectInstance &tone, const Turning &t, double sense) {
 }
 
 /// Mean of exp(i (2 psi - w t)): 1 in size where twice the pair's own angle keeps step with w.
-Complex step_with_pair(const Observations &data, const ResidualColumns &pair, double sense, double w) {
+Complex step_with_pair(const Observations &data, const ResidualColumns &pair, double sense,
+                       double w) {
   Complex sum;
   for (std::size_t i = 0; i < data.size(); ++i) {
     const double psi = sense * std::atan2(pair.model_sin[i] - data.centre_sin_v,

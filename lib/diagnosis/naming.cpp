@@ -90,8 +90,9 @@ void drop_what_has_no_name(const Scene &scene, Parts parts, SearchResult &found)
   }
 }
 
-/// Mean square, V^2 of a channel, that an order of the structure has which repeats with the angle and
-/// has no name, weighted by itself: of the orders that carry it, not of those that happen to be in.
+/// Mean square, V^2 of a channel, that an order of the structure has which repeats with the angle
+/// and has no name, weighted by itself: of the orders that carry it, not of those that happen to be
+/// in.
 double comb_v2(const Anonymous &left) {
   std::map<int, double> of_order;
   for (std::size_t k = 0; k < left.selection.columns.size(); ++k) {
@@ -116,8 +117,8 @@ bool has_chosen_order(const Effect &effect) {
   });
 }
 
-/// One order of many that repeat with the angle is no cause of its own: it must stand out of what has
-/// no name.
+/// One order of many that repeat with the angle is no cause of its own: it must stand out of what
+/// has no name.
 void drop_orders_of_a_comb(const Scene &scene, Parts parts, SearchResult &found) {
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
@@ -167,24 +168,67 @@ bool brings_forth(const Model &with, const Model &without) {
   return false;
 }
 
-/// A signature names a shape and no physics. Where mismatch or quadrature error are only there beside
-/// it, as its counterpart, what they share has no name.
-void drop_signatures_that_bring_forth(Parts parts, SearchResult &found) {
+std::optional<double> chosen(const EffectInstance &e, std::string_view name) {
+  const auto parameters = e.effect->info().parameters;
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    if (parameters[k].role == Role::chosen && parameters[k].name == name)
+      return e.values[k];
+  return std::nullopt;
+}
+
+/// What turns the field with the order that a harmonic of one channel has along the circle: order n
+/// of psi is n - 1 from the pair's own.
+std::vector<EffectInstance> field_errors_like(const EffectInstance &harmonic, int periods) {
+  std::vector<EffectInstance> out;
+  const auto order = chosen(harmonic, "order");
+  if (!order || !chosen(harmonic, "channel"))
+    return out;
+  for (const Effect *effect : catalogue()) {
+    const EffectInfo &info = effect->info();
+    if (info.stage != Stage::field || info.evidence != Evidence::signal || info.remembers)
+      continue;
+    out.push_back({effect, {}, {}});
+    for (const ParameterInfo &p : info.parameters)
+      out.back().values.push_back(p.role == Role::chosen ? (*order - 1.0) * periods : 0.0);
+  }
+  return out;
+}
+
+/// A signature names a shape and no physics. Where mismatch or quadrature error are only there
+/// beside it, as its counterpart, what they share has no name, or is an error of the field's
+/// direction that all of them together stood for.
+void drop_signatures_that_bring_forth(const Scene &scene, Parts parts, SearchResult &found) {
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
   for (std::size_t place = found.order.size(); place-- > 0;) {
     const Model &model = found.fit.model;
     const std::size_t at = found.order[place];
-    if (!model.effects[at].effect->info().signature)
+    const EffectInstance &signature = model.effects[at];
+    if (!signature.effect->info().signature)
       continue;
     Model less = model;
     less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(at));
     less = fit(parts.train, less, kRefit).model;
-    if (!brings_forth(model, less))
+    if (brings_forth(model, less)) {
+      found.forget(place);
+      found.fit.model = std::move(less);
+      place = found.order.size();
       continue;
-    found.forget(place);
-    found.fit.model = std::move(less);
-    place = found.order.size();
+    }
+    double least = nats_beside_anonymous(scene, parts, model) - criteria::kRivalNats;
+    std::optional<Model> better;
+    for (const EffectInstance &instead : field_errors_like(signature, model.periods_per_turn)) {
+      Model other = model;
+      other.effects[at] = instead;
+      other = fit(parts.train, other, kRefit).model;
+      const double nats = nats_beside_anonymous(scene, parts, other);
+      if (nats > least && brings_forth(model, other)) {
+        least = nats;
+        better = std::move(other);
+      }
+    }
+    if (better)
+      found.fit.model = *std::move(better);
   }
 }
 
@@ -193,9 +237,8 @@ void drop_signatures_that_bring_forth(Parts parts, SearchResult &found) {
 double unnamed_on_angle(const Scene &scene, const Parts &parts, const Model &model,
                         const Anonymous &left) {
   Model physical = model;
-  const auto dropped = std::erase_if(physical.effects, [](const EffectInstance &e) {
-    return e.effect->info().signature;
-  });
+  const auto dropped = std::erase_if(
+      physical.effects, [](const EffectInstance &e) { return e.effect->info().signature; });
   return (dropped > 0 ? anonymous_of(scene, parts, physical) : left)
       .selection.share_v2[static_cast<std::size_t>(Axis::angle)];
 }
@@ -218,8 +261,8 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
       return found;
     }
     const Discrepancy discrepancy = discrepancy_of(left.basis, left.selection, left.from);
-    SearchResult next = search().run_against(
-        discrepancy, unnamed_on_angle(start.scene, parts, known, left), known);
+    SearchResult next =
+        search().run_against(discrepancy, unnamed_on_angle(start.scene, parts, known, left), known);
     const bool same = names_of(next) == names_of(found);
     found = std::move(next);
     parts.train = thinned(parts.train);
@@ -234,7 +277,7 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
     exchanged = better.has_value();
   }
   drop_orders_of_a_comb(start.scene, parts, found);
-  drop_signatures_that_bring_forth(parts, found);
+  drop_signatures_that_bring_forth(start.scene, parts, found);
   drop_what_has_no_name(start.scene, parts, found);
   return found;
 }

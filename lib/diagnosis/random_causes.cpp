@@ -120,8 +120,8 @@ Shape shape_of(const Anonymous &left, const Parts &parts, const Model &model) {
   subtract(left.basis, left.selection, out.data, out.rest);
   std::vector<double> along, across;
   split(out.data, out.rest, along, across);
-  // What has no name is chosen by what it takes out in all. Where it adds to one direction of the two,
-  // it belongs to the other.
+  // What has no name is chosen by what it takes out in all. Where it adds to one direction of the
+  // two, it belongs to the other.
   if (mean_square(along) < mean_square(out.along))
     out.along = std::move(along);
   if (mean_square(across) < mean_square(out.across))
@@ -466,10 +466,9 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   return out;
 }
 
-void leave_to_flicker(std::vector<RandomCause> &slow, const std::vector<RandomCause> &noise, int waves,
-                      double span_s) {
-  const Effect *flicker =
-      effect_of(Evidence::noise, "noise", Pattern::offset, Character::process);
+void leave_to_flicker(std::vector<RandomCause> &slow, const std::vector<RandomCause> &noise,
+                      int waves, double span_s) {
+  const Effect *flicker = effect_of(Evidence::noise, "noise", Pattern::offset, Character::process);
   for (const RandomCause &n : noise) {
     if (n.effect != flicker || n.slow_v2 <= 0.0)
       continue;

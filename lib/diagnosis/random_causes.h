@@ -31,9 +31,9 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
                                       double stated_v, double step_rad,
                                       const Observations *in_order);
 
-/// Takes out of `slow` offsets what flicker noise among `noise` holds anyway: its spectrum goes on to
-/// the `waves` half waves of a record of `span_s` by which they were seen.
-void leave_to_flicker(std::vector<RandomCause> &slow, const std::vector<RandomCause> &noise, int waves,
-                      double span_s);
+/// Takes out of `slow` offsets what flicker noise among `noise` holds anyway: its spectrum goes on
+/// to the `waves` half waves of a record of `span_s` by which they were seen.
+void leave_to_flicker(std::vector<RandomCause> &slow, const std::vector<RandomCause> &noise,
+                      int waves, double span_s);
 
 } // namespace ada

@@ -53,11 +53,9 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
       a.ldlt().solve(Eigen::MatrixXd::Identity(n, n)).diagonal() * out.noise_v2;
   const Eigen::VectorXd values = selection.values(place);
   // Power of each coefficient without what noise alone gives.
-  const auto power = [&](Eigen::Index k) {
-    return values[k] * values[k] - variance[k];
-  };
-  // Angle, by order, along the vector and across it: flaws of a magnet turn the vector and leave its
-  // length, so that what changes the length stands out of them.
+  const auto power = [&](Eigen::Index k) { return values[k] * values[k] - variance[k]; };
+  // Angle, by order, along the vector and across it: flaws of a magnet turn the vector and leave
+  // its length, so that what changes the length stands out of them.
   std::array<std::map<int, Power>, 2> of_order;
   std::map<std::pair<Axis, int>, Power> of_function; // others, by axis and exponent
   const auto term_of = [&](Eigen::Index k) -> const Basis::Term & {
@@ -74,12 +72,15 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   };
   for (Eigen::Index k = 0; k < n; ++k) {
     const Group &g = group_of(k);
-    if (g.axis == Axis::angle)
+    if (g.axis == Axis::angle) {
+      // What cannot be split says nothing of how its neighbours split: the order of a period has
+      // one side only, and a magnet's flaw there would pass for a change of length.
+      const std::vector<std::size_t> parts = parts_of(k);
       for (int d : {-2, -1, 1, 2})
-        for (std::size_t part : parts_of(k))
+        for (std::size_t part : parts.size() == 1 ? parts : std::vector<std::size_t>{})
           of_order[part][g.order + d].add(
               power(k), criteria::kNeighbourWeight[static_cast<std::size_t>(std::abs(d)) - 1]);
-    else
+    } else
       of_function[{g.axis, term_of(k).exponent}].add(power(k), 1.0);
   }
   out.variance_v2.resize(n);
@@ -88,7 +89,8 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   for (int d : {1, 2})
     for (int e = 0; e <= d - 1; ++e)
       for (auto &of_part : of_order)
-        of_part[highest + 1 + e - d].add(0.0, 2.0 * criteria::kNeighbourWeight[static_cast<std::size_t>(d) - 1]);
+        of_part[highest + 1 + e - d].add(
+            0.0, 2.0 * criteria::kNeighbourWeight[static_cast<std::size_t>(d) - 1]);
   for (Eigen::Index k = 0; k < n; ++k) {
     const Group &g = group_of(k);
     double local = 0.0;
@@ -128,8 +130,7 @@ Coloured::Coloured(const Discrepancy &discrepancy, const Observations &data) {
 
 Eigen::MatrixXd Coloured::project(std::size_t first,
                                   const Eigen::Ref<const Eigen::MatrixXd> &values) const {
-  return rows_.middleCols(static_cast<Eigen::Index>(2 * first), values.cols()) *
-         values.transpose();
+  return rows_.middleCols(static_cast<Eigen::Index>(2 * first), values.cols()) * values.transpose();
 }
 
 Eigen::MatrixXd Coloured::taken(const Eigen::Ref<const Eigen::MatrixXd> &p) const {
