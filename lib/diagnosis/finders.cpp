@@ -364,7 +364,8 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
       most = mostly_at(r);
     return turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line) ||
            slow_beside_pair(r, frequency) ||
-           (rotates(line) && one_sided(r, *most, frequency)) || has_fellow(r, *most, frequency);
+           (rotates(line) &&
+            (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));
   };
   for (const auto &[frequency, line] : strongest_lines(r, no_tone)) {
     const auto a = line_at(residual, frequency).amplitudes;

@@ -68,7 +68,7 @@ bool take_back(const Observations &data, const ResidualColumns &pair, EffectInst
     Turning of_tone = turning_of(tone, sense);
     const Turning of_image = turning_of(image, sense);
     if (std::abs(of_image.backward) > criteria::kNoImage * std::abs(of_image.forward) ||
-        std::abs(of_image.forward) > std::abs(of_tone.forward))
+        std::abs(of_image.forward) > (1.0 + criteria::kNoImage) * std::abs(of_tone.forward))
       continue;
     const Complex step = step_with_pair(data, pair, sense, w);
     const Complex taken = std::conj(of_image.forward) * std::polar(1.0, std::arg(step));

@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 
+#include "diagnosis/admission.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 
@@ -176,16 +177,17 @@ std::optional<double> chosen(const EffectInstance &e, std::string_view name) {
   return std::nullopt;
 }
 
-/// What turns the field with the order that a harmonic of one channel has along the circle: order n
-/// of psi is n - 1 from the pair's own.
-std::vector<EffectInstance> field_errors_like(const EffectInstance &harmonic, int periods) {
+/// What turns the field, or the reference, with the order that a harmonic of one channel has along
+/// the circle: order n of psi is n - 1 from the pair's own.
+std::vector<EffectInstance> direction_errors_like(const EffectInstance &harmonic, int periods) {
   std::vector<EffectInstance> out;
   const auto order = chosen(harmonic, "order");
   if (!order || !chosen(harmonic, "channel"))
     return out;
   for (const Effect *effect : catalogue()) {
     const EffectInfo &info = effect->info();
-    if (info.stage != Stage::field || info.evidence != Evidence::signal || info.remembers)
+    if ((info.stage != Stage::field && info.stage != Stage::record) ||
+        info.evidence != Evidence::signal || info.remembers)
       continue;
     out.push_back({effect, {}, {}});
     for (const ParameterInfo &p : info.parameters)
@@ -197,9 +199,11 @@ std::vector<EffectInstance> field_errors_like(const EffectInstance &harmonic, in
 /// A signature names a shape and no physics. Where mismatch or quadrature error are only there
 /// beside it, as its counterpart, what they share has no name, or is an error of the field's
 /// direction that all of them together stood for.
-void drop_signatures_that_bring_forth(const Scene &scene, Parts parts, SearchResult &found) {
+void drop_signatures_that_bring_forth(const Scene &scene, const Scene &judge, Parts parts,
+                                      SearchResult &found) {
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
+  const SearchData aside{&scene, parts.train, parts.heldout, &judge};
   for (std::size_t place = found.order.size(); place-- > 0;) {
     const Model &model = found.fit.model;
     const std::size_t at = found.order[place];
@@ -215,20 +219,25 @@ void drop_signatures_that_bring_forth(const Scene &scene, Parts parts, SearchRes
       place = found.order.size();
       continue;
     }
-    double least = nats_beside_anonymous(scene, parts, model) - criteria::kRivalNats;
+    const auto worth = [&](const Model &m) {
+      return nats_beside_anonymous(scene, parts, m) + side_evidence(aside, m);
+    };
+    double least = worth(model) - criteria::kRivalNats;
     std::optional<Model> better;
-    for (const EffectInstance &instead : field_errors_like(signature, model.periods_per_turn)) {
+    for (const EffectInstance &instead : direction_errors_like(signature, model.periods_per_turn)) {
       Model other = model;
       other.effects[at] = instead;
       other = fit(parts.train, other, kRefit).model;
-      const double nats = nats_beside_anonymous(scene, parts, other);
+      const double nats = worth(other);
       if (nats > least && brings_forth(model, other)) {
         least = nats;
         better = std::move(other);
       }
     }
-    if (better)
+    if (better) {
       found.fit.model = *std::move(better);
+      found.alternatives[place].clear(); // they were of the signature
+    }
   }
 }
 
@@ -277,7 +286,7 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
     exchanged = better.has_value();
   }
   drop_orders_of_a_comb(start.scene, parts, found);
-  drop_signatures_that_bring_forth(start.scene, parts, found);
+  drop_signatures_that_bring_forth(start.scene, start.judge, parts, found);
   drop_what_has_no_name(start.scene, parts, found);
   return found;
 }

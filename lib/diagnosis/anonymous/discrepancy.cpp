@@ -73,11 +73,11 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   for (Eigen::Index k = 0; k < n; ++k) {
     const Group &g = group_of(k);
     if (g.axis == Axis::angle) {
-      // What cannot be split says nothing of how its neighbours split: the order of a period has
-      // one side only, and a magnet's flaw there would pass for a change of length.
+      // The order of a period has one side only and cannot be split. It counts as across, as nearly
+      // all does that repeats with the angle: a magnet's flaw there is no change of length.
       const std::vector<std::size_t> parts = parts_of(k);
       for (int d : {-2, -1, 1, 2})
-        for (std::size_t part : parts.size() == 1 ? parts : std::vector<std::size_t>{})
+        for (std::size_t part : parts.size() == 1 ? parts : std::vector<std::size_t>{1})
           of_order[part][g.order + d].add(
               power(k), criteria::kNeighbourWeight[static_cast<std::size_t>(std::abs(d)) - 1]);
     } else
