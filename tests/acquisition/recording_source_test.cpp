@@ -73,8 +73,8 @@ TEST(RecordingSource, GapsOfTheRecordingAreCounted) {
 TEST(RecordingSource, AReplayKeepsTheTimesAndTheirPace) {
   auto c = capture(400); // 0.4 s
   const auto source = make_recording_source(c, 2.0);
+  const auto began = std::chrono::steady_clock::now(); // not later than the source's own
   source->start();
-  const auto began = std::chrono::steady_clock::now();
   std::vector<Frame> block(400);
   std::size_t got = 0;
   for (;;) {
