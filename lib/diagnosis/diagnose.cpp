@@ -69,6 +69,9 @@ public:
       judge_->all.own_offsets = true;
       search_causes(scene_.has_reference);
     }
+    constexpr int kMostZeros = 3;
+    for (int k = 0; k < kMostZeros && scene_.has_reference && take_slips_as_zeros(); ++k)
+      search_causes(true);
     // Without a reference what was found bent the motion as well: with it taken out look again, as
     // long as that leaves less over.
     constexpr int kMostLooks = 4;
@@ -99,8 +102,8 @@ public:
       o->weight_along = found_.weight_along;
     }
     found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
-    found_ = name_against_anonymous(
-        {scene_, judge(), found_baseline(), noise_, options_.progress}, parts_, std::move(found_));
+    found_ = name_against_anonymous({scene_, judge(), found_baseline(), noise_, options_.progress},
+                                    parts_, std::move(found_));
     take(build_ladder(parts_, found_));
     while (drop_what_harms() || drop_what_is_unclear())
       take(build_ladder(parts_, found_));
@@ -117,13 +120,33 @@ public:
 
   /// Whether a supply was read off the radius that the search then did not confirm.
   bool guessed_in_vain() const {
-    return freed_ && freed_->has_vdd() && !given_.has_vdd() &&
-           !has(out_.extended, follows_supply);
+    return freed_ && freed_->has_vdd() && !given_.has_vdd() && !has(out_.extended, follows_supply);
   }
 
 private:
-  /// What a given model carries without a name is no cause: it is looked for anew, so that a model is
-  /// judged alike whether it was just found or is given.
+  /// A slip where one capture ends and the next begins is none: their zero angles, each of which is
+  /// the capture's own, were bent by what was not known then. Moves what follows by it; false:
+  /// there is none.
+  bool take_slips_as_zeros() {
+    const std::vector<double> &time = worked_on().time_s;
+    const double about = criteria::kFewestReadings * scene_.all.frame_period_s;
+    bool any = false;
+    for (const EffectInstance &e : found_.fit.model.effects)
+      for (std::size_t start : worked_on().starts) {
+        if (!is_jump(e.effect->info()) || start == 0 || e.values[0] < time[start - 1] - about ||
+            e.values[0] > time[start] + about)
+          continue;
+        for (Observations *o : {&scene_.all, &scene_.spiked, &scene_.rough, &scene_.bursts})
+          for (std::size_t i = 0; i < o->size(); ++i)
+            if (o->time[i] > 0.5 * (time[start - 1] + time[start]))
+              o->alpha[i] += e.values[1] * kRadPerDeg;
+        any = true;
+      }
+    return any;
+  }
+
+  /// What a given model carries without a name is no cause: it is looked for anew, so that a model
+  /// is judged alike whether it was just found or is given.
   static std::optional<Model> named_part(const Model *model, double supply_v) {
     if (!model)
       return std::nullopt;
@@ -142,8 +165,8 @@ private:
     return model;
   }
 
-  /// Without a reference the motion is read off the pair as the given model corrects it, as it is off
-  /// what was found; where that leaves nothing to judge, off the pair as it is.
+  /// Without a reference the motion is read off the pair as the given model corrects it, as it is
+  /// off what was found; where that leaves nothing to judge, off the pair as it is.
   Scene scene_of(const Capture &capture, bool needs_split) const {
     if (baseline() && !capture.has_reference()) {
       const Model known = baseline()->at_supply(capture.meta.supply_v);
@@ -182,23 +205,22 @@ private:
     Model start = first_model(scene_, baseline());
     // Without a reference the angle is the pair's own, lag and all: a common delay is free.
     free_lag_ = !scene_.has_reference && !scene_.radius_only &&
-                (scene_.several_speeds || scene_.both_directions) &&
-                !has(start, is_common_delay);
+                (scene_.several_speeds || scene_.both_directions) && !has(start, is_common_delay);
     if (free_lag_)
       start.effects.push_back({&the_effect(is_common_delay), {0.0}, {}});
     const auto search = [&] {
-      return Search({&scene_, scene_.all.select(thin(scene_.train, kSearchTrain)),
-                     options_.heldout ? judge_->all
-                                      : scene_.all.select(thin(scene_.heldout, kSearchHeldout)),
-                     &judge()},
-                    start, noise_, options_.progress);
+      return Search(
+          {&scene_, scene_.all.select(thin(scene_.train, kSearchTrain)),
+           options_.heldout ? judge_->all : scene_.all.select(thin(scene_.heldout, kSearchHeldout)),
+           &judge()},
+          start, noise_, options_.progress);
     };
     found_ = search().run(false);
     if (!thorough)
       return;
     const Model physical = found_.fit.model;
-    const double unnamed_v2 = unnamed_on_angle(scene_, parts_, physical,
-                                               anonymous_of(scene_, parts_, physical));
+    const double unnamed_v2 =
+        unnamed_on_angle(scene_, parts_, physical, anonymous_of(scene_, parts_, physical));
     // What is left over is looked at against what has no name: second thoughts come there.
     found_ = search().run(false, &physical, unnamed_v2);
     if (!anonymous_of(scene_, parts_, found_.fit.model).any()) {
@@ -274,8 +296,7 @@ private:
         continue;
       }
       // Without a reference the ends of a burst jump as well.
-      if (in_bursts_ && !scene_.has_reference &&
-          is_jump(f.effect->info()))
+      if (in_bursts_ && !scene_.has_reference && is_jump(f.effect->info()))
         continue;
       const bool correctable = f.effect->info().correctable;
       out.push_back(
@@ -306,9 +327,9 @@ private:
   bool drop_what_harms() {
     const Quality &first = ladder_.first.heldout, &last = ladder_.last.heldout;
     const bool likelier = last.log_likelihood >= first.log_likelihood;
-    const bool closer = !last.angle_error_rms_deg ||
-                        *last.angle_error_rms_deg <=
-                            criteria::kNoWorse * *first.angle_error_rms_deg;
+    const bool closer =
+        !last.angle_error_rms_deg ||
+        *last.angle_error_rms_deg <= criteria::kNoWorse * *first.angle_error_rms_deg;
     if (found_.order.empty() || (likelier && closer))
       return false;
     std::size_t worst = 0;
@@ -327,8 +348,8 @@ private:
     return true;
   }
 
-  /// A cause whose own standard error does not exclude that it is absent is no finding, whatever the
-  /// held-out data gained by it: something else is there that it stands for.
+  /// A cause whose own standard error does not exclude that it is absent is no finding, whatever
+  /// the held-out data gained by it: something else is there that it stands for.
   bool drop_what_is_unclear() {
     const auto least = std::min_element(ladder_.clearness.begin(), ladder_.clearness.end());
     if (least == ladder_.clearness.end() || *least >= criteria::kClear)
@@ -377,8 +398,8 @@ private:
       out_.remainder_angle_rms_deg = remainder_angle_rms(parts_.heldout, out_.extended);
   }
 
-  /// All usable samples: the numbers of a remainder that held-out data have confirmed are taken from
-  /// them, too.
+  /// All usable samples: the numbers of a remainder that held-out data have confirmed are taken
+  /// from them, too.
   Observations everything() const {
     if (judge_)
       return parts_.train;
@@ -459,8 +480,9 @@ private:
     // A slow process goes along with speed and temperature by chance. It is named where it alone
     // explains most of what changes with any of them.
     Anonymous slow = anonymous_of(scene_, white, named, false);
-    const double whole = slow.from.heldout(slow.from.heldout.rows() - 1, slow.from.heldout.rows() - 1) /
-                         slow.from.n_heldout;
+    const double whole =
+        slow.from.heldout(slow.from.heldout.rows() - 1, slow.from.heldout.rows() - 1) /
+        slow.from.n_heldout;
     std::vector<RandomCause> processes;
     if (slow.selection.noise_v2 - unnamed_.selection.noise_v2 <
         criteria::kLittle * (whole - unnamed_.selection.noise_v2)) {
@@ -533,8 +555,8 @@ private:
       slow.columns.push_back(unnamed_.selection.columns[k]);
       values.push_back(unnamed_.selection.values[static_cast<Eigen::Index>(k)]);
     }
-    slow.values = Eigen::Map<const Eigen::VectorXd>(values.data(),
-                                                    static_cast<Eigen::Index>(values.size()));
+    slow.values =
+        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
     for (Observations *data : {&scene_.all, &parts_.train, &parts_.heldout}) {
       if (judge_ && data == &parts_.heldout)
         continue;
@@ -583,9 +605,9 @@ private:
     in_bursts_ = left.bursts;
   }
 
-  /// V rms of a channel that the random causes with a name and the steps of a reference leave over: what is
-  /// smaller is of their kind. Noise that was named was shown to be no more than noise; a process goes
-  /// on above the half waves that its course was taken out by.
+  /// V rms of a channel that the random causes with a name and the steps of a reference leave over:
+  /// what is smaller is of their kind. Noise that was named was shown to be no more than noise; a
+  /// process goes on above the half waves that its course was taken out by.
   double random_v() const {
     const double amplitude = std::abs(out_.extended.baseline.amplitude_v) / std::sqrt(2.0);
     const double waves = std::max(1, slow_waves_);
@@ -596,14 +618,16 @@ private:
         sum += std::max(0.0, std::pow(last_.heldout.residual_rms_v, 2) - noise_ * noise_);
       else
         sum += std::pow(info.pattern == Pattern::gain ? e.values[0] * amplitude
-                                                      : std::max(e.values[0], e.values[1]), 2) / waves;
+                                                      : std::max(e.values[0], e.values[1]),
+                        2) /
+               waves;
     }
     sum += std::pow(reference_step_rad() * scene_.periods * amplitude, 2) / 12.0;
     return std::sqrt(sum);
   }
 
-  /// Takes out what the named random causes account for. White noise is what has no structure: where
-  /// much of it has, it is no cause of its own.
+  /// Takes out what the named random causes account for. White noise is what has no structure:
+  /// where much of it has, it is no cause of its own.
   void drop_what_is_random() {
     const auto is_white = [](const auto &named) {
       return named.effect->info().evidence == Evidence::noise &&
@@ -621,9 +645,8 @@ private:
       std::erase_if(seen_random_, is_white);
     }
     if (const double left = random_v(); left > 0.0)
-      std::erase_if(out_.structure, [&](const Structure &s) {
-        return s.rms_v < criteria::kOfProcess * left;
-      });
+      std::erase_if(out_.structure,
+                    [&](const Structure &s) { return s.rms_v < criteria::kOfProcess * left; });
   }
 
   /// Step of the reference, rad; 0: none was seen.
@@ -634,18 +657,20 @@ private:
     return step;
   }
 
-  /// What the named model leaves of the axes, where held-out data confirm it and it is worth a word.
+  /// What the named model leaves of the axes, where held-out data confirm it and it is worth a
+  /// word.
   void note_unnamed() {
     const double noise = std::sqrt(unnamed_.selection.noise_v2);
     for (const BudgetLine &line : out_.budget)
       if (line.axis != Axis::noise && line.unnamed_rms_v > criteria::kWorthAWord * noise)
-        out_.structure.push_back({std::string(axis_name(line.axis)), unnamed_sentence(line, unnamed_.selection, scene_),
+        out_.structure.push_back({std::string(axis_name(line.axis)),
+                                  unnamed_sentence(line, unnamed_.selection, scene_),
                                   line.unnamed_rms_v});
   }
 
   bool supply_is_inferred() const {
-    return found_.supply_rms_fraction > 0.0 || (freed_ && freed_->has_vdd() && !given_.has_vdd() &&
-                                                has(out_.extended, follows_supply));
+    return found_.supply_rms_fraction > 0.0 ||
+           (freed_ && freed_->has_vdd() && !given_.has_vdd() && has(out_.extended, follows_supply));
   }
 
   void note_invisible(const Effect &effect) {
@@ -675,9 +700,8 @@ private:
     std::move(random_.begin(), random_.end(), std::back_inserter(out_.findings));
     if (free_lag_)
       for (Model *m : {&out_.baseline, &out_.extended})
-        std::erase_if(m->effects, [](const EffectInstance &e) {
-          return is_common_delay(e.effect->info());
-        });
+        std::erase_if(m->effects,
+                      [](const EffectInstance &e) { return is_common_delay(e.effect->info()); });
     for (EffectInstance &e : recorded_)
       out_.extended.effects.push_back(std::move(e));
     out_.extended.noise_rms_v = last_.in_sample.residual_rms_v;
@@ -687,9 +711,9 @@ private:
     out_.verdict = verdict();
   }
 
-  /// The model of all that has a name against the best that names nothing. Structure is what of that
-  /// the named model leaves over, and what a last look still sees. What a given model names counts as
-  /// what was just found does.
+  /// The model of all that has a name against the best that names nothing. Structure is what of
+  /// that the named model leaves over, and what a last look still sees. What a given model names
+  /// counts as what was just found does.
   Verdict verdict() const {
     const bool named = !out_.findings.empty() || given_explains();
     if (out_.structure.empty())
@@ -707,9 +731,9 @@ private:
     if (given_seen_ || random)
       return true;
     const Model bare = fit(parts_.train, first_model(scene_, nullptr), 6).model;
-    const double nats = (ladder_.first.heldout.log_likelihood -
-                         parts_.rung(bare).heldout.log_likelihood) *
-                        static_cast<double>(parts_.heldout.size());
+    const double nats =
+        (ladder_.first.heldout.log_likelihood - parts_.rung(bare).heldout.log_likelihood) *
+        static_cast<double>(parts_.heldout.size());
     return nats > criteria::kAdmittedNats;
   }
 
@@ -727,17 +751,18 @@ private:
   Rung named_;        ///< of the model of all that has a name
   std::optional<Finding> spikes_;
   std::vector<Finding> random_;
-  std::vector<EffectInstance> seen_random_; ///< the causes of these, and those that the given model names
-  Rung first_; ///< of the baseline, spikes and all
-  Rung last_;  ///< of the extended model, with what noise causes take out
+  std::vector<EffectInstance>
+      seen_random_; ///< the causes of these, and those that the given model names
+  Rung first_;      ///< of the baseline, spikes and all
+  Rung last_;       ///< of the extended model, with what noise causes take out
   std::vector<EffectInstance>
       recorded_;                      ///< causes that the extended model names but never corrects
   std::vector<Structure> angle_left_; ///< what the last look kept of the angle
   double noise_ = 0.0, explained_noise_ = 0.0;
   bool noise_stated_ = false, free_lag_ = false;
-  double slow_v2_ = 0.0;   ///< of the largest slow process that has a name, V^2
-  int slow_waves_ = 0;     ///< half waves by which the course of a slow process was taken out
-  bool in_bursts_ = false; ///< samples in a row are left over
+  double slow_v2_ = 0.0;    ///< of the largest slow process that has a name, V^2
+  int slow_waves_ = 0;      ///< half waves by which the course of a slow process was taken out
+  bool in_bursts_ = false;  ///< samples in a row are left over
   bool given_seen_ = false; ///< a cause that the given model names was seen before any fit
 };
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <random>
 #include <string>
 #include <string_view>
@@ -16,6 +17,7 @@
 
 #include "base/angle.h"
 #include "diagnosis/diagnose.h"
+#include "recording/join.h"
 #include "support/seed.h"
 
 namespace ada::test {
@@ -99,8 +101,10 @@ TEST(BenchKinds, wrong_rows_of_the_reference_spoil_nothing) {
   const double rpm = bench.within(60.0, 200.0);
   Capture c = bench.capture(12000, 3000.0, 2, [&](double t) { return t * rpm / 60.0 * kTwoPi; });
   std::size_t wrong = 0;
-  for (std::size_t i = 50; i + 50 < c.size(); i += static_cast<std::size_t>(bench.within(100, 300))) {
-    // Of the counter: 180 deg to 11 deg, several times what a strongly elliptic pair does by itself.
+  for (std::size_t i = 50; i + 50 < c.size();
+       i += static_cast<std::size_t>(bench.within(100, 300))) {
+    // Of the counter: 180 deg to 11 deg, several times what a strongly elliptic pair does by
+    // itself.
     const double bit = std::floor(bench.within(1.0, 6.0));
     c.reference_deg[i] = wrap(c.reference_deg[i] + 360.0 / std::exp2(bit), 360.0);
     ++wrong;
@@ -109,10 +113,12 @@ TEST(BenchKinds, wrong_rows_of_the_reference_spoil_nothing) {
   expect_pair(d, bench.pair);
   EXPECT_EQ(d.findings.size(), 2u);
   ASSERT_FALSE(d.structure.empty());
-  const std::string &said = d.structure.front().description, begin = "the reference alone is wrong in ";
+  const std::string &said = d.structure.front().description,
+                    begin = "the reference alone is wrong in ";
   ASSERT_NE(said.find(begin), std::string::npos) << said;
   // A row may fall to either side beside the steepest stretch of a strongly elliptic pair.
-  EXPECT_NEAR(std::stod(said.substr(said.find(begin) + begin.size())), static_cast<double>(wrong), 2.0)
+  EXPECT_NEAR(std::stod(said.substr(said.find(begin) + begin.size())), static_cast<double>(wrong),
+              2.0)
       << said;
 }
 
@@ -137,7 +143,8 @@ TEST(BenchKinds, lash_is_seen_where_the_shaft_turns_back_for_less_than_a_turn) {
   Capture c = bench.capture(24000, 2000.0, 2, angle);
   for (std::size_t i = 0; i < c.size(); ++i) {
     const double speed = 6.0 * 0.69 * std::cos(0.69 * c.time_s[i]) + 1.9;
-    c.reference_deg[i] = wrap(c.reference_deg[i] + 0.5 * width_deg * std::tanh(speed / 0.02), 360.0);
+    c.reference_deg[i] =
+        wrap(c.reference_deg[i] + 0.5 * width_deg * std::tanh(speed / 0.02), 360.0);
   }
   const Diagnosis d = diagnose(c, {});
   expect_pair(d, bench.pair);
@@ -198,8 +205,8 @@ TEST(BenchKinds, a_magnet_of_many_orders_hides_neither_mismatch_nor_quadrature) 
   });
   for (std::size_t i = 0; i < c.size(); ++i)
     c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
-  // A flaw turns the vector and leaves its length, all but a thousandth: what two of them of a degree
-  // make together.
+  // A flaw turns the vector and leaves its length, all but a thousandth: what two of them of a
+  // degree make together.
   expect_pair(diagnose(c, {}), bench.pair, 1e-3);
 }
 
@@ -225,6 +232,28 @@ TEST(BenchKinds, a_tone_near_the_frequency_of_the_pair_is_one_tone_without_a_ref
       EXPECT_NEAR(f.values[2], cos_v, 0.03 * cos_v) << names(d);
     }
   EXPECT_EQ(tones, 1u) << names(d);
+}
+
+TEST(BenchKinds, where_a_second_capture_begins_the_magnet_has_not_slipped) {
+  Bench bench;
+  const double stray = bench.within(0.01, 0.04), direction = bench.within(0.0, kTwoPi);
+  std::vector<std::shared_ptr<const Capture>> captures;
+  for (int k = 0; k < 2; ++k) {
+    // Some turns and a part of one, which bends a zero angle that knows nothing of the stray field.
+    const double from = bench.within(0.0, kTwoPi), mounted_deg = bench.within(0.0, 360.0);
+    const double hz = bench.within(6.3, 6.8) / 5.0;
+    const auto shaft = [&](double t) { return from + kTwoPi * hz * t; };
+    Capture c = bench.capture(10000, 2000.0, 2, [&](double t) {
+      const double field = shaft(t);
+      return field + std::atan2(stray * std::sin(direction - field),
+                                1.0 + stray * std::cos(direction - field));
+    });
+    for (std::size_t i = 0; i < c.size(); ++i)
+      c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad + mounted_deg, 360.0);
+    captures.push_back(std::make_shared<Capture>(std::move(c)));
+  }
+  const Diagnosis d = diagnose(*join(captures), {});
+  EXPECT_FALSE(named(d, "angle-slip")) << names(d);
 }
 
 } // namespace
