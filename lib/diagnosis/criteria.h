@@ -115,13 +115,13 @@ inline constexpr double kMostBlurred = 0.3;
 /// because others cancel it: two true causes of one size leave two thirds of it unless three quarters
 /// of their shapes are the same and of opposite sign.
 inline constexpr double kMostOfDiscrepancy = 1.5;
+/// For the same reason two to four causes together must move it by half of what the largest of them
+/// does alone.
+inline constexpr double kLeastOfGroup = 0.5;
 /// Mean square of a cause of one order, chosen among many, over that of the orders without a name
 /// (their power-weighted mean): of orders drawn alike from a structure with many of them one in e^3,
 /// 5 %, has as much.
 inline constexpr double kAboveComb = 3.0;
-/// For the same reason two to four causes together must move it by half of what the largest of them
-/// does alone.
-inline constexpr double kLeastOfGroup = 0.5;
 /// Square of the standard errors, a mean over its coordinates, by which a finding must differ from
 /// none: three of them, which chance makes once in 400.
 inline constexpr double kClear = 9.0;

@@ -16,8 +16,8 @@ comma() {
   echo "$*"
 }
 
-# is_made WHAT PACKAGE...: whether that system was made with just these packages; `note_made` says that it
-# was. One that was made for an older tree lacks what this one needs.
+# is_made WHAT PACKAGE...: whether that system was made with just these packages; `note_made` says
+# that it was. One that was made for an older tree lacks what this one needs.
 is_made() {
   [[ -e $1.done && $(<"$1.done") == "${*:2}" ]]
 }

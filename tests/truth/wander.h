@@ -34,7 +34,7 @@ private:
 /// About a mean of zero, with the wanted rms; straight from point to point.
 Track random_walk(Random &random, double duration, std::size_t points, double rms);
 
-/// 1/f noise from 1/duration to half of the points' rate, with the wanted rms over all of it.
+/// 1/f noise of the wanted rms, up to a twelfth of the points' rate; it falls faster above.
 Track flicker(Random &random, double duration, std::size_t points, double rms);
 
 /// A walk of a dozen steps with its corners rounded, so that all of it is slower than a tenth of
