@@ -11,8 +11,8 @@
 # dt-schema), and what needs it is skipped there.
 declare -A PACKAGES=(
   [build]="g++ cmake ninja-build pkgconf libiio-dev libgpiod-dev libeigen3-dev libhwy-dev
-    libcli11-dev libfmt-dev libncurses-dev libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev
-    libsqlite3-dev libboost-dev python3"
+    libcli11-dev libdeflate-dev libfmt-dev libncurses-dev libtomlplusplus-dev nlohmann-json3-dev
+    zlib1g-dev libsqlite3-dev libboost-dev python3"
   [python]="pybind11-dev python3-dev python3-numpy"
   [docs]="doxygen mandoc mkdocs device-tree-compiler"
   [report]="gnuplot-nox"

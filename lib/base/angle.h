@@ -15,6 +15,9 @@ inline constexpr double kTwoPi = 2.0 * std::numbers::pi;
 inline constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
+/// Most electrical periods a turn: sine encoders have up to some 40,000 lines.
+inline constexpr int kMostPeriodsATurn = 65536;
+
 /// Wraps x into [0, period). NaN stays NaN.
 inline double wrap(double x, double period) {
   const double r = x - period * std::floor(x / period);

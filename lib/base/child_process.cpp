@@ -132,8 +132,11 @@ ChildResult run_child(const std::string &program, const std::vector<std::string>
     if (left <= 0)
       throw Error(ADA4571_ERROR_IO, program + ": no answer within " +
                                         std::to_string(limits.timeout_ms / 1000) + " s");
-    if (::poll(ends.data(), ends.size(), static_cast<int>(left)) < 0 && errno != EINTR)
-      throw system_error(errno, program, "cannot read from it");
+    if (::poll(ends.data(), ends.size(), static_cast<int>(left)) < 0) {
+      if (errno != EINTR)
+        throw system_error(errno, program, "cannot read from it");
+      continue; // POSIX does not say what an interrupted poll leaves in revents
+    }
     for (std::size_t k = 0; k < ends.size(); ++k) {
       if (ends[k].fd < 0 || ends[k].revents == 0)
         continue;

@@ -4,7 +4,9 @@
 #include "base/robust.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <limits>
 
 namespace ada {
 
@@ -33,16 +35,59 @@ Reach fence(std::span<const double> x) {
 
 namespace {
 
-/// Difference of a value from the median of seven about it.
-double off_median(std::span<const double> x, std::size_t i) {
-  constexpr std::size_t kReach = 3;
-  double window[2 * kReach + 1];
+constexpr std::size_t kReach = 3, kWindow = 2 * kReach + 1;
+
+/// Median of up to seven values from a place on; not a number where there are none.
+double median_from(std::span<const double> x, std::size_t first) {
+  double window[kWindow];
   std::size_t m = 0;
-  for (std::size_t k = i > kReach ? i - kReach : 0; k < std::min(x.size(), i + kReach + 1); ++k)
+  for (std::size_t k = first; k < std::min(x.size(), first + kWindow); ++k)
     if (!std::isnan(x[k]))
       window[m++] = x[k];
   std::nth_element(window, window + m / 2, window + m);
-  return m > 0 ? x[i] - window[m / 2] : 0.0;
+  return m > 0 ? window[m / 2] : std::nan("");
+}
+
+/// Where the seven begin that a value is judged by.
+std::size_t window_of(std::span<const double> x, std::size_t i) {
+  const std::size_t last = x.size() > kWindow ? x.size() - kWindow : 0;
+  return std::min(i > kReach ? i - kReach : 0, last);
+}
+
+/// What the neighbours of a value differ by among themselves: the range of those four of the six
+/// that lie closest together, so that two more of a row of three wild values do not count.
+double range_of_neighbours(std::span<const double> x, std::size_t i) {
+  std::vector<double> others;
+  for (std::size_t k = window_of(x, i); k < std::min(x.size(), window_of(x, i) + kWindow); ++k)
+    if (k != i && !std::isnan(x[k]))
+      others.push_back(x[k]);
+  std::sort(others.begin(), others.end());
+  constexpr std::size_t kNearest = 4;
+  if (others.size() <= kNearest)
+    return others.empty() ? 0.0 : others.back() - others.front();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k + kNearest <= others.size(); ++k)
+    least = std::min(least, others[k + kNearest - 1] - others[k]);
+  return least;
+}
+
+/// Difference of a value from the median of seven about it. At an end it is that of the first or
+/// the last seven, whose middle is up to three steps away: twice what the column moves there by
+/// itself, from that median to the two next inward, is none of the value's own.
+double off_median(std::span<const double> x, std::size_t i) {
+  const std::size_t last = x.size() > kWindow ? x.size() - kWindow : 0;
+  const std::size_t first = window_of(x, i);
+  const double middle = median_from(x, first), off = x[i] - middle;
+  if (i >= kReach && i + kReach < x.size())
+    return off;
+  double low = middle, high = middle;
+  for (std::size_t step = kReach + 1; step + kWindow <= kJudgedBy + 1; step += kReach + 1) {
+    const double next =
+        median_from(x, i < kReach ? std::min(step, last) : last - std::min(step, last));
+    low = std::min(low, next);
+    high = std::max(high, next);
+  }
+  return std::copysign(std::max(std::abs(off) - 2 * (high - low), 0.0), off);
 }
 
 } // namespace
@@ -54,8 +99,16 @@ std::vector<double> off_medians(std::span<const double> x) {
   return off;
 }
 
+double gap_beyond_bulk(std::vector<double> differences) {
+  constexpr double kGap = 2, kBulk = 1 - 1.0 / kRareSample;
+  for (double &d : differences)
+    d = std::abs(d);
+  return kGap * quantile(std::move(differences), kBulk);
+}
+
 double standing_out_limit(std::span<const double> x, double threshold, double floor) {
-  return threshold * std::max({robust_spread(off_medians(x)), floor, 1e-9});
+  const std::vector<double> off = off_medians(x);
+  return std::max(threshold * std::max({robust_spread(off), floor, 1e-9}), gap_beyond_bulk(off));
 }
 
 std::vector<std::size_t> beyond_median(std::span<const double> x, double limit) {
@@ -66,7 +119,11 @@ std::vector<std::size_t> beyond_median(std::span<const double> x, double limit) 
     if (i >= 3 && i + 3 < x.size() && std::abs(x[i - 1] - x[i]) <= limit &&
         std::abs(x[i + 1] - x[i]) <= limit && std::abs(x[i + 2] - x[i]) <= limit)
       continue;
-    if (std::abs(off_median(x, i)) > limit)
+    // The crest of what turns fast lies as far from the median as its neighbours do from each
+    // other.
+    constexpr double kOverNeighbours = 2;
+    if (const double off = std::abs(off_median(x, i));
+        off > limit && off > kOverNeighbours * range_of_neighbours(x, i))
       places.push_back(i);
   }
   return places;

@@ -22,6 +22,9 @@ inline double quantile(std::vector<double> v, double q) {
   return v[static_cast<std::size_t>(k)];
 }
 
+/// Standard deviation of a normal distribution over the median of its absolute deviations.
+inline constexpr double kSigmasOfMedian = 1.4826;
+
 /// Standard deviation of a normal distribution with the same median absolute deviation. Of a long
 /// column only every so many values: that is exact to a fraction of a percent.
 inline double robust_spread(std::span<const double> x) {
@@ -34,7 +37,7 @@ inline double robust_spread(std::span<const double> x) {
   const double middle = quantile(v, 0.5);
   for (double &e : v)
     e = std::abs(e - middle);
-  return 1.4826 * quantile(std::move(v), 0.5);
+  return kSigmasOfMedian * quantile(std::move(v), 0.5);
 }
 
 /// Low and high end of a column.
@@ -66,21 +69,29 @@ inline double noise_between(std::span<const double> x, std::span<const char> usa
   return robust_spread(d) / std::sqrt(20.0);
 }
 
+/// One in so many samples that stand out is still rare.
+inline constexpr std::size_t kRareSample = 60;
+
+/// What stands out of differences leaves a gap below itself: twice what one in kRareSample of them
+/// exceeds. Of normal noise that is 4.8 sigmas, below any limit that noise sets; of structure, or
+/// of noise with heavy tails, the few that are largest are no more than the end of many.
+double gap_beyond_bulk(std::vector<double> differences);
+
 /// Places of single values that differ from the median of seven about them by more than `threshold`
-/// times the spread of that difference, or times `floor` where that is larger. None where more than
-/// one in sixty does: what is not rare is structure.
+/// times the spread of that difference, or times `floor` where that is larger, and by
+/// gap_beyond_bulk. None where more than one in sixty does: what is not rare is structure.
 std::vector<std::size_t> standing_out(std::span<const double> x, double threshold, double floor);
 
-/// Difference of each value from the median of the seven about it.
+/// Difference of each value from the median of the seven about it; within three of an end from that
+/// of the seven there, so that up to three in a row are seen at an end as well.
 std::vector<double> off_medians(std::span<const double> x);
 
 /// The two halves of that, for a column that is measured in one place and searched in others: the
-/// limit of the difference, and the places beyond it, however many.
+/// limit of the difference, and the places beyond it, however many. A value is judged by this many
+/// on either side, at an end by as many on the one side.
+inline constexpr std::size_t kJudgedBy = 14;
 double standing_out_limit(std::span<const double> x, double threshold, double floor);
 std::vector<std::size_t> beyond_median(std::span<const double> x, double limit);
-
-/// One in so many samples that stand out is still rare.
-inline constexpr std::size_t kRareSample = 60;
 
 /// Median of the positive steps of an ascending column.
 inline double median_step(std::span<const double> time) {

@@ -68,7 +68,8 @@ std::string moment_text(double time_s) {
       --end;
     end -= end[-1] == '.';
   }
-  return std::string(first, end) + " s";
+  const std::string_view number(first, end);
+  return std::string(number == "-0" ? "0" : number) + " s";
 }
 
 std::optional<double> parse_number(std::string_view text) {

@@ -4,10 +4,14 @@ add_library(ada4571_compile_options INTERFACE)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   set(ada4571_no_restrict $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
 endif()
+# On ARM of 32 bits GCC notes at every span what GCC 7.1 changed; older code is never linked.
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_SYSTEM_PROCESSOR MATCHES "^arm")
+  set(ada4571_no_psabi -Wno-psabi)
+endif()
 target_compile_options(ada4571_compile_options INTERFACE
   -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wcast-align -Wundef
   $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual -Wextra-semi>
-  ${ada4571_no_restrict}
+  ${ada4571_no_restrict} ${ada4571_no_psabi}
   $<$<BOOL:${ADA4571_WERROR}>:-Werror>)
 if(ADA4571_SANITIZE)
   target_compile_options(ada4571_compile_options INTERFACE
