@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/angle.h"
 #include "base/robust.h"
@@ -22,8 +23,8 @@ struct SlopeSums {
   SlopeSums operator-(const SlopeSums &o) const { return {x - o.x, y - o.y, xx - o.xx, xy - o.xy}; }
 };
 
-/// Slopes of straight lines over +-half samples. Sums run over a few windows only, each run about an
-/// origin of its own: over all of a long record they would lose the digits of a slope.
+/// Slopes of straight lines over +-half samples. Sums run over a few windows only, each run about
+/// an origin of its own: over all of a long record they would lose the digits of a slope.
 std::vector<double> local_slopes(std::span<const double> x, std::span<const double> y,
                                  std::size_t half) {
   const std::size_t n = x.size(), run = half + 1;
@@ -46,10 +47,12 @@ std::vector<double> local_slopes(std::span<const double> x, std::span<const doub
   return slope;
 }
 
-/// Knots at every turn of travel, at every fifth of it where `dense` says so, wherever the speed
-/// has changed by more than any ripple does, and at rest at least every twentieth of the record.
-/// Unusable stretches get several knots, so that what lies on both sides of them does not have to
-/// fit together.
+/// Knots at every three quarters of a turn (at every turn the images of a slow wander fall on the
+/// lowest orders, at every half the spline could follow order 1), at every fifth of one where
+/// `dense` says so, wherever the speed has changed by more than any ripple does, and at rest at
+/// least every twentieth of the record; for turns that went by between two samples at even times
+/// between them, and no more than set both sides free of each other. Unusable stretches get several
+/// knots, so that what lies on both sides of them does not have to fit together.
 std::vector<double> knots_by_travel(std::span<const double> time, std::span<const double> angle,
                                     std::span<const char> usable, std::span<const char> dense) {
   std::vector<double> knots{time.front()};
@@ -64,13 +67,22 @@ std::vector<double> knots_by_travel(std::span<const double> time, std::span<cons
     const double faster = std::max(std::abs(speed[i]), std::abs(last));
     return std::abs(speed[i] - last) > std::max(kMoreThanRipple * faster, kLeastOfTop * top);
   };
+  constexpr int kInside = 5;
   std::size_t inside = 0;
   for (std::size_t i = 1; i < time.size(); ++i) {
+    if (const double passed = std::abs(angle[i] - angle[i - 1]) / kTwoPi; passed >= 1.0) {
+      const double parts = std::min(std::floor(passed), static_cast<double>(kInside));
+      for (double k = 0.5; k < parts; k += 1.0)
+        knots.push_back(time[i - 1] + (time[i] - time[i - 1]) * k / parts);
+      last = speed[i];
+      travel = 0.0;
+      inside = 0;
+      continue;
+    }
     if (!usable[i]) {
       std::size_t end = i;
       while (end < time.size() && !usable[end])
         ++end;
-      constexpr int kInside = 5;
       if (end - i <= 3 * kInside) { // single bad samples interrupt nothing
         travel += std::abs(angle[end - 1] - angle[i - 1]);
         i = end - 1;
@@ -90,7 +102,7 @@ std::vector<double> knots_by_travel(std::span<const double> time, std::span<cons
     }
     travel += std::abs(angle[i] - angle[i - 1]);
     ++inside;
-    const bool far = travel >= (dense[i] ? 0.2 : 1.0) * kTwoPi;
+    const bool far = travel >= (dense[i] ? 0.2 : 0.75) * kTwoPi;
     const bool late = time[i] - knots.back() > longest && travel < 0.5 * kTwoPi;
     if ((far || late || bends(i)) && inside >= 8 && time[i] > knots.back()) {
       knots.push_back(time[i]);
@@ -175,7 +187,7 @@ void widen_gaps(std::span<const double> angle, double travel, std::span<char> us
   }
 }
 
-/// Whether a run of samples departs from the smooth motion only by what comes again every turn:
+/// Whether a run of samples departs from the smooth motion only by what repeats every turn:
 /// then it is the signal that changed there, by a step of an offset say, and no rough motion. The
 /// turns about a short run are looked at as well.
 bool repeats_every_turn(std::span<const double> angle, const std::vector<double> &residual,
@@ -249,8 +261,8 @@ double slow_part(std::span<const double> residual, std::span<const char> usable)
   double power = 0.0;
   for (std::size_t part = 0; part < kParts; ++part) {
     double sum = 0.0, count = 0.0;
-    for (std::size_t i = part * residual.size() / kParts;
-         i < (part + 1) * residual.size() / kParts; ++i)
+    for (std::size_t i = part * residual.size() / kParts; i < (part + 1) * residual.size() / kParts;
+         ++i)
       if (usable[i]) {
         sum += residual[i];
         count += 1.0;
@@ -268,7 +280,8 @@ struct Stretch {
   bool turns_back;
 };
 
-/// Far above the rest: the smooth part is the better part, yet the greater part is never thrown away.
+/// Far above the rest: the smooth part is the better part, yet the greater part is never thrown
+/// away.
 double far_above(const std::vector<Stretch> &stretches, double Stretch::*what, double factor) {
   std::vector<double> v;
   for (const Stretch &s : stretches)
@@ -357,6 +370,33 @@ bool mask_rough(std::span<const double> angle, const std::vector<double> &residu
   return any;
 }
 
+/// Spread of what is left of a motion over a tenth of a turn and more, noise taken off: the hand of
+/// who turns it, and neither the teeth of a gear nor a tone.
+double slow_spread(std::span<const double> angle, std::span<const double> residual,
+                   std::span<const char> usable, double white) {
+  constexpr double kCell = 0.1 * kTwoPi, kFewest = 3.0;
+  std::vector<double> means;
+  double sum = 0.0, count = 0.0, travel = 0.0, noise2 = 0.0;
+  for (std::size_t i = 1; i < residual.size(); ++i) {
+    travel += std::abs(angle[i] - angle[i - 1]);
+    if (usable[i]) {
+      sum += residual[i];
+      count += 1.0;
+    }
+    if (travel < kCell)
+      continue;
+    if (count >= kFewest) {
+      means.push_back(sum / count);
+      noise2 += white * white / count;
+    }
+    sum = count = travel = 0.0;
+  }
+  if (means.empty())
+    return 0.0;
+  const double spread = robust_spread(means);
+  return std::sqrt(std::max(0.0, spread * spread - noise2 / static_cast<double>(means.size())));
+}
+
 /// Takes single samples out that stand far out of the residual: they would pass for rough motion.
 bool take_out_spikes(const std::vector<double> &residual, std::span<char> usable,
                      std::vector<std::uint32_t> &spikes) {
@@ -387,6 +427,51 @@ void unwrap(std::vector<double> &angle, double period) {
   }
 }
 
+namespace {
+
+/// Travel that no noise of the angle makes, rad.
+double beyond_noise(std::span<const double> alpha) {
+  // Of white noise the second difference has six times the power; of a travel hardly any.
+  std::vector<double> bends;
+  for (std::size_t i = 2; i < alpha.size(); ++i)
+    if (const double bend = alpha[i] - 2.0 * alpha[i - 1] + alpha[i - 2]; std::isfinite(bend))
+      bends.push_back(bend);
+  return kBackBeyondNoise * robust_spread(bends) / std::sqrt(6.0);
+}
+
+} // namespace
+
+std::size_t first_motion(std::span<const double> alpha) {
+  const double far = beyond_noise(alpha);
+  const auto away = [&](double a) { return std::abs(a - alpha.front()) > far; };
+  return static_cast<std::size_t>(std::find_if(alpha.begin(), alpha.end(), away) - alpha.begin());
+}
+
+std::vector<signed char> senses_of(std::span<const double> alpha) {
+  const double back = beyond_noise(alpha);
+  std::vector<signed char> out(alpha.size(), 1);
+  signed char sense = 1;
+  double furthest = -std::numeric_limits<double>::infinity();
+  std::size_t left = 0; // after the last sample that may still be at rest at the furthest
+  bool begun = false;
+  for (std::size_t i = 0; i < alpha.size(); ++i) {
+    double at = sense * alpha[i];
+    if (at < furthest - back) {
+      sense = static_cast<signed char>(-sense);
+      std::fill(out.begin() + static_cast<std::ptrdiff_t>(begun ? left : 0),
+                out.begin() + static_cast<std::ptrdiff_t>(i), sense);
+      begun = true;
+      furthest = at = sense * alpha[i];
+    }
+    begun = begun || at > sense * alpha.front() + back;
+    furthest = std::max(furthest, at);
+    if (at > furthest - 0.5 * back)
+      left = i + 1;
+    out[i] = sense;
+  }
+  return out;
+}
+
 Kinematics differentiate(std::span<const double> time, std::vector<double> alpha,
                          std::size_t half_window) {
   Kinematics out;
@@ -396,23 +481,7 @@ Kinematics differentiate(std::span<const double> time, std::vector<double> alpha
         local_slopes(time, out.omega, std::max<std::size_t>(4 * half_window, 20));
     out.accel.assign(accel.begin(), accel.end());
   }
-  out.direction.resize(alpha.size());
-  // The sense is held through a standstill: below a thousandth of the top speed nothing turns.
-  std::vector<double> speed;
-  for (double w : out.omega)
-    speed.push_back(std::abs(w));
-  const double top = quantile(std::move(speed), 0.99); // a gap in the record is no speed
-  signed char sense = 1;
-  for (double w : out.omega)
-    if (std::abs(w) > 1e-3 * top) {
-      sense = w < 0.0 ? -1 : 1;
-      break;
-    }
-  for (std::size_t i = 0; i < alpha.size(); ++i) {
-    if (std::abs(out.omega[i]) > 1e-3 * top)
-      sense = out.omega[i] < 0.0 ? -1 : 1;
-    out.direction[i] = sense;
-  }
+  out.direction = senses_of(alpha);
   out.alpha = std::move(alpha);
   return out;
 }
@@ -474,6 +543,7 @@ SmoothMotion smooth_motion(std::span<const double> time, std::span<const double>
       count += 1.0;
     }
   out.residual_rms_rad = count > 0.0 ? std::sqrt(sum / count) : 0.0;
+  out.slow_rad = slow_spread(angle, residual, usable, noise_between(residual, usable));
   return out;
 }
 

@@ -20,6 +20,18 @@ struct Kinematics {
 /// Takes the jumps by whole periods out of an angle in place.
 void unwrap(std::vector<double> &angle, double period);
 
+/// A shaft has turned back where its angle is this many standard deviations of its noise behind the
+/// furthest: a million samples at rest spread over ten of them.
+inline constexpr double kBackBeyondNoise = 12.0;
+
+/// Sense of rotation at each value of an unwrapped angle, -1 or +1: at rest that of the motion
+/// before, as in the shaft, its bearings and a magnet's hysteresis.
+std::vector<signed char> senses_of(std::span<const double> alpha);
+
+/// First value of an unwrapped angle that is away from where it began by more than its noise; their
+/// number where none is.
+std::size_t first_motion(std::span<const double> alpha);
+
 /// Speed and acceleration of an unwrapped angle by local straight lines over +-half_window samples.
 Kinematics differentiate(std::span<const double> time, std::vector<double> alpha,
                          std::size_t half_window);
@@ -29,10 +41,11 @@ struct SmoothMotion {
   Kinematics motion;                 ///< the smooth motion alone
   std::vector<double> cos, sin;      ///< rad: periodic part, entry n - 1 is order n
   double residual_rms_rad = 0.0;     ///< what neither explains
+  double slow_rad = 0.0;             ///< of that what goes on for a tenth of a turn or more
   std::vector<std::uint32_t> spikes; ///< single samples that stand out of both
 };
 
-/// Splits an unwrapped angle into a smooth motion (a spline with knots every turn, which cannot
+/// Splits an unwrapped angle into a smooth motion (a spline with knots every three quarters of a turn, which cannot
 /// follow a ripple of order 1) and `orders` harmonics of the turn, jointly, so that neither leaks
 /// into the other. Stretches that are no smooth motion, such as the kinks between two speeds, are
 /// marked unusable, and so are single samples that stand out.

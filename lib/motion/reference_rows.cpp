@@ -15,12 +15,17 @@ namespace ada {
 
 namespace {
 
+/// Orders that are fitted together with a motion; higher ones are far from what its knots can
+/// follow.
+constexpr int kFittedRipples = 20;
+
 /// Cosine and sine part of each order beside a smooth motion: a spline with a knot every other turn
 /// of travel, stiff enough to leave a ripple of order 1 to it.
 std::vector<std::complex<double>> periodic_part(std::span<const double> time,
                                                 std::span<const double> angle,
                                                 std::span<const char> usable, int orders) {
   constexpr double kKnotEvery = 2.0; // turns
+  const int fitted = std::min(orders, kFittedRipples);
   double turns = 0.0;
   for (std::size_t i = 1; i < angle.size(); ++i)
     turns += std::abs(angle[i] - angle[i - 1]) / kTwoPi;
@@ -35,11 +40,11 @@ std::vector<std::complex<double>> periodic_part(std::span<const double> time,
   }
   knots.push_back(time.back());
   CubicSpline motion(std::move(knots));
-  motion.fit(time, angle, usable, static_cast<std::size_t>(2 * orders),
+  motion.fit(time, angle, usable, static_cast<std::size_t>(2 * fitted),
              [&](std::size_t i, double *term) {
                const std::complex<double> once = std::polar(1.0, angle[i]);
                std::complex<double> z = once;
-               for (int n = 0; n < orders; ++n, z *= once) {
+               for (int n = 0; n < fitted; ++n, z *= once) {
                  *term++ = z.real();
                  *term++ = z.imag();
                }
@@ -47,6 +52,27 @@ std::vector<std::complex<double>> periodic_part(std::span<const double> time,
   std::vector<std::complex<double>> out;
   for (std::size_t k = 0; k < motion.term_coefficients().size(); k += 2)
     out.emplace_back(motion.term_coefficients()[k], motion.term_coefficients()[k + 1]);
+  // Over whole turns the others are orthogonal to these, and to each other.
+  std::vector<std::complex<double>> others(static_cast<std::size_t>(orders - fitted));
+  double count = 0.0;
+  for (std::size_t i = 0; i < angle.size() && !others.empty(); ++i) {
+    if (!usable.empty() && !usable[i])
+      continue;
+    const std::complex<double> once = std::polar(1.0, angle[i]);
+    std::complex<double> z = once;
+    double left = angle[i] - motion.value(time[i]);
+    for (const std::complex<double> &c : out) {
+      left -= c.real() * z.real() + c.imag() * z.imag();
+      z *= once;
+    }
+    count += 1.0;
+    for (std::complex<double> &sum : others) {
+      sum += left * z;
+      z *= once;
+    }
+  }
+  for (const std::complex<double> &sum : others)
+    out.push_back(2.0 * sum / std::max(count, 1.0));
   return out;
 }
 
@@ -54,8 +80,11 @@ std::vector<std::complex<double>> periodic_part(std::span<const double> time,
 
 RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair, double step) {
   constexpr double kFar = 8.0;       // standard deviations of white noise
-  constexpr double kOfCommon = 2.0;  // times what one row in fifty departs by
-  constexpr double kCommon = 0.98;
+  // Times what one row in seven departs by; of normal ones that is 6.5 standard deviations.
+  constexpr double kOfCommon = 4.5;
+  constexpr double kCommon = 0.85;
+  // Of ten rows: seven in a row then hold four good ones, all but once in 400.
+  constexpr std::size_t kRare = 10;
   constexpr double kOfSteps = 1.5;   // a row may fall to either side of one
   constexpr double kOfPair = 0.5;    // of the departure: more of it would be the pair's own
   constexpr std::size_t kReach = 3;  // of the median: at the ends of the record it is one-sided
@@ -92,7 +121,7 @@ RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair
       out.rows.push_back(static_cast<std::uint32_t>(i));
       out.by_rad.push_back(std::abs(wrap_centred(departure[i], kTwoPi)));
     }
-  if (out.rows.size() * kRareSample > n)
+  if (out.rows.size() * kRare > n)
     return {};
   for (std::uint32_t i : out.rows)
     reference[i] -= departure[i];
@@ -113,7 +142,10 @@ std::vector<Ripple> ripples_against_time(std::span<const double> time,
   const auto parts = static_cast<std::size_t>(
       std::clamp(travel / kTwoPi / kTurnsOfPart, static_cast<double>(kFewestParts), kMostParts));
   const std::size_t part = angle.size() / parts;
-  const auto terms = static_cast<std::size_t>(2 * orders);
+  // Of two samples to the period of an order nothing is left to judge it by.
+  orders = std::min(orders, static_cast<int>(static_cast<double>(angle.size()) /
+                                             std::max(1.0, 4.0 * travel / kTwoPi)));
+  const auto terms = static_cast<std::size_t>(2 * std::min(orders, kFittedRipples));
   std::vector<std::vector<std::complex<double>>> seen;
   for (std::size_t k = 0; k < parts; ++k) {
     const auto piece = angle.subspan(k * part, part);

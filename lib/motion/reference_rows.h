@@ -11,8 +11,8 @@
 namespace ada {
 
 /// Rows, three side by side at most, in which a reference leaves both its neighbours and the angle of
-/// the pair: a bit error, or a mean taken across the wrap. None where more than one row in sixty is
-/// so: what is not rare is structure.
+/// the pair: a bit error, a reading that was missed, or a mean taken across the wrap. None where more
+/// than one row in ten is so: what is not rare is structure.
 struct RowsApart {
   std::vector<std::uint32_t> rows;
   std::vector<double> by_rad; ///< of each, how far

@@ -21,10 +21,68 @@ double mean_of(const std::vector<double> &v) {
   return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
 }
 
+/// Samples on either side of a jump; a piece of a record is longer.
+constexpr std::size_t kBeside = 4;
+
+/// Where VTEMP jumps and stays there: faster than any temperature, two records were joined.
+std::vector<std::size_t> jumps_of(const std::vector<double> &vtemp) {
+  constexpr std::size_t kMost = 8;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < vtemp.size(); ++i)
+    steps.push_back(vtemp[i] - vtemp[i - 1]);
+  // Of noise the means of four on either side differ by less than single samples do.
+  const double limit = gap_beyond_bulk(steps);
+  const auto mean_from = [&](std::size_t first) {
+    return std::accumulate(vtemp.begin() + static_cast<std::ptrdiff_t>(first),
+                           vtemp.begin() + static_cast<std::ptrdiff_t>(first + kBeside), 0.0) /
+           kBeside;
+  };
+  if (!(limit > 0.0)) // the converter's steps are wider than the noise: each would be a jump
+    return {};
+  std::vector<std::size_t> out;
+  for (std::size_t i = kBeside; i + kBeside <= vtemp.size(); ++i)
+    if (std::abs(vtemp[i] - vtemp[i - 1]) > limit && (out.empty() || i - out.back() > kBeside) &&
+        std::abs(mean_from(i) - mean_from(i - kBeside)) > limit)
+      out.push_back(i);
+  return out.size() <= kMost ? out : std::vector<std::size_t>{};
+}
+
+/// Knots of a slow spline in about so many pieces over a capture. Between two records the
+/// temperature may be any other: three pieces there, across which no cubic reaches, set both sides
+/// free.
+std::vector<double> slow_knots(const Capture &capture, std::size_t pieces) {
+  const std::vector<double> &time = capture.time_s;
+  std::vector<std::size_t> starts = capture.starts;
+  if (starts.empty())
+    starts.push_back(0);
+  for (std::size_t at : jumps_of(capture.vtemp_v))
+    if (std::none_of(starts.begin(), starts.end(),
+                     [&](std::size_t s) { return std::max(s, at) - std::min(s, at) <= kBeside; }))
+      starts.push_back(at);
+  std::sort(starts.begin(), starts.end());
+  std::vector<double> knots;
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    const std::size_t last = (k + 1 < starts.size() ? starts[k + 1] : time.size()) - 1;
+    const double from = time[starts[k]], to = time[last];
+    if (!knots.empty()) {
+      const double before = knots.back(), third = (from - before) / 3.0;
+      knots.push_back(before + third);
+      knots.push_back(before + 2.0 * third);
+    }
+    const double share =
+        static_cast<double>(last - starts[k] + 1) / static_cast<double>(time.size());
+    const auto own = std::max<std::size_t>(
+        1, static_cast<std::size_t>(std::lround(share * static_cast<double>(pieces))));
+    const std::vector<double> inside = CubicSpline::uniform(from, to, own);
+    knots.insert(knots.end(), inside.begin(), inside.end());
+  }
+  return knots;
+}
+
 /// How VTEMP follows a supply that moves: 1 for a ratiometric output, 0 for one that stands on its
 /// own feet. Fitted beside a slow spline, which takes the temperature's own motion.
 double vtemp_follows_supply(const Capture &capture, double vdd_mean) {
-  CubicSpline spline(CubicSpline::uniform(capture.time_s.front(), capture.time_s.back(), 12));
+  CubicSpline spline(slow_knots(capture, 12));
   spline.fit(capture.time_s, capture.vtemp_v, {}, 1,
              [&](std::size_t i, double *term) { *term = capture.vdd_v[i] / vdd_mean - 1.0; });
   return spline.term_coefficients()[0] / mean_of(capture.vtemp_v) > 0.5 ? 1.0 : 0.0;
@@ -130,7 +188,7 @@ TemperatureOverTime::TemperatureOverTime(const Capture &capture, const SupplyOve
   // Not so fine that it could follow the shaft.
   const std::size_t slower = std::max<std::size_t>(4, swings(capture.vcos_v, mean_cos) / 2);
   const std::size_t pieces = std::min(std::clamp<std::size_t>(n / 400, 4, 100), slower);
-  const CubicSpline smooth(CubicSpline::uniform(time.front(), time.back(), pieces));
+  const CubicSpline smooth(slow_knots(capture, pieces));
   vtemp_v = vtemp_of_temperature(capture, supply);
   const auto cosine = [&](std::size_t i) { return capture.vcos_v[i] - mean_cos; };
 
