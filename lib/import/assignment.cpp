@@ -87,21 +87,32 @@ private:
   std::optional<std::size_t> column_of(std::size_t c) const {
     const auto &wanted = options_.columns[c].column;
     if (wanted)
-      return wanted->empty() ? std::nullopt : std::optional(named(*wanted));
+      return wanted->empty() ? std::nullopt : std::optional(named(c, *wanted));
     if (c == 0 && options_.sample_rate_hz > 0.0)
       return std::nullopt;
     const auto found = looked_for(c);
     if (!found && c == 0 && !rate_known_)
-      refuse("no column is known to be the time, and the file names no sample rate: say which column "
-             "the time is, or the sample rate; there are " + all_columns());
+      refuse("no column is known to be the time, and the file names no sample rate: give --time or "
+             "--rate; there are " +
+             all_columns());
     if (!found && kColumns[c].required && c > 0)
-      refuse("no column is known to be " + std::string(c == 1 ? "VSIN" : "VCOS") +
-             ": say which column is VSIN and which is VCOS; there are " + all_columns());
+      refuse("no column is known to be " + std::string(c == 1 ? "VSIN" : "VCOS") + ": give " +
+             option(c) + "; there are " + all_columns());
     return found;
   }
 
-  /// Its number from 1, or its name with or without the unit.
-  std::size_t named(const std::string &wanted) const {
+  static std::string option(std::size_t c) { return "--" + std::string(kChannels[c].option); }
+
+  /// Its name, or all that the file says: "CH1" or "CH1 [V]".
+  static bool is_called(const FileColumn &column, const std::string &wanted) {
+    const NameAndUnit parts = split_unit(wanted);
+    return folded(column.name) == folded(wanted) ||
+           (!parts.unit.empty() && folded(column.name) == folded(parts.name) &&
+            folded(unit_word(column.unit)) == folded(parts.unit));
+  }
+
+  /// Its number from 1, or its name with or without the unit. `c` is the channel that wants it.
+  std::size_t named(std::size_t c, const std::string &wanted) const {
     const bool marked = wanted.front() == '#';
     const char *const first = wanted.data() + (marked ? 1 : 0), *const last = wanted.data() + wanted.size();
     std::size_t number = 0;
@@ -109,17 +120,19 @@ private:
     const bool is_number = error == std::errc() && end == last && number > 0;
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < columns_.size() && !marked; ++i)
-      if (folded(columns_[i].name) == folded(wanted))
+      if (is_called(columns_[i], wanted))
         found.push_back(i);
     if (is_number && number <= columns_.size() && (found.empty() || (found.size() == 1 && found[0] == number - 1)))
       return number - 1;
     if (is_number && !found.empty())
-      refuse(excerpt(wanted) + " is a column's number and another one's name: give #" +
-             std::to_string(number) + " or #" + std::to_string(found[0] + 1));
+      refuse(excerpt(wanted) + " is a column's number and another one's name: give " + option(c) +
+             " #" + std::to_string(number) + " or #" + std::to_string(found[0] + 1));
     if (found.empty())
-      refuse("there is no column " + excerpt(wanted) + "; there are " + all_columns());
+      refuse("there is no column " + excerpt(wanted) + " for " + option(c) + "; there are " +
+             all_columns());
     if (found.size() > 1)
-      refuse(excerpt(wanted) + " is the name of more than one column: give its number; there are " + all_columns());
+      refuse(excerpt(wanted) + " is the name of more than one column: give " + option(c) +
+             " its number; there are " + all_columns());
     return found[0];
   }
 
@@ -130,16 +143,17 @@ private:
         found.push_back(i);
     if (found.size() > 1)
       refuse(shown(found[0]) + " and " + shown(found[1]) + " could both be the " +
-             std::string(kChannels[c].option) + " column: give --" +
-             std::string(kChannels[c].option));
+             std::string(kChannels[c].option) + " column: give " + option(c));
     return found.empty() ? std::nullopt : std::optional(found[0]);
   }
 
   /// Whether the options give the column to a channel.
   bool asked_for(std::size_t i) const {
-    return std::any_of(options_.columns.begin(), options_.columns.end(), [&](const auto &wanted) {
-      return wanted.column && !wanted.column->empty() && named(*wanted.column) == i;
-    });
+    for (std::size_t c = 0; c < options_.columns.size(); ++c)
+      if (const auto &wanted = options_.columns[c].column;
+          wanted && !wanted->empty() && named(c, *wanted) == i)
+        return true;
+    return false;
   }
 
   bool fits(std::size_t c, const FileColumn &column) const {
@@ -167,9 +181,11 @@ private:
       how = "in " + printable(column.unit);
     } else if (!column.unit.empty()) {
       refuse(shown(index) + " is in " + excerpt(column.unit) + ", which is no unit of " +
-             std::string(kColumns[c].name) + ": give a scale");
+             std::string(kColumns[c].name) + ": give --scale " + std::string(channel.option) +
+             "=FACTOR");
     } else if (channel.quantity == Quantity::degrees) {
-      refuse(shown(index) + " does not say whether it is in degrees or radians: say which");
+      refuse(shown(index) + " does not say whether it is in degrees or radians: give "
+                            "--reference-unit");
     }
     if (out.offset != 0.0)
       how += ", plus " + shortest(out.offset);
@@ -183,7 +199,8 @@ private:
         if (out_.channels[a] && out_.channels[b] &&
             out_.channels[a]->index == out_.channels[b]->index)
           refuse(shown(out_.channels[a]->index) + " cannot be both " +
-                 std::string(kColumns[a].name) + " and " + std::string(kColumns[b].name));
+                 std::string(kColumns[a].name) + " and " + std::string(kColumns[b].name) +
+                 ": give " + option(a) + " and " + option(b));
   }
 
   void mention_the_rest() {

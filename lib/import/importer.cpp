@@ -31,7 +31,7 @@ void check(const ImportOptions &options) {
   if (options.decimal && *options.decimal != '.' && *options.decimal != ',')
     refuse("the decimal mark must be a point or a comma");
   if (options.separator && options.separator == options.decimal)
-    refuse("separator and decimal mark must differ");
+    refuse("separator and decimal mark must differ: give another --separator or --decimal");
   if (!(options.sample_rate_hz >= 0.0 && options.sample_rate_hz <= 1e9))
     refuse("the sample rate must be from 0 to 1e9");
   for (const ImportColumn &column : options.columns)

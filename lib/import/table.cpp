@@ -104,7 +104,7 @@ private:
     if (ways.size() > 1)
       refuse(ways[0].first_row, "the rows can be read with " + in_words(ways[0].separator) +
                                     " or with " + in_words(ways[1].separator) +
-                                    " between the columns: say which, and the decimal mark");
+                                    " between the columns: give --separator and --decimal");
     return ways[0];
   }
 

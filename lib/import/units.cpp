@@ -37,28 +37,33 @@ bool among(std::string_view words, const std::string &word) {
          words.find(" " + word + " ") != words.npos;
 }
 
+/// Without blanks and quotes around it.
+std::string trimmed(std::string_view text) {
+  const auto outer = text.find_first_not_of(" \t\"'");
+  return outer == text.npos
+             ? std::string()
+             : std::string(text.substr(outer, text.find_last_not_of(" \t\"'") - outer + 1));
+}
+
 } // namespace
 
 std::string folded(std::string_view text) {
-  const auto outer = text.find_first_not_of(" \t\"'");
-  if (outer == text.npos)
-    return {};
-  std::string out(text.substr(outer, text.find_last_not_of(" \t\"'") - outer + 1));
+  std::string out = trimmed(text);
   std::transform(out.begin(), out.end(), out.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return out;
 }
 
 std::string unit_word(std::string_view text) {
-  std::string word = folded(text);
+  std::string word = trimmed(text);
   if (word.size() > 2 && ((word.front() == '(' && word.back() == ')') ||
                           (word.front() == '[' && word.back() == ']')))
-    word = folded(word.substr(1, word.size() - 2));
+    word = trimmed(std::string_view(word).substr(1, word.size() - 2));
   return word;
 }
 
 std::optional<double> unit_factor(Quantity quantity, std::string_view unit) {
-  const std::string word = unit_word(unit);
+  const std::string word = folded(unit_word(unit));
   for (const Unit &known : kUnits)
     if (known.quantity == quantity && among(known.words, word))
       return known.factor;
@@ -66,11 +71,11 @@ std::optional<double> unit_factor(Quantity quantity, std::string_view unit) {
 }
 
 bool is_sample_count(std::string_view word) {
-  return among(" sequence sample samples index number no nr n # ", unit_word(word));
+  return among(" sequence sample samples index number no nr n # ", folded(unit_word(word)));
 }
 
 bool is_unit(std::string_view word) {
-  const std::string text = unit_word(word);
+  const std::string text = folded(unit_word(word));
   return is_sample_count(text) || std::any_of(std::begin(kUnits), std::end(kUnits),
                                               [&](const Unit &u) { return among(u.words, text); });
 }

@@ -25,7 +25,7 @@ struct NameAndUnit {
 };
 NameAndUnit split_unit(std::string_view text);
 
-/// "(mV)": the word in lower case, without the brackets.
+/// "(mV)": the word as it is written, without the brackets.
 std::string unit_word(std::string_view text);
 
 /// Lower case, without blanks and quotes at the ends.

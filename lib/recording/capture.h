@@ -33,6 +33,9 @@ struct Capture {
   std::vector<double> vtemp_v, vdd_v, reference_deg; ///< that length, or empty when absent
   std::vector<std::size_t> starts; ///< first sample of each record, where several were joined
   std::vector<std::size_t> gaps; ///< first sample after each gap that the source reported
+  /// Electrical angle, rad, by which the pair turned in each of the gaps; empty, or not a number,
+  /// where nobody followed it.
+  std::vector<double> turned_rad;
   std::string identity;          ///< checksum of the content, names the capture in provenance
   std::string data_file;         ///< of a SigMF recording: where its samples were read
   std::vector<std::string>

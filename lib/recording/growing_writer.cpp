@@ -8,9 +8,10 @@
 #include <cmath>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
-#include <zlib.h>
 
+#include "base/checksum.h"
 #include "base/descriptor.h"
 #include "base/file_bytes.h"
 #include "recording/disk_syncer.h"
@@ -26,21 +27,18 @@ namespace {
 
 constexpr double kStepWithoutRate_s = 1e-3; ///< from the last frame to one that continues it
 
-std::uint32_t add_to_crc(std::uint32_t crc, std::span<const std::byte> bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(crc, reinterpret_cast<const Bytef *>(bytes.data()), bytes.size()));
-}
-
 class GrowingWriter final : public CaptureWriter {
 public:
   GrowingWriter(const std::string &path, const CaptureMetadata &meta, const ChannelSet &channels,
                 bool resume)
       : path_(path), check_(meta, channels), encoder_(meta, channels, SigmfForm()) {
     const bool there = file_id(sigmf_meta_path(path)) || file_id(sigmf_data_path(path));
-    if (there && resume)
+    if (there && resume) {
       open_existing();
-    else
-      stem_ = there ? free_sigmf_stem(path) : without_end(follow_links(sigmf_data_path(path)));
+      return;
+    }
+    claim_ = claim_sigmf_pair(path); // of an old recording, until the new one takes its place
+    stem_ = there ? free_sigmf_stem(path) : without_end(follow_links(sigmf_data_path(path)));
   }
 
   /// Where not one frame could be written and shown, nothing stays.
@@ -58,6 +56,28 @@ public:
   void write(std::span<const Frame> frames) override {
     if (frames.empty())
       return;
+    naming_what_is_left([&] { add(frames); });
+  }
+
+  void finish() override {
+    check_.require_frames();
+    naming_what_is_left([this] { put_in_place(); });
+  }
+
+private:
+  /// What stands under another name than was asked for is not to be searched for.
+  template <class Work> void naming_what_is_left(Work work) const {
+    try {
+      work();
+    } catch (const Error &e) {
+      const std::string meta_path = stem_ + ".sigmf-meta";
+      if (!syncer_ || in_own_place() || !file_id(meta_path))
+        throw;
+      throw Error(e.status(), std::string(e.what()) + "; what was recorded is in " + meta_path);
+    }
+  }
+
+  void add(std::span<const Frame> frames) {
     if (syncer_)
       syncer_->rethrow_failure();
     else
@@ -78,19 +98,17 @@ public:
     segments_changed_ = false;
   }
 
-  void finish() override {
-    check_.require_frames();
+  void put_in_place() {
     syncer_->stop(); // what is to be on the disk is there, or this throws
     const SigmfMeta final = meta(crc_);
     if (in_own_place()) {
       write_sigmf_meta(final, stem_ + ".sigmf-meta");
       return;
     }
-    publish_sigmf_pair(path_, final, stem_ + ".sigmf-data", IfRefused::keep);
+    publish_sigmf_pair(path_, final, stem_ + ".sigmf-data", IfRefused::keep, claim_);
     ::unlink((stem_ + ".sigmf-meta").c_str());
   }
 
-private:
   static std::string without_end(const std::string &path) {
     return path.substr(0, path.rfind('.'));
   }
@@ -113,6 +131,15 @@ private:
     throw Error(ADA4571_ERROR_UNUSABLE_DATA, path_ + ": cannot be continued: " + why);
   }
 
+  void refuse_other(const char *what, std::optional<double> its, std::optional<double> mine,
+                    const char *unit) const {
+    const auto text = [unit](std::optional<double> value) {
+      return value ? fmt::format("{:.15g}{}", *value, unit) : std::string("unknown");
+    };
+    if (its != mine)
+      refuse("its " + std::string(what) + " " + text(its) + ", now it would be " + text(mine));
+  }
+
   /// Looks at the recording that is to go on, and changes nothing yet.
   void open_existing() {
     stem_ = without_end(follow_links(sigmf_data_path(path_)));
@@ -125,10 +152,10 @@ private:
       throw Error(ADA4571_ERROR_BUSY, data + ": another program is recording into this file");
     if (!same_channels() || !old_.dataset.empty())
       refuse("it holds other channels, or in another form than `record` writes while it grows");
-    if (old_.meta.supply_v != check_.meta().supply_v ||
-        old_.meta.periods_per_turn != check_.meta().periods_per_turn ||
-        old_.meta.sample_rate_hz != check_.meta().sample_rate_hz)
-      refuse("its supply, its periods a turn or its sample rate are others");
+    const CaptureMetadata &mine = check_.meta();
+    refuse_other("supply is", old_.meta.supply_v, mine.supply_v, " V");
+    refuse_other("periods a turn are", old_.meta.periods_per_turn, mine.periods_per_turn, "");
+    refuse_other("sample rate is", old_.meta.sample_rate_hz, mine.sample_rate_hz, " Hz");
     read_end(data);
   }
 
@@ -151,7 +178,7 @@ private:
       return;
     const std::size_t end = frames_ * old_.frame_bytes;
     for (std::size_t at = 0; at < end; at += kAtOnce)
-      crc_ = add_to_crc(crc_, data.read(at, std::min(kAtOnce, end - at)));
+      crc_ = crc32_of(data.read(at, std::min(kAtOnce, end - at)), crc_);
     if (old_.data_crc32 && *old_.data_crc32 != crc_)
       throw Error(ADA4571_ERROR_FORMAT, shown + ": the data does not fit the checksum in the meta "
                                                 "file");
@@ -232,7 +259,7 @@ private:
       [[maybe_unused]] const int cut = ::ftruncate(fd_.get(), before);
       throw;
     }
-    crc_ = add_to_crc(crc_, bytes_);
+    crc_ = crc32_of(bytes_, crc_);
   }
 
   std::string path_, stem_; ///< as asked for; where it grows, without the end
@@ -240,6 +267,7 @@ private:
   FrameCheck check_;
   SigmfEncoder encoder_;
   SigmfMeta old_; ///< of the recording that goes on; frame_bytes 0: there is none
+  Descriptor claim_; ///< the old recording, while another grows to replace it
   Descriptor fd_;
   bool created_ = false; ///< the data file is ours
   std::unique_ptr<DiskSyncer> syncer_; ///< since the first frame

@@ -11,8 +11,7 @@
 #include <cstdio>
 #include <limits>
 
-#include <zlib.h>
-
+#include "base/checksum.h"
 #include "base/parallel.h"
 #include "recording/columns.h"
 #include "recording/fixed_point.h"
@@ -28,7 +27,7 @@ std::int64_t little_endian(std::int64_t value) {
   return value;
 }
 
-uLong add_values(uLong crc, std::span<const double> values, double scale) {
+std::uint32_t add_values(std::uint32_t crc, std::span<const double> values, double scale) {
   constexpr std::int64_t kMissing = std::numeric_limits<std::int64_t>::min();
   std::array<std::int64_t, 4096> steps;
   for (std::size_t first = 0; first < values.size(); first += steps.size()) {
@@ -37,8 +36,7 @@ uLong add_values(uLong crc, std::span<const double> values, double scale) {
       const double value = values[first + i];
       steps[i] = little_endian(std::isfinite(value) ? to_steps(value, scale) : kMissing);
     }
-    crc = crc32(crc, reinterpret_cast<const Bytef *>(steps.data()),
-                static_cast<uInt>(count * sizeof(std::int64_t)));
+    crc = crc32_of(std::as_bytes(std::span(steps).first(count)), crc);
   }
   return crc;
 }
@@ -67,24 +65,24 @@ ColumnSums::ColumnSums(const Block &block, const CaptureMetadata &meta) {
 
 void ColumnSums::append(const ColumnSums &next) {
   for (std::size_t c = 0; c < kColumns.size(); ++c) {
-    crc_[c] = crc32_combine(crc_[c], next.crc_[c], static_cast<z_off_t>(next.count_[c] * 8));
+    crc_[c] = crc32_joined(crc_[c], next.crc_[c], next.count_[c] * 8);
     count_[c] += next.count_[c];
   }
 }
 
 std::string ColumnSums::identity(const ChannelSet &channels, std::size_t samples) const {
-  uLong crc = 0;
+  std::uint32_t crc = 0;
   int count = 0;
   for (std::size_t c = 0; c < kColumns.size(); ++c) {
     if (!channels.has(kColumns[c]) || samples == 0)
       continue;
     const std::string_view name = kColumns[c].name;
-    crc = crc32(crc, reinterpret_cast<const Bytef *>(name.data()), static_cast<uInt>(name.size()));
-    crc = crc32_combine(crc, crc_[c], static_cast<z_off_t>(count_[c] * 8));
+    crc = crc32_of(std::as_bytes(std::span(name)), crc);
+    crc = crc32_joined(crc, crc_[c], count_[c] * 8);
     ++count;
   }
   std::array<char, 64> text;
-  std::snprintf(text.data(), text.size(), "crc32:%08lx/%zux%d", crc, samples, count);
+  std::snprintf(text.data(), text.size(), "crc32:%08x/%zux%d", crc, samples, count);
   return text.data();
 }
 

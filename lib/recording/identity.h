@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "recording/recording.h"
@@ -22,7 +23,7 @@ public:
   std::string identity(const ChannelSet &channels, std::size_t samples) const;
 
 private:
-  std::array<unsigned long, kColumnCount> crc_{}; ///< 0 is that of nothing
+  std::array<std::uint32_t, kColumnCount> crc_{}; ///< 0 is that of nothing
   std::array<std::size_t, kColumnCount> count_{};
 };
 

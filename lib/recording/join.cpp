@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/frame.h"
 #include "base/robust.h"
 
 namespace ada {
@@ -40,7 +41,7 @@ void require_alike(const Capture &first, const Capture &other, std::size_t numbe
     refuse(fmt::format("its supply is {} V, not {} V", other.meta.supply_v, first.meta.supply_v));
   if (other.meta.gain_control && first.meta.gain_control &&
       *other.meta.gain_control != *first.meta.gain_control)
-    refuse("its gain control is another");
+    refuse("its gain control differs");
   for (const Column &c : kColumns)
     if ((other.*c.values).empty() != (first.*c.values).empty())
       refuse(fmt::format("{} the column {}",
@@ -80,6 +81,10 @@ std::shared_ptr<const Capture> join(std::span<const std::shared_ptr<const Captur
       out->gaps.push_back(start);
     for (std::size_t gap : c.gaps)
       out->gaps.push_back(start + gap);
+    if (k > 0)
+      out->turned_rad.push_back(kAbsent);
+    out->turned_rad.insert(out->turned_rad.end(), c.turned_rad.begin(), c.turned_rad.end());
+    out->turned_rad.resize(out->gaps.size(), kAbsent);
     out->identity += (k > 0 ? "+" : "") + c.identity;
     if (c.meta.serial != out->meta.serial)
       out->meta.serial.clear();
@@ -102,9 +107,12 @@ Capture record_of(const Capture &joined, std::size_t k) {
   out.time_s = cut(joined.time_s);
   for (const Column &c : kColumns)
     out.*c.values = cut(joined.*c.values);
-  for (std::size_t gap : joined.gaps)
-    if (gap > from && gap < to)
-      out.gaps.push_back(gap - from);
+  for (std::size_t i = 0; i < joined.gaps.size(); ++i)
+    if (joined.gaps[i] > from && joined.gaps[i] < to) {
+      out.gaps.push_back(joined.gaps[i] - from);
+      if (!joined.turned_rad.empty())
+        out.turned_rad.push_back(joined.turned_rad[i]);
+    }
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/angle.h"
 #include "base/text.h"
 
 namespace ada {
@@ -37,8 +38,8 @@ std::string read_number(std::string_view text, Field &field, double most, bool z
 
 std::string read_periods(Meta &meta, std::string_view text) {
   const auto value = parse_number(text);
-  if (!value || *value < 1 || *value > 100 || *value != std::floor(*value))
-    return "must be a whole number from 1 to 100";
+  if (!value || *value < 1 || *value > kMostPeriodsATurn || *value != std::floor(*value))
+    return "must be a whole number from 1 to 65536";
   meta.periods_per_turn = static_cast<int>(*value);
   return {};
 }

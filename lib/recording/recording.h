@@ -9,14 +9,29 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "ada4571.h"
+#include "base/file_bytes.h"
 #include "recording/block.h"
 #include "recording/capture.h"
 #include "recording/columns.h"
 
 namespace ada {
+
+/// Neighbouring 16-bit numbers of VSIN and VCOS, in the machine's order and of one scale.
+struct RawPairs {
+  BytesRead frames; ///< of four bytes
+  ada4571_layout layout;
+  bool cos_first;
+
+  const std::byte *data() const { return std::span<const std::byte>(frames).data(); }
+  const std::byte *sin() const { return data() + (cos_first ? 2 : 0); }
+  const std::byte *cos() const { return data() + (cos_first ? 0 : 2); }
+};
 
 /// Immutable once made; every function may be called by several threads at once.
 class Recording {
@@ -45,6 +60,9 @@ public:
   void read(std::size_t block, ColumnMask wanted, Block &out) const {
     read(block, 0, size_, wanted, out);
   }
+
+  /// The pairs of a block as the converter gave them; nothing where they are kept in another form.
+  virtual std::optional<RawPairs> raw_pairs(std::size_t) const { return std::nullopt; }
 
   /// The block that holds a sample.
   std::size_t block_of(std::size_t sample) const;

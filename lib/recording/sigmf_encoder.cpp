@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "recording/fixed_point.h"
 
@@ -48,7 +49,7 @@ SigmfEncoder::SigmfEncoder(const CaptureMetadata &meta, const ChannelSet &presen
       channel.type = parse_sample_type("le:f64");
     }
     channels.push_back(channel);
-    items_.push_back({&column, volts});
+    items_.push_back({column.field, is_time, volts});
   }
   // As IIO does: the timestamp comes last.
   if (!form.regular) {
@@ -62,10 +63,10 @@ SigmfEncoder::SigmfEncoder(const CaptureMetadata &meta, const ChannelSet &presen
 std::optional<std::span<const std::byte>> SigmfEncoder::encode(const Frame &frame) {
   for (std::size_t i = 0; i < channels.size(); ++i) {
     const SigmfChannel &channel = channels[i];
-    const double value = frame.*items_[i].column->field;
+    const double value = frame.*items_[i].field;
     if (channel.type.is_float) {
       store(channel, std::bit_cast<std::uint64_t>(value));
-    } else if (channel.name == "time_s") {
+    } else if (items_[i].is_time) {
       store(channel, static_cast<std::uint64_t>(to_steps(value, power_of_ten(kTimeDecimals))));
     } else if (const auto code = code_of(channel, value, items_[i].steps)) {
       store(channel, *code);
@@ -77,8 +78,13 @@ std::optional<std::span<const std::byte>> SigmfEncoder::encode(const Frame &fram
 }
 
 void SigmfEncoder::store(const SigmfChannel &channel, std::uint64_t word) {
-  for (unsigned i = 0; i < channel.type.word.word_bytes(); ++i)
-    buffer_[channel.byte + i] = static_cast<std::byte>(word >> (8 * i));
+  if constexpr (std::endian::native == std::endian::big)
+    word = __builtin_bswap64(word);
+  std::byte *const at = buffer_.data() + channel.byte;
+  if (channel.type.word.storage == 64) // of a known length: no call
+    std::memcpy(at, &word, sizeof word);
+  else
+    std::memcpy(at, &word, channel.type.word.word_bytes());
 }
 
 } // namespace ada

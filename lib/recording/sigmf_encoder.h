@@ -38,7 +38,8 @@ public:
 
 private:
   struct Item {
-    const Column *column;
+    double Frame::*field;
+    bool is_time;
     double steps; ///< decimal steps a volt
   };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <optional>
 #include <set>
 #include <utility>
@@ -28,6 +29,9 @@ using Path = std::vector<std::string>;
 constexpr std::string_view kExtension = "ada4571";
 constexpr std::string_view kPrefix = "ada4571:";
 constexpr std::size_t kMaxFrameBytes = 1 << 16;
+/// Of a sample that can be counted here.
+constexpr std::uint64_t kMaxPlace =
+    std::min<std::uint64_t>(std::uint64_t{1} << 62, std::numeric_limits<std::size_t>::max());
 
 /// From the unit that a channel states to volts; 0 for any other unit.
 double volt_factor(std::string_view unit) {
@@ -267,7 +271,7 @@ private:
              "the channel " + excerpt(channel.name) + " does not fit into a frame of " +
                  std::to_string(bytes) + " bytes; laid out as IIO does, a frame has " +
                  std::to_string(needed));
-    out_.frame_bytes = bytes;
+    out_.frame_bytes = static_cast<std::size_t>(bytes);
   }
 
   void read_metadata(const Json &global, const Path &path) {
@@ -328,10 +332,10 @@ private:
 
   void read_segment(const Json &item, const Path &at) {
     SigmfSegment segment;
-    const auto start = count(item, at, "core:sample_start");
+    const auto start = count(item, at, "core:sample_start", kMaxPlace);
     if (!start)
       fail(at, "core:sample_start is missing");
-    segment.sample_start = *start;
+    segment.sample_start = static_cast<std::size_t>(*start);
     if (out_.segments.empty() ? *start != 0 : *start <= out_.segments.back().sample_start)
       fail(at / "core:sample_start",
            "core:sample_start must be 0 in the first segment and grow from each to the next");

@@ -35,10 +35,30 @@ Descriptor lock_folder(const std::string &folder) {
   return fd;
 }
 
-void refuse_while_recorded(const std::string &data_path) {
-  const Descriptor fd(::open(data_path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK));
-  if (fd.get() >= 0 && file_id(fd.get()) && !lock_for_writing(fd.get()))
+/// The file, locked; none where there is no regular file of that name.
+Descriptor lock_data(const std::string &data_path) {
+  Descriptor fd(::open(data_path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK));
+  if (fd.get() < 0 || !file_id(fd.get()))
+    return Descriptor();
+  if (!lock_for_writing(fd.get()))
     throw Error(ADA4571_ERROR_BUSY, data_path + ": another program is recording into this file");
+  return fd;
+}
+
+std::string without_end(const std::string &path) {
+  return path.substr(0, path.rfind('.'));
+}
+
+/// A link to a file that is not there yet is followed; of a pair it would be half of it.
+void refuse_torn_apart(const std::string &path) {
+  const std::string meta = sigmf_meta_path(path), data = sigmf_data_path(path);
+  if (file_id(meta) && file_id(data))
+    return; // somebody has put them so
+  const std::string meta_place = follow_links(meta), data_place = follow_links(data);
+  if (without_end(meta_place) != without_end(data_place))
+    throw Error(ADA4571_ERROR_INVALID_ARGUMENT, path +
+                                                    ": links would put its two files apart, at " +
+                                                    meta_place + " and " + data_place);
 }
 
 std::string name_in_folder(const std::string &path) {
@@ -49,6 +69,13 @@ std::string name_in_folder(const std::string &path) {
 
 bool lock_for_writing(int fd) noexcept {
   return ::flock(fd, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+}
+
+Descriptor claim_sigmf_pair(const std::string &path) {
+  refuse_torn_apart(path);
+  const std::string data_path = follow_links(sigmf_data_path(path));
+  const Descriptor lock = lock_folder(folder_of(data_path)); // a commit looks at the file, too
+  return lock_data(data_path);
 }
 
 void write_sigmf_meta(const SigmfMeta &meta, const std::string &meta_path) {
@@ -64,14 +91,15 @@ std::string free_sigmf_stem(const std::string &path) {
 }
 
 void publish_sigmf_pair(const std::string &path, SigmfMeta meta, const std::string &data,
-                        IfRefused refused) {
+                        IfRefused refused, const Descriptor &claim) {
   const std::string meta_path = follow_links(sigmf_meta_path(path));
   const std::string data_path = follow_links(sigmf_data_path(path));
   const std::string folder = folder_of(data_path);
   Descriptor lock;
   try {
     lock = lock_folder(folder);
-    refuse_while_recorded(data_path);
+    if (claim.get() < 0 || file_id(claim.get()) != file_id(data_path))
+      lock_data(data_path);
     // A meta file elsewhere, by a link, cannot name the data file; then the checksum has to tell.
     meta.dataset = folder_of(meta_path) == folder ? name_in_folder(data) : "";
     if (!meta.dataset.empty())

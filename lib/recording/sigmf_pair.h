@@ -10,9 +10,16 @@
 
 #include <string>
 
+#include "base/descriptor.h"
 #include "recording/sigmf_meta.h"
 
 namespace ada {
+
+/// Before the work: throws Error(ADA4571_ERROR_INVALID_ARGUMENT) where links would put the two
+/// files of a new recording apart, Error(ADA4571_ERROR_BUSY) when another program is recording
+/// there. The old data file, locked against a second writer as long as this is open; none where
+/// there is none. `path` names either file.
+Descriptor claim_sigmf_pair(const std::string &path);
 
 /// Writes the meta file whole or not at all.
 void write_sigmf_meta(const SigmfMeta &meta, const std::string &meta_path);
@@ -25,9 +32,10 @@ enum class IfRefused { keep, remove };
 
 /// `path` names either file of the recording; `data` is the data file, on the disk and in the same
 /// folder, which is renamed. Throws Error(ADA4571_ERROR_BUSY) when another program is recording
-/// there; the recording of that name is the old one or the new one, whatever happens.
+/// there, who holds `claim` excepted; the recording of that name is the old one or the new one,
+/// whatever happens.
 void publish_sigmf_pair(const std::string &path, SigmfMeta meta, const std::string &data,
-                        IfRefused refused);
+                        IfRefused refused, const Descriptor &claim = Descriptor());
 
 /// Locks a file against a second writer until it is closed; false when it has one.
 bool lock_for_writing(int fd) noexcept;

@@ -10,8 +10,7 @@
 #include <iterator>
 #include <utility>
 
-#include <zlib.h>
-
+#include "base/checksum.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
@@ -28,7 +27,7 @@ constexpr std::size_t kBlockFrames = 16384;
 /// What the check of one block finds, put together in order.
 struct Checked {
   Block block;
-  uLong crc = 0;
+  std::uint32_t crc = 0;
   RateSteps steps;
 };
 
@@ -64,6 +63,21 @@ public:
     place(block, offset, count, out);
     const ColumnMask in_file = regular_ ? kAllColumns & ~kTimeColumn : kAllColumns;
     decode(wanted & in_file ? frames(out.first, out.count) : BytesRead({}), wanted, out);
+  }
+
+  std::optional<RawPairs> raw_pairs(std::size_t block) const override {
+    const SigmfChannel &sin = *columns_[1], &cos = *columns_[2];
+    SampleType whole;
+    whole.word.is_signed = sin.type.word.is_signed;
+    whole.word.big_endian = std::endian::native == std::endian::big;
+    if (sin.type != whole || cos.type != whole || sin.scale != cos.scale ||
+        sin.offset != cos.offset || sin.scale == 0 || meta_.frame_bytes != 4)
+      return std::nullopt;
+    const std::size_t begin = block_begin(block);
+    return RawPairs{frames(begin, block_begin(block + 1) - begin),
+                    {sizeof(ada4571_layout), whole.word.is_signed ? ADA4571_S16 : ADA4571_U16,
+                     meta_.frame_bytes, sin.scale, sin.offset, 0, 0},
+                    cos.byte < sin.byte};
   }
 
 private:
@@ -201,12 +215,12 @@ private:
         checked |= 1u << c;
     if (checked == 0 && !meta_.data_crc32)
       return;
-    uLong crc = crc32(0, nullptr, 0);
+    std::uint32_t crc = 0;
     RateSteps steps(meta_.meta.sample_rate_hz);
     in_order<Checked>(
         blocks(), [&](std::size_t k, Checked &c) { check_block(k, checked, c); },
         [&](std::size_t k, Checked &c) {
-          crc = crc32_combine(crc, c.crc, static_cast<z_off_t>(c.block.count * meta_.frame_bytes));
+          crc = crc32_joined(crc, c.crc, c.block.count * meta_.frame_bytes);
           if (!regular_)
             join_times(k, c, steps);
         });
@@ -226,8 +240,7 @@ private:
     const std::span<const std::byte> bytes = read;
     decode(bytes, wanted, block);
     if (meta_.data_crc32)
-      out.crc = crc32(crc32(0, nullptr, 0), reinterpret_cast<const Bytef *>(bytes.data()),
-                      static_cast<uInt>(bytes.size()));
+      out.crc = crc32_of(bytes);
     for (const Column &column : kColumns) {
       const auto values = block.*column.block;
       for (std::size_t i = 0; i < values.size(); ++i)

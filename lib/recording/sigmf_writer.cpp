@@ -10,9 +10,8 @@
 #include <cstring>
 #include <optional>
 
-#include <zlib.h>
-
 #include "base/atomic_file.h"
+#include "base/checksum.h"
 #include "base/file_bytes.h"
 #include "recording/fixed_point.h"
 #include "recording/frame_check.h"
@@ -30,7 +29,8 @@ public:
   SigmfWriter(const std::string &path, const CaptureMetadata &meta, const ChannelSet &channels)
       : check_(meta, channels), path_(path), data_file_(new_data_file()),
         encoder_(meta, channels, first_form(meta)) {
-    // A meta file that cannot be written is better known before the work.
+    // What cannot be put in place is better known before the work.
+    claim_sigmf_pair(path);
     if (AtomicFile(sigmf_meta_path(path)).in_place() || data_file_->in_place())
       throw Error(ADA4571_ERROR_INVALID_ARGUMENT, path + ": SigMF needs two regular files");
   }
@@ -118,8 +118,7 @@ private:
   }
 
   void put(std::span<const std::byte> bytes) {
-    crc_ = static_cast<std::uint32_t>(crc32(crc_, reinterpret_cast<const Bytef *>(bytes.data()),
-                                            static_cast<uInt>(bytes.size())));
+    crc_ = crc32_of(bytes, crc_);
     data_file_->write(bytes.data(), bytes.size());
   }
 

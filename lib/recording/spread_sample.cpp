@@ -53,7 +53,8 @@ std::size_t sample_place(std::size_t size, std::size_t most, std::size_t stretch
   if (size <= most)
     return place;
   const std::size_t length = size / (most / stretch), part = place / stretch;
-  return part * length + scattered(part) % (length - stretch + 1) + place % stretch;
+  return part * length + static_cast<std::size_t>(scattered(part) % (length - stretch + 1)) +
+         place % stretch;
 }
 
 std::shared_ptr<const Capture> spread_sample(const Recording &recording, std::size_t most,

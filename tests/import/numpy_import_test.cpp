@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "imported.h"
@@ -25,9 +27,13 @@ std::string npy(const std::string &header, const std::string &data, char version
   return out + header + data;
 }
 
+/// Little-endian, whatever the order of this machine's own numbers.
 std::string doubles(const std::vector<double> &values) {
   std::string out(values.size() * sizeof(double), '\0');
   std::memcpy(out.data(), values.data(), out.size());
+  if constexpr (std::endian::native == std::endian::big)
+    for (auto number = out.begin(); number != out.end(); number += sizeof(double))
+      std::reverse(number, number + sizeof(double));
   return out;
 }
 
@@ -48,10 +54,10 @@ TEST(NumpyImport, ATableInEitherOrderOfMemory) {
     EXPECT_EQ(got.frames[1].vsin_v, 1.75);
     EXPECT_NEAR(got.meta.sample_rate_hz.value_or(0), 10.0, 1e-12);
   }
-  const Imported fortran = import_text(
-      npy("{'descr': '<f8', 'fortran_order': True, 'shape': (3, 3), }\n",
-          doubles({0, 0.1, 0.2, 1.5, 1.75, 2, 2.5, 2.25, 2})),
-      numbered());
+  const Imported fortran =
+      import_text(npy("{'descr': '<f8', 'fortran_order': True, 'shape': (3, 3), }\n",
+                      doubles({0, 0.1, 0.2, 1.5, 1.75, 2, 2.5, 2.25, 2})),
+                  numbered());
   ASSERT_EQ(fortran.frames.size(), 3u) << fortran.error;
   EXPECT_EQ(fortran.frames[1].vcos_v, 2.25);
 }
@@ -61,7 +67,8 @@ TEST(NumpyImport, RecordsWithNamesAndIntegersInBigEndian) {
                              "False, 'shape': (2,), }\n";
   ImportOptions options;
   options.sample_rate_hz = 100.0;
-  const Imported got = import_text(npy(header, std::string("\xff\x9c\x05\x00\x64\x07", 6)), options);
+  const Imported got =
+      import_text(npy(header, std::string("\xff\x9c\x05\x00\x64\x07", 6)), options);
   ASSERT_EQ(got.frames.size(), 2u) << got.error;
   EXPECT_DOUBLE_EQ(got.frames[0].vsin_v, -0.1);
   EXPECT_DOUBLE_EQ(got.frames[1].vcos_v, 0.007);
@@ -74,9 +81,11 @@ TEST(NumpyImport, WhatIsCutShortOrHostileIsRefused) {
   const auto status = [&](const std::string &header) {
     return import_text(npy(header, doubles(kTable)), numbered()).status;
   };
-  EXPECT_EQ(status("{'descr': '|O', 'fortran_order': False, 'shape': (3, 3), }\n"), ADA4571_ERROR_FORMAT);
-  EXPECT_EQ(status("{'descr': '<f8', 'fortran_order': False, 'shape': (4294967296, 4294967296), }\n"),
+  EXPECT_EQ(status("{'descr': '|O', 'fortran_order': False, 'shape': (3, 3), }\n"),
             ADA4571_ERROR_FORMAT);
+  EXPECT_EQ(
+      status("{'descr': '<f8', 'fortran_order': False, 'shape': (4294967296, 4294967296), }\n"),
+      ADA4571_ERROR_FORMAT);
   EXPECT_EQ(status("{'descr': '<f8', 'fortran_order': False, 'shape': (3, 3, 1), }\n"),
             ADA4571_ERROR_FORMAT);
   EXPECT_EQ(status("{'descr': '<f8', 'fortran_order': False}\n"), ADA4571_ERROR_FORMAT);

@@ -31,7 +31,8 @@ TEST(TextImport, KeysightNamesInOneLineAndUnitsInTheNext) {
                      "-0.5E-03,+1.75E+00,2.25E+00\n+0.0E+00,+2.00E+00,2.00E+00\n";
   expect_samples(import_text(file, pair("#2", "#3")), -1e-3, 0.5e-3);
   const Imported number_or_name = import_text(file, pair("1", "2"));
-  EXPECT_EQ(number_or_name.error, "file:1: '1' is a column's number and another one's name: give #1 or #2");
+  EXPECT_EQ(number_or_name.error,
+            "file:1: '1' is a column's number and another one's name: give --sin #1 or #2");
 }
 
 TEST(TextImport, RigolCountsSamplesAndNamesTheIncrement) {
@@ -46,6 +47,19 @@ TEST(TextImport, RigolWithUnitsInTheNames) {
                              "2e-6,2.0,2.0\r\n",
                              pair("ch1", "ch2")),
                  0.0, 1e-6);
+}
+
+TEST(TextImport, AColumnIsCalledByItsNameWithOrWithoutTheUnit) {
+  const char *file =
+      "Time(s),CH1 [V],CH1 [mV],CH2_V\n0.0,1.5,0,2.5\n1e-6,1.75,0,2.25\n2e-6,2,0,2\n";
+  for (const char *cos : {"CH2", "CH2_V", "ch2 (V)", "CH2 [v]"})
+    expect_samples(import_text(file, pair("CH1 [V]", cos)), 0.0, 1e-6);
+  for (const char *wrong : {"CH2 [A]", "CH3 [V]", "[V]", "CH1 [V] [V]"})
+    EXPECT_NE(import_text(file, pair("CH1 [V]", wrong)).error.find("there is no column"),
+              std::string::npos)
+        << wrong;
+  EXPECT_NE(import_text(file, pair("CH1", "CH2")).error.find("more than one column"),
+            std::string::npos);
 }
 
 TEST(TextImport, SiglentPreamble) {
@@ -117,9 +131,11 @@ TEST(TextImport, ScaleOffsetUnitsAndTheOptionalChannels) {
   EXPECT_DOUBLE_EQ(got.frames[0].reference_deg, 180.0);
   const Imported unknown = import_text("t,sin,cos,angle\n0,1,2,3\n1,1,2,3\n2,1,2,3\n");
   EXPECT_EQ(unknown.error,
-            "file:1: column 4 'angle' does not say whether it is in degrees or radians: say which");
+            "file:1: column 4 'angle' does not say whether it is in degrees or radians: give "
+            "--reference-unit");
   const Imported wrong = import_text("t,sin (A),cos\n0,1,2\n1,1,2\n2,1,2\n", pair("sin", "cos"));
-  EXPECT_EQ(wrong.error, "file:1: column 2 'sin' is in 'a', which is no unit of vsin_v: give a scale");
+  EXPECT_EQ(wrong.error, "file:1: column 2 'sin' is in 'A', which is no unit of vsin_v: give "
+                         "--scale sin=FACTOR");
 }
 
 TEST(TextImport, WhatCanBeTwoThingsIsRefused) {
@@ -134,9 +150,10 @@ TEST(TextImport, WhatCanBeTwoThingsIsRefused) {
             "separator and decimal mark at once");
   EXPECT_EQ(import_text("t,sin,cos\n0,1,2\n1,1,2\n2,1,2\n", pair("sin", "sin")).status,
             ADA4571_ERROR_INVALID_ARGUMENT);
-  EXPECT_NE(import_text("t,sin,cos\n0,1,2\n1,1,2\n2,1,2\n", pair("sin", "cox")).error.find(
-                "there is no column 'cox'; there are 1 't', 2 'sin', 3 'cos'"),
-            std::string::npos);
+  EXPECT_NE(
+      import_text("t,sin,cos\n0,1,2\n1,1,2\n2,1,2\n", pair("sin", "cox"))
+          .error.find("there is no column 'cox' for --cos; there are 1 't', 2 'sin', 3 'cos'"),
+      std::string::npos);
 }
 
 TEST(TextImport, ABadCellIsNamedByLineAndColumn) {

@@ -136,6 +136,89 @@ TEST_F(GrowingWriterTest, HasOneWriterAtATime) {
   EXPECT_EQ(read_capture(meta_path_).size(), 10u);
 }
 
+TEST_F(GrowingWriterTest, SaysWhichNumberDiffersAndBothOfThem) {
+  write(*open(), 0, 10);
+  struct Other {
+    void (*change)(CaptureMetadata &);
+    const char *said;
+  };
+  for (const Other &other :
+       {Other{[](CaptureMetadata &m) { m.sample_rate_hz = 2500; },
+              "its sample rate is 10000 Hz, now it would be 2500 Hz"},
+        Other{[](CaptureMetadata &m) { m.sample_rate_hz.reset(); },
+              "its sample rate is 10000 Hz, now it would be unknown"},
+        Other{[](CaptureMetadata &m) { m.supply_v = 3.3; },
+              "its supply is 5 V, now it would be 3.3 V"},
+        Other{[](CaptureMetadata &m) { m.periods_per_turn = 7; }, ", now it would be 7"}}) {
+    CaptureMetadata meta = capture_.meta;
+    other.change(meta);
+    const std::string why =
+        failure([&] { open_growing_writer(meta_path_, meta, ChannelSet::of(capture_), true); });
+    EXPECT_NE(why.find(other.said), std::string::npos) << why;
+  }
+}
+
+/// Beside an old recording each grows under a name of its own, and the last one would win.
+TEST_F(GrowingWriterTest, HasOneWriterAtATimeThatReplacesAnOldRecording) {
+  write_capture(capture_, meta_path_);
+  const auto writer = open();
+  for (const bool begun : {false, true}) {
+    for (const bool resume : {false, true}) {
+      ada4571_status status = ADA4571_OK;
+      EXPECT_NE(failure([&] { open(resume); }, &status), "");
+      EXPECT_EQ(status, ADA4571_ERROR_BUSY);
+    }
+    ada4571_status status = ADA4571_OK;
+    EXPECT_NE(failure([&] { write_capture(capture_, meta_path_); }, &status), "");
+    EXPECT_EQ(status, ADA4571_ERROR_BUSY);
+    if (!begun)
+      write(*writer, 0, 10);
+  }
+  writer->finish();
+  EXPECT_EQ(read_capture(meta_path_).size(), 10u);
+  EXPECT_EQ(folder_.names().size(), 2u);
+}
+
+TEST_F(GrowingWriterTest, SaysWhereTheRecordingIsThatCannotTakeItsPlace) {
+  write_capture(capture_, meta_path_);
+  const auto writer = open();
+  write(*writer, 0, 10);
+  std::filesystem::remove(data_path_);
+  std::filesystem::create_directory(data_path_); // which no rename replaces
+  const std::string why = failure([&] { writer->finish(); });
+  const auto at = why.find("; what was recorded is in ");
+  ASSERT_NE(at, std::string::npos) << why;
+  EXPECT_EQ(read_capture(why.substr(why.find(folder_ / "", at))).size(), 10u) << why;
+}
+
+/// A link to what is not there yet is followed, and the other file would stay behind.
+TEST_F(GrowingWriterTest, LinksDoNotTearAPairApart) {
+  std::filesystem::create_directory(folder_ / "far");
+  for (const std::string &name : {meta_path_, data_path_}) {
+    const std::string target = "far/" + std::filesystem::path(name).filename().string();
+    std::filesystem::create_symlink(target, name);
+    ada4571_status status = ADA4571_OK;
+    for (const bool resume : {false, true}) {
+      const std::string why = failure([&] { open(resume); }, &status);
+      EXPECT_NE(why.find("far/c.sigmf-"), std::string::npos) << why;
+      EXPECT_EQ(status, ADA4571_ERROR_INVALID_ARGUMENT);
+    }
+    EXPECT_NE(failure([&] { write_capture(capture_, meta_path_); }, &status), "");
+    EXPECT_EQ(status, ADA4571_ERROR_INVALID_ARGUMENT);
+    std::filesystem::remove(name);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "far"));
+  // Both of them lead to a pair again.
+  std::filesystem::create_symlink("far/d.sigmf-meta", meta_path_);
+  std::filesystem::create_symlink("far/d.sigmf-data", data_path_);
+  write_capture(capture_, meta_path_);
+  EXPECT_EQ(read_capture(folder_ / "far/d.sigmf-meta").identity, capture_identity(capture_));
+  const auto writer = open();
+  write(*writer, 0, 10);
+  writer->finish();
+  EXPECT_EQ(read_capture(meta_path_).size(), 10u);
+}
+
 TEST_F(GrowingWriterTest, AnOldRecordingStaysUntilTheNewOneIsComplete) {
   write_capture(capture_, meta_path_);
   const std::string before = read_capture(meta_path_).identity;

@@ -5,9 +5,12 @@
 
 #include "recording/sigmf_reader.h"
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
@@ -20,9 +23,12 @@
 namespace ada::test {
 namespace {
 
+/// Little-endian, whatever the order of this machine's own numbers.
 template <class T> void append(std::string &out, T value) {
   char bytes[sizeof value];
   std::memcpy(bytes, &value, sizeof value);
+  if constexpr (std::endian::native == std::endian::big)
+    std::reverse(std::begin(bytes), std::end(bytes));
   out.append(bytes, sizeof value);
 }
 

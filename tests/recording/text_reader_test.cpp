@@ -157,7 +157,7 @@ const Malformed kMalformed[] = {
     {"SupplyZero", HEAD "# supply_v = 0\n",
      ":2:14: supply_v must be a number above 0 and at most 100, not '0'"},
     {"Periods", HEAD "# periods_per_turn = 1.5\n",
-     ":2:22: periods_per_turn must be a whole number from 1 to 100, not '1.5'"},
+     ":2:22: periods_per_turn must be a whole number from 1 to 65536, not '1.5'"},
     {"GainControl", HEAD "# gain_control = yes\n",
      ":2:18: gain_control must be on or off, not 'yes'"},
     {"Rate", HEAD "# sample_rate_hz = inf\n",
