@@ -28,12 +28,13 @@ struct CaptureBlock {
 class CaptureStream {
 public:
   using Clock = std::chrono::steady_clock;
-  enum class Event { data, timeout, cancelled };
+  enum class Event { data, timeout, end, cancelled };
 
   virtual ~CaptureStream() = default;
   /// Waits for the next block until the deadline; a deadline in the past looks once. `cancelled`
-  /// while the cancellation is up. The block lives until the next call. Throws DISCONNECTED when
-  /// device or server are gone, IO otherwise.
+  /// while the cancellation is up. `end`: a server that plays a recording has come to its end. The
+  /// block lives until the next call. Throws DISCONNECTED when device or server are gone, IO
+  /// otherwise.
   virtual Event next(CaptureBlock &block, Clock::time_point deadline) = 0;
   /// Has the descriptors watched that are readable when next() may have something. One may be so for
   /// nothing; a next() that is a time-out makes it quiet.

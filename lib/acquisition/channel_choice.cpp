@@ -4,6 +4,7 @@
 #include "acquisition/channel_choice.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.h"
 
@@ -62,12 +63,29 @@ std::size_t require_role(const IioDevice &device, const std::string &option, con
   return *found;
 }
 
+bool has_role(const IioDevice &device, const std::string &option, const char *label) {
+  const auto i = option.empty() ? find_labelled(device, label) : find_named(device, option);
+  return i && usable(device.channels[*i]);
+}
+
 bool serves(const IioDevice &device, const ChannelSelection &selection) {
-  const auto has = [&](const std::string &option, const char *label) {
-    const auto i = option.empty() ? find_labelled(device, label) : find_named(device, option);
-    return i && usable(device.channels[*i]);
-  };
-  return has(selection.sin, "vsin") && has(selection.cos, "vcos");
+  return has_role(device, selection.sin, "vsin") && has_role(device, selection.cos, "vcos");
+}
+
+/// "a voltage channel "foo"", "a channel labelled vcos", or both: what no device has, or no device
+/// has together.
+std::string what_is_missing(std::span<const IioDevice> devices, const ChannelSelection &selection) {
+  std::string all, missing;
+  for (const auto &[option, label] :
+       {std::pair(&selection.sin, "vsin"), std::pair(&selection.cos, "vcos")}) {
+    const std::string what = option->empty() ? std::string("a channel labelled ") + label
+                                             : "a voltage channel \"" + *option + "\" to capture";
+    all += (all.empty() ? "" : " and ") + what;
+    if (std::none_of(devices.begin(), devices.end(),
+                     [&](const IioDevice &d) { return has_role(d, *option, label); }))
+      missing += (missing.empty() ? "" : " or ") + what;
+  }
+  return missing.empty() ? all : missing;
 }
 
 } // namespace
@@ -134,6 +152,10 @@ const IioDevice &choose_device(std::span<const IioDevice> devices, const std::st
                 "no IIO device \"" + name + "\"; there is " + (known.empty() ? "none" : known));
   }
 
+  const bool named = !selection.sin.empty() || !selection.cos.empty();
+  if (named && devices.size() == 1)
+    return devices.front(); // what does not fit is said of it, channel by channel
+
   std::vector<const IioDevice *> fitting;
   for (const IioDevice &device : devices)
     if (serves(device, selection))
@@ -144,10 +166,10 @@ const IioDevice &choose_device(std::span<const IioDevice> devices, const std::st
   if (fitting.empty()) {
     for (const IioDevice &device : devices)
       listed += (listed.empty() ? "" : "; ") + display_name(device) + ": " + list_channels(device);
-    throw Error(ADA4571_ERROR_NOT_FOUND,
-                "no IIO device has channels labelled vsin and vcos: name device and channels by "
-                "option; there is " +
-                    (listed.empty() ? "no IIO device" : listed));
+    throw Error(ADA4571_ERROR_NOT_FOUND, "no IIO device has " +
+                                             what_is_missing(devices, selection) +
+                                             ": name device and channels by option; there is " +
+                                             (listed.empty() ? "no IIO device" : listed));
   }
   for (const IioDevice *device : fitting)
     listed += (listed.empty() ? "" : ", ") + display_name(*device);

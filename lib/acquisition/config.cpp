@@ -17,6 +17,7 @@
 #include <toml++/toml.h>
 
 #include "base/toml_text.h"
+#include "base/angle.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 
@@ -234,7 +235,7 @@ StoredConfig parse_config(std::string_view text, const std::string &path) {
         {"sample_rate_hz", r.number(s.sample_rate_hz, 1e-3, 1e9)},
         {"latency_s", r.number(s.latency_s, 1e-6, 60.0)},
         {"supply_v", r.number(s.supply_v, 0.1, 50.0)},
-        {"periods_per_turn", r.integer(s.periods_per_turn, 1, 64)}}},
+        {"periods_per_turn", r.integer(s.periods_per_turn, 1, kMostPeriodsATurn)}}},
       {"pins",
        {{"gc", r.text(config.pins.gc)},
         {"pd", r.text(config.pins.pd)},

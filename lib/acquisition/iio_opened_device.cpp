@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "acquisition/iio_attributes.h"
+#include "base/angle.h"
 #include "base/error.h"
 
 namespace ada {
@@ -63,9 +64,13 @@ void describe_source(OpenedDevice &o, const IioSourceOptions &options) {
   const IioChannel &sin = o.device.channels[o.choice.sin];
   o.info.description = options.uri + " " + display_name(o.device);
   o.info.serial = o.context->attribute("hw_serial");
-  o.info.sample_rate_hz = options.sample_rate_hz > 0.0
-                              ? write_sample_rate(*o.context, o.device, sin, options.sample_rate_hz)
-                              : read_sample_rate(*o.context, o.device, sin);
+  const double found_hz = read_sample_rate(*o.context, o.device, sin);
+  o.info.sample_rate_hz = found_hz;
+  if (options.sample_rate_hz > 0.0) {
+    o.info.sample_rate_hz = write_sample_rate(*o.context, o.device, sin, options.sample_rate_hz);
+    if (found_hz > 0.0 && found_hz != o.info.sample_rate_hz)
+      o.rate_before = found_hz;
+  }
   o.info.supply_v = options.supply_v;
   o.info.periods_per_turn = options.periods_per_turn;
   o.info.has_vtemp = o.choice.temp.has_value();
@@ -87,8 +92,8 @@ void check_options(const IioSourceOptions &options) {
     refuse("sample_rate_hz must be from 0 to 1e9");
   if (!(options.supply_v > 0.0 && options.supply_v <= 50.0))
     refuse("supply_v must be greater than 0 and at most 50");
-  if (options.periods_per_turn < 1 || options.periods_per_turn > 64)
-    refuse("periods_per_turn must be from 1 to 64");
+  if (options.periods_per_turn < 1 || options.periods_per_turn > kMostPeriodsATurn)
+    refuse("periods_per_turn must be from 1 to 65536");
   if (options.buffer_frames > kMostFramesAsked)
     refuse("buffer_frames must be at most 16777216");
   if (!(options.latency_s >= 0.0 && options.latency_s <= 60.0))
@@ -107,6 +112,16 @@ OpenedDevice open_iio_device(const IioSourceOptions &options) {
   prefer_monotonic_clock(o);
   describe_source(o, options);
   return o;
+}
+
+void set_rate_back(OpenedDevice &opened) noexcept {
+  if (!opened.rate_before || !opened.context)
+    return;
+  try {
+    write_sample_rate(*opened.context, opened.device, opened.channel(opened.choice.sin),
+                      *opened.rate_before);
+  } catch (const std::exception &) { // the device is gone, or another program reads it by now
+  }
 }
 
 std::size_t buffer_frames(const OpenedDevice &opened, const IioSourceOptions &options) {

@@ -32,6 +32,7 @@ struct OpenedDevice {
   std::vector<Signal> signals;
   std::optional<std::pair<ElementDecoder, std::size_t>> timestamp; ///< with its element
   SourceInfo info;
+  std::optional<double> rate_before; ///< that opening has changed
 
   const IioChannel &channel(std::size_t i) const { return device.channels[i]; }
 };
@@ -41,6 +42,9 @@ void check_options(const IioSourceOptions &options);
 
 /// Finds device and channels, sets trigger, rate and clock.
 OpenedDevice open_iio_device(const IioSourceOptions &options);
+
+/// Leaves a device that was opened and never read at the rate at which it was found.
+void set_rate_back(OpenedDevice &opened) noexcept;
 
 /// Frames of a buffer: as many as asked for, else as many as the latency allows.
 std::size_t buffer_frames(const OpenedDevice &opened, const IioSourceOptions &options);

@@ -42,6 +42,8 @@ public:
     opened_.info.buffer_frames = buffer_frames(opened_, options_);
   }
 
+  ~IioSourceImpl() override { set_rate_back(opened_); }
+
   const SourceInfo &info() const override { return opened_.info; }
   SourceStatistics statistics() const override { return clock_.statistics(); }
 
@@ -141,6 +143,7 @@ void IioSourceImpl::start() {
     layout_ = compute_layout(opened_.formats);
     assembler_.reset(layout_.frame_bytes);
     stream_ = make_stream();
+    opened_.rate_before.reset(); // it is in use
     cancellation_.lower();
     if (loop_)
       stream_->announce_to(loop_->readiness);
@@ -209,6 +212,8 @@ ReadResult IioSourceImpl::read_frames(std::span<Frame> out, milliseconds timeout
         return {ReadOutcome::cancelled, 0};
       case CaptureStream::Event::timeout:
         return {ReadOutcome::timeout, 0};
+      case CaptureStream::Event::end:
+        return {ReadOutcome::end, 0};
       case CaptureStream::Event::data:
         if (block.layout->frame_bytes != layout_.frame_bytes ||
             block.layout->offsets != layout_.offsets) {

@@ -21,7 +21,7 @@ struct IioSourceOptions {
   std::string trigger;           ///< empty: leave what is set
   double sample_rate_hz = 0.0;   ///< 0: leave what is set
   double supply_v = 5.0;         ///< (0, 50]
-  int periods_per_turn = 2;      ///< 1 to 64
+  int periods_per_turn = 2;      ///< 1 to 65536
   std::size_t buffer_frames = 0; ///< 0: as many as latency_s allows
   double latency_s = 0.0; ///< longest wait of a frame for its buffer; 0: a twentieth of a second
 };

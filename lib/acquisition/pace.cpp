@@ -8,6 +8,8 @@
 
 #include <sys/timerfd.h>
 
+#include "base/timespec.h"
+
 namespace ada {
 
 namespace {
@@ -55,8 +57,7 @@ Pace::Wake Pace::wait(double time_s, std::chrono::milliseconds timeout) const {
     const auto left = limit - Clock::now();
     if (left <= left.zero())
       return bounded ? Wake::timeout : Wake::due;
-    const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(left).count();
-    const timespec wait{static_cast<time_t>(ns / 1'000'000'000), ns % 1'000'000'000};
+    const timespec wait = timespec_of(std::chrono::duration_cast<std::chrono::nanoseconds>(left));
     pollfd fd = {cancellation_.fd(), POLLIN, 0};
     ppoll(&fd, 1, &wait, nullptr);
   }
@@ -89,10 +90,10 @@ void Pace::announce(double time_s) {
 /// An expired timer stays readable until it is set anew, since nobody reads it. steady_clock is
 /// CLOCK_MONOTONIC; a time of 0 would switch the timer off.
 void Pace::set_timer(Clock::time_point when) {
-  const auto ns = std::max<std::int64_t>(
-      1, std::chrono::duration_cast<std::chrono::nanoseconds>(when.time_since_epoch()).count());
+  using std::chrono::nanoseconds;
   itimerspec at{};
-  at.it_value = {static_cast<time_t>(ns / 1'000'000'000), ns % 1'000'000'000};
+  at.it_value = timespec_of(
+      std::max(nanoseconds(1), std::chrono::duration_cast<nanoseconds>(when.time_since_epoch())));
   if (timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &at, nullptr) != 0)
     throw Error(ADA4571_ERROR_IO, "cannot set a timer: " + errno_text(errno));
 }

@@ -81,7 +81,7 @@ double SampleClock::accept(std::int64_t timestamp_ns, std::optional<std::int64_t
   }
 
   if (frames_ < kLearn) {
-    early_[frames_] = elapsed_ns_;
+    early_[static_cast<std::size_t>(frames_)] = elapsed_ns_;
     if (++frames_ == kLearn)
       learn();
   } else {
@@ -117,7 +117,7 @@ double SampleClock::repeated_ns() {
 }
 
 void SampleClock::learn() {
-  const std::size_t n = std::min<std::size_t>(frames_, kLearn);
+  const std::size_t n = static_cast<std::size_t>(std::min<std::uint64_t>(frames_, kLearn));
   if (n < 2)
     return;
   period_ns_ = choose_period(typical_interval(std::span(early_).first(n)), nominal_period_ns_);

@@ -77,6 +77,8 @@ public:
       }
       if (ended && failure_)
         std::rethrow_exception(failure_);
+      if (ended && over_)
+        return Event::end;
       if (last_look)
         return Event::timeout;
       wait(deadline);
@@ -102,7 +104,7 @@ private:
 
   void run() noexcept {
     try {
-      while (!stopping())
+      while (!stopping() && !over_)
         refill_once();
     } catch (...) {
       failure_ = std::current_exception();
@@ -121,6 +123,10 @@ private:
     }
     if (stopping())
       return;
+    if (n == -ENODATA) { // no device answers that: the recording that the server plays is over
+      over_ = true;
+      return;
+    }
     const auto took = Clock::now() - began;
     const int error = n == 0 ? EPIPE : static_cast<int>(-n);
     // The client reports its own time-out as a broken pipe; a server that died is quick about it.
@@ -194,6 +200,7 @@ private:
   WakeUp room_;                ///< rings for a free slot, and to stop
   bool lent_ = false;          ///< the reader's
   std::exception_ptr failure_; ///< written before `ended_`
+  bool over_ = false;          ///< written before `ended_`
   std::thread thread_;
 };
 

@@ -36,8 +36,9 @@ struct EmulatedSensor {
 };
 
 /// voltage0... as the channels are, timestamp, sampling_frequency, which is settable to one of
-/// sampling_frequency_available while no buffer is open, and a trigger of the same rate. Each buffer
-/// begins anew. `raw` is what the converter gives at the moment of the reading.
+/// sampling_frequency_available while no buffer is open, and a trigger of the same rate. Each
+/// buffer begins anew, but for one that takes the place of one that timed out. `raw` is what the
+/// converter gives at the moment of the reading.
 std::shared_ptr<ServedContext> emulated_context(EmulatedSensor sensor);
 
 } // namespace ada

@@ -123,7 +123,7 @@ std::shared_ptr<ServedContext> replayed_context(std::shared_ptr<const Capture> c
                         speed};
   sensor.time_s = [capture, speed, rate_hz](std::uint64_t frame) {
     const auto &times = capture->time_s;
-    const std::size_t i = std::min<std::uint64_t>(frame, times.size() - 1);
+    const auto i = static_cast<std::size_t>(std::min<std::uint64_t>(frame, times.size() - 1));
     return (times[i] - times.front()) / speed + static_cast<double>(frame - i) / rate_hz;
   };
   return emulated_context(std::move(sensor));

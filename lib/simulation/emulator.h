@@ -13,8 +13,9 @@
 namespace ada {
 
 /// The device "ada4571-sim" with voltage0 to voltage3 labelled vsin, vcos, vtemp, vdd (as far as
-/// the simulation has them) and timestamp. Each buffer begins the simulation anew. VDD is measured
-/// through a divider of one half, since it may exceed the converter's reference.
+/// the simulation has them) and timestamp. Each buffer begins the simulation anew, but for one
+/// that takes the place of one that timed out. VDD is measured through a divider of one half, since
+/// it may exceed the converter's reference.
 std::shared_ptr<ServedContext> emulated_context(std::shared_ptr<const Simulation> simulation);
 
 /// The device "ada4571-replay", which gives the capture `speed` times as fast as it was recorded; its

@@ -71,14 +71,19 @@ int IiodBuffer::open(std::size_t samples, std::string_view mask) {
       !memory_.take(samples * layout_.frame_bytes))
     return ENOMEM;
   mask_ = mask;
-  stream_ = device_.frames();
   counts_.resize(std::min(samples, kPiece) * columns_);
   bytes_.assign(samples * layout_.frame_bytes, '\0');
-  began_ = Clock::now();
-  began_ns_ = std::chrono::duration_cast<std::chrono::nanoseconds>(
-                  std::chrono::system_clock::now().time_since_epoch())
-                  .count();
   return 0;
+}
+
+void IiodBuffer::begin(std::optional<Run> left) {
+  if (left) {
+    run_ = std::move(*left);
+    return;
+  }
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  run_ = {device_.frames(), 0, Clock::now(),
+          std::chrono::duration_cast<std::chrono::nanoseconds>(now).count()};
 }
 
 std::size_t IiodBuffer::frames_in(std::size_t bytes) const {
@@ -95,22 +100,23 @@ double IiodBuffer::time_of(std::uint64_t frame) const {
 IiodBuffer::Clock::time_point IiodBuffer::due(std::size_t frames) const {
   if (device_.rate_hz <= 0.0)
     return Clock::now();
-  const double seconds = time_of(produced_ + frames - 1) + 1.0 / device_.rate_hz;
-  return began_ +
+  const double seconds = time_of(run_.produced + frames - 1) + 1.0 / device_.rate_hz;
+  return run_.began +
          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
-bool IiodBuffer::produce(std::size_t frames) {
-  for (std::size_t first = 0; first < frames;) {
-    const std::size_t n = std::min(frames - first, kPiece);
-    if (stream_->next(std::span(counts_).first(n * columns_), n) < n)
-      return false;
-    lay_down(first, n);
-    first += n;
+std::size_t IiodBuffer::produce(std::size_t frames) {
+  std::size_t made = 0;
+  for (bool more = true; more && made < frames;) {
+    const std::size_t n = std::min(frames - made, kPiece);
+    const std::size_t came = run_.stream->next(std::span(counts_).first(n * columns_), n);
+    lay_down(made, came);
+    made += came;
+    more = came == n;
   }
-  used_ = frames * layout_.frame_bytes;
-  produced_ += frames;
-  return true;
+  used_ = made * layout_.frame_bytes;
+  run_.produced += made;
+  return made;
 }
 
 void IiodBuffer::lay_down(std::size_t first, std::size_t frames) {
@@ -120,10 +126,10 @@ void IiodBuffer::lay_down(std::size_t first, std::size_t frames) {
     const Element &element = elements_[e];
     char *at = begin + layout_.offsets[e];
     for (std::size_t i = 0; i < frames; ++i, at += layout_.frame_bytes) {
-      const std::uint64_t frame = produced_ + first + i;
-      const std::int64_t value =
-          element.timestamp ? began_ns_ + std::llround(1e9 * time_of(frame))
-                            : counts_[i * columns_ + element.column];
+      const std::uint64_t frame = run_.produced + first + i;
+      const std::int64_t value = element.timestamp
+                                     ? run_.began_ns + std::llround(1e9 * time_of(frame))
+                                     : counts_[i * columns_ + element.column];
       put(at, element.format, value);
     }
   }

@@ -8,8 +8,10 @@
 #include <chrono>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "simulation/served_context.h"
@@ -42,16 +44,20 @@ public:
   explicit IiodBuffer(const ServedDevice &device) : device_(device) {}
 
   /// `mask`: 32 channels a word of eight hexadecimal digits, the highest first. 0 or an errno:
-  /// EINVAL, or ENOMEM where the clients hold kMostBufferBytes already.
+  /// EINVAL, or ENOMEM where the clients hold kMostBufferBytes already. begin() comes next.
   int open(std::size_t samples, std::string_view mask);
+  /// Anew, or where another buffer left off.
+  void begin(std::optional<Run> left);
+  /// What another buffer can go on with. This one is of no use afterwards.
+  Run leave() { return std::move(run_); }
 
   const std::string &mask_text() const { return mask_; }
   /// Whole frames in so many bytes, at most the buffer.
   std::size_t frames_in(std::size_t bytes) const;
   /// When the next `frames` frames are there.
   Clock::time_point due(std::size_t frames) const;
-  /// Makes them; false at the end of the stream.
-  bool produce(std::size_t frames);
+  /// Makes them, fewer at the end of the stream and none behind it; how many.
+  std::size_t produce(std::size_t frames);
   std::string_view data() const { return {bytes_.data(), used_}; }
 
 private:
@@ -72,14 +78,11 @@ private:
   std::vector<Element> elements_;
   FrameLayout layout_;
   std::size_t columns_ = 0; ///< words of a frame of the stream
-  std::unique_ptr<FrameCounts> stream_;
+  Run run_;
   std::vector<std::int64_t> counts_; ///< of one piece
   BufferMemory memory_;
   std::vector<char> bytes_;
   std::size_t used_ = 0;
-  std::uint64_t produced_ = 0;
-  Clock::time_point began_;
-  std::int64_t began_ns_ = 0;
 };
 
 } // namespace ada

@@ -14,6 +14,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "base/timespec.h"
 #include "simulation/iiod_buffer.h"
 #include "simulation/iiod_server.h"
 
@@ -68,6 +69,7 @@ public:
   OpenBuffer &operator=(const OpenBuffer &) = delete;
 
   bool of(const ServedDevice &device) const { return &device == &device_; }
+  const ServedDevice &device() const { return device_; }
 
   IiodBuffer buffer;
 
@@ -152,8 +154,7 @@ private:
       const auto left = due - IiodBuffer::Clock::now();
       if (left <= left.zero())
         return;
-      const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(left).count();
-      const timespec wait{static_cast<time_t>(ns / 1'000'000'000), ns % 1'000'000'000};
+      const timespec wait = timespec_of(std::chrono::duration_cast<std::chrono::nanoseconds>(left));
       pollfd fds[2] = {{stop_fd_, POLLIN, 0}, {fd_, POLLRDHUP, 0}};
       if (ppoll(fds, 2, &wait, nullptr) > 0)
         throw Closed{};
@@ -172,7 +173,7 @@ private:
     if (verb == "EXIT")
       return false;
     if (verb == "PRINT")
-      answer_text(context_xml(context_));
+      print();
     else if (verb == "VERSION")
       send_all("0.24.v0.24  \n");
     else if (verb == "TIMEOUT")
@@ -221,6 +222,14 @@ private:
       return false;
     }
     return true;
+  }
+
+  void print() {
+    {
+      const std::lock_guard lock(context_.mutex);
+      context_.left.forget();
+    }
+    answer_text(context_xml(context_));
   }
 
   void timeout(const Words &words) {
@@ -367,12 +376,20 @@ private:
     const int error = opened->buffer.open(*samples, words[3]);
     if (error)
       return answer(-error);
+    std::optional<Run> left;
+    {
+      const std::lock_guard lock(context_.mutex);
+      left = context_.left.take(device, words[3]);
+    }
+    opened->buffer.begin(std::move(left));
     buffer_ = std::move(opened);
     answer(0);
   }
 
-  /// As iiod: a buffer that does not fill in time is -ETIMEDOUT, what was there is lost, and the
-  /// buffer answers -EBADF from then on.
+  /// As iiod: a buffer that does not fill in time is -ETIMEDOUT and answers -EBADF from then on.
+  /// What was there is not lost, though: the client's next buffer goes on with it. At the end of a
+  /// recording comes what is left of it, then -ENODATA, which no device has: this is no device that
+  /// is slow, and waiting or trying again brings nothing.
   void read_buffer(std::size_t bytes) {
     const std::size_t frames = buffer_->buffer.frames_in(bytes);
     if (frames == 0)
@@ -381,16 +398,26 @@ private:
     const auto give_up = IiodBuffer::Clock::now() + timeout_;
     const bool in_time = timeout_.count() == 0 || due <= give_up;
     wait_until(in_time ? due : give_up);
-    if (!in_time || !buffer_->buffer.produce(frames)) {
-      wait_until(give_up);
-      buffer_.reset();
+    if (!in_time) {
+      leave_run();
       return answer(-ETIMEDOUT);
     }
+    if (buffer_->buffer.produce(frames) == 0)
+      return answer(-ENODATA);
     const std::string_view data = buffer_->buffer.data();
     send_all(std::to_string(data.size()) + "\n" + buffer_->buffer.mask_text() + "\n");
     send_all(data);
     if (data.size() < bytes)
       answer(0);
+  }
+
+  void leave_run() {
+    const std::string mask = buffer_->buffer.mask_text();
+    const ServedDevice &device = buffer_->device();
+    Run run = buffer_->buffer.leave();
+    buffer_.reset();
+    const std::lock_guard lock(context_.mutex);
+    context_.left.leave(device, mask, std::move(run));
   }
 
   int fd_, stop_fd_;

@@ -30,7 +30,8 @@ constexpr int kPauseMs = 200;
 
 int listen_on_loopback(int port) {
   const std::string place = "127.0.0.1:" + std::to_string(port);
-  Descriptor fd(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  // Non-blocking: a client that hangs up between poll and accept must not hold the server.
+  Descriptor fd(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (fd.get() < 0)
     throw system_error(errno, place, "cannot make a socket");
   const int yes = 1;
@@ -85,8 +86,11 @@ void IiodServer::stop() noexcept {
 void IiodServer::run() {
   pollfd fds[2] = {{stop_fd_, POLLIN, 0}, {listen_fd_, POLLIN, 0}};
   for (;;) {
-    if (poll(fds, 2, -1) < 0 && errno != EINTR)
-      throw system_error(errno, "server", "cannot wait for clients");
+    if (poll(fds, 2, -1) < 0) {
+      if (errno != EINTR)
+        throw system_error(errno, "server", "cannot wait for clients");
+      continue; // POSIX does not say what an interrupted poll leaves in revents
+    }
     if (fds[0].revents & POLLIN)
       break;
     reap(false);

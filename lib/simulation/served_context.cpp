@@ -3,12 +3,16 @@
 
 #include "simulation/served_context.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 
 namespace ada {
 
 namespace {
+
+/// A client takes its run back at once. More of them are of clients that will not.
+constexpr std::size_t kMostLeftRuns = 64;
 
 /// libiio parses with validation, so the document type must come along.
 constexpr const char *kProlog =
@@ -85,6 +89,23 @@ ServedDevice *ServedContext::find_device(std::string_view id) {
     if (device.id == id)
       return &device;
   return nullptr;
+}
+
+void LeftRuns::leave(const ServedDevice &device, std::string mask, Run run) {
+  if (left_.size() == kMostLeftRuns)
+    left_.erase(left_.begin());
+  left_.push_back({&device, std::move(mask), device.rate_hz, std::move(run)});
+}
+
+std::optional<Run> LeftRuns::take(const ServedDevice &device, std::string_view mask) {
+  const auto found = std::find_if(left_.begin(), left_.end(), [&](const Left &left) {
+    return left.device == &device && left.mask == mask && left.rate_hz == device.rate_hz;
+  });
+  if (found == left_.end())
+    return std::nullopt;
+  std::optional<Run> run = std::move(found->run);
+  left_.erase(found);
+  return run;
 }
 
 std::string context_xml(const ServedContext &context) {

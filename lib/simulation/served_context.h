@@ -5,6 +5,7 @@
 // Plain data; the server knows nothing of sensors, so that the tests serve devices of any kind.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -13,6 +14,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "acquisition/scan_format.h"
@@ -58,13 +60,43 @@ struct ServedDevice {
   int open_buffers = 0; ///< of all clients
 };
 
+/// A stream that is being played: what is to come, and when its first frame was due.
+struct Run {
+  std::unique_ptr<FrameCounts> stream;
+  std::uint64_t produced = 0; ///< frames of it that were delivered
+  std::chrono::steady_clock::time_point began{};
+  std::int64_t began_ns = 0; ///< the same for the timestamps
+};
+
+/// Runs whose buffers timed out. libiio closes such a buffer, and a client that goes on makes a new
+/// one, on a new connection, which says nothing of the old: without these it would get everything
+/// from the beginning once more. What tells a client that goes on from a new one is that a new one
+/// asks for the context first.
+class LeftRuns {
+public:
+  void leave(const ServedDevice &device, std::string mask, Run run);
+  /// That of the same device and channels which has waited longest, if there is one.
+  std::optional<Run> take(const ServedDevice &device, std::string_view mask);
+  void forget() { left_.clear(); }
+
+private:
+  struct Left {
+    const ServedDevice *device;
+    std::string mask;
+    double rate_hz; ///< a run of another rate is another run
+    Run run;
+  };
+  std::vector<Left> left_;
+};
+
 struct ServedContext {
   std::string description;
   std::vector<std::pair<std::string, std::string>> attributes;
   std::vector<ServedDevice> devices; ///< triggers too: ids "trigger0"...
 
   ServedDevice *find_device(std::string_view id);
-  std::mutex mutex; ///< guards values, rates and triggers once the server runs
+  LeftRuns left{};
+  std::mutex mutex; ///< guards values, rates, triggers and left runs once the server runs
 };
 
 /// The context in the XML that libiio 0.24 expects.

@@ -74,6 +74,40 @@ TEST(ChannelChoice, ADeviceIsFoundByIdLabelOrName) {
   EXPECT_THROW(choose_device(devices, "", {}), Error); // both would do
 }
 
+std::string refusal_of(const std::vector<IioDevice> &devices, const ChannelSelection &selection) {
+  try {
+    choose_channels(choose_device(devices, "", selection), selection);
+  } catch (const Error &e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(ChannelChoice, ARefusalSaysWhatIsMissingAndWhatThereIs) {
+  const std::string known = "voltage0 (vcos), voltage1 (vsin), voltage2 (vdd)";
+  const std::string of_one = "adc (iio:device0) has no input channel \"foo\"; it has " + known;
+  EXPECT_EQ(refusal_of({labelled()}, {"foo", "", "", ""}), of_one);
+  EXPECT_EQ(refusal_of({labelled()}, {"", "foo", "", ""}), of_one);
+  EXPECT_EQ(refusal_of({labelled()}, {"", "", "foo", ""}), of_one);
+  EXPECT_EQ(refusal_of({labelled()}, {"timestamp", "", "", ""}),
+            "channel timestamp of adc (iio:device0) is not a voltage");
+  IioDevice plain{
+      "iio:device1", "plain", "", {voltage("voltage0", "", 0), voltage("voltage7", "", 1)}};
+  const std::string both =
+      ": name device and channels by option; there is adc (iio:device0): " + known +
+      "; plain (iio:device1): voltage0, voltage7";
+  EXPECT_EQ(refusal_of({labelled(), plain}, {"foo", "", "", ""}),
+            "no IIO device has a voltage channel \"foo\" to capture" + both);
+  EXPECT_EQ(refusal_of({labelled(), plain}, {"voltage7", "", "", ""}),
+            "no IIO device has a voltage channel \"voltage7\" to capture and a channel labelled "
+            "vcos" +
+                both);
+  EXPECT_EQ(refusal_of({plain, plain}, {}),
+            "no IIO device has a channel labelled vsin or a channel labelled vcos: name device and "
+            "channels by option; there is plain (iio:device1): voltage0, voltage7; plain "
+            "(iio:device1): voltage0, voltage7");
+}
+
 TEST(ChannelChoice, TheOnlyFittingDeviceNeedsNoName) {
   IioDevice plain{
       "iio:device1", "plain", "", {voltage("voltage0", "", 0), voltage("voltage7", "", 1)}};

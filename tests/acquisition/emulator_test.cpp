@@ -12,6 +12,7 @@
 
 #include "acquisition/iio_source.h"
 #include "base/error.h"
+#include "raw_client.h"
 #include "run_program.h"
 #include "served.h"
 #include "simulation/emulator.h"
@@ -179,6 +180,121 @@ TEST_F(EmulatorTest, ARecordingIsADeviceWithItsVoltsItsGapsAndItsSpeed) {
     ASSERT_NEAR(frames[i].time_s, recorded->time_s[i] / 2.0, 2e-9);
   }
   EXPECT_EQ(source->statistics().lost, 2000u);
+}
+
+std::vector<Frame> read_to_the_end(Source &source) {
+  std::vector<Frame> frames(20000);
+  std::size_t got = 0;
+  ReadResult r{ReadOutcome::frames, 0};
+  while (r.outcome == ReadOutcome::frames && got < frames.size()) {
+    r = source.read(std::span(frames).subspan(got), 10s);
+    got += r.count;
+  }
+  EXPECT_EQ(r.outcome, ReadOutcome::end);
+  frames.resize(got);
+  return frames;
+}
+
+TEST_F(EmulatorTest, ARecordingThatIsOverEndsWithItsLastFrameAndBeginsAnewWhenStartedAgain) {
+  serve(options());
+  auto recorded = std::make_shared<Capture>(simulation_->run());
+  const Served replay(replayed_context(recorded, 10.0));
+  IioSourceOptions o;
+  o.uri = replay.uri();
+  o.buffer_frames = 3000; // 10000 is no multiple of it
+  const auto source = open_iio_source(o);
+  for (int run = 0; run < 2; ++run) {
+    source->start();
+    const std::vector<Frame> frames = read_to_the_end(*source);
+    ASSERT_EQ(frames.size(), recorded->size());
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      ASSERT_DOUBLE_EQ(frames[i].vsin_v, recorded->vsin_v[i]);
+    Frame frame;
+    EXPECT_EQ(source->read({&frame, 1}, 1s).outcome, ReadOutcome::end) << "it stays over";
+  }
+}
+
+TEST_F(EmulatorTest, ASimulationOfLimitedDurationEnds) {
+  serve(options());
+  IioSourceOptions o;
+  o.uri = served_->uri();
+  const auto source = open_iio_source(o);
+  source->start();
+  EXPECT_EQ(read_to_the_end(*source).size(), 10000u);
+}
+
+TEST_F(EmulatorTest, ABufferThatTimesOutInAGapIsGoneOnWith) {
+  serve(options());
+  auto recorded = std::make_shared<Capture>(simulation_->run());
+  for (std::size_t i = 4100; i < recorded->size(); ++i)
+    recorded->time_s[i] += 3.0; // the server's patience is half of the client's five seconds
+  const Served replay(replayed_context(recorded, 1.0));
+  IioSourceOptions o;
+  o.uri = replay.uri();
+  const auto source = open_iio_source(o);
+  source->start();
+  const std::vector<Frame> frames = read_to_the_end(*source);
+  ASSERT_EQ(frames.size(), recorded->size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    ASSERT_DOUBLE_EQ(frames[i].vsin_v, recorded->vsin_v[i]) << i;
+    ASSERT_NEAR(frames[i].time_s, recorded->time_s[i], 2e-9) << i;
+  }
+  EXPECT_EQ(source->statistics().lost, 60000u);
+}
+
+/// One frame of one channel of served_pair(), through a buffer of its own.
+class OneFrame {
+public:
+  OneFrame(const Served &server, const std::string &mask) : fd_(connect_to(server.port())) {
+    EXPECT_EQ(ask("OPEN iio:device0 1 " + mask), "0");
+  }
+  std::string ask(const std::string &command) {
+    say(fd_, command + "\r\n");
+    return answer_line(fd_);
+  }
+  /// -1 for a refusal.
+  int read() {
+    EXPECT_EQ(ask("TIMEOUT 0"), "0");
+    if (ask("READBUF iio:device0 2") != "2")
+      return -1;
+    answer_line(fd_); // the mask
+    unsigned char bytes[2] = {};
+    EXPECT_EQ(recv(fd_.get(), bytes, 2, MSG_WAITALL), 2);
+    return bytes[0] + 256 * bytes[1];
+  }
+  void time_out() {
+    EXPECT_EQ(ask("TIMEOUT 1"), "0");
+    EXPECT_EQ(ask("READBUF iio:device0 2"), "-" + std::to_string(ETIMEDOUT));
+  }
+
+private:
+  Descriptor fd_;
+};
+
+TEST(LeftRuns, BelongToTheClientThatTimedOutAndToNoNewOne) {
+  ScanFormat u16;
+  u16.bits = u16.storage = 16;
+  const Served server(served_pair(u16, u16, 10.0, false, 4)); // counts 1, 2, 3, 4 and 0, 3, 6, 9
+  OneFrame first(server, "00000001"), other(server, "00000002");
+  EXPECT_EQ(first.read(), 1);
+  EXPECT_EQ(other.read(), 0);
+  first.time_out();
+  EXPECT_EQ(first.read(), -1) << "that buffer is of no use any more";
+  other.time_out();
+  OneFrame second(server, "00000001"), third(server, "00000001"), another(server, "00000002");
+  EXPECT_EQ(second.read(), 2);
+  EXPECT_EQ(third.read(), 1) << "there is one to be taken only";
+  EXPECT_EQ(another.read(), 3);
+  second.time_out();
+  const Descriptor fresh = connect_to(server.port());
+  say(fresh, "PRINT\r\n"); // as every new client begins
+  answer_line(fresh);
+  OneFrame fourth(server, "00000001");
+  EXPECT_EQ(fourth.read(), 1);
+  for (const int count : {6, 9})
+    EXPECT_EQ(another.read(), count);
+  EXPECT_EQ(another.ask("READBUF iio:device0 2"), "-" + std::to_string(ENODATA));
+  EXPECT_EQ(another.ask("READBUF iio:device0 2"), "-" + std::to_string(ENODATA)) << "for good";
 }
 
 /// Little-endian word at p.

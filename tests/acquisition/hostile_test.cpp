@@ -8,10 +8,8 @@
 #include <cstring>
 #include <random>
 
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -19,6 +17,7 @@
 #include "acquisition/iio_source.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "raw_client.h"
 #include "served.h"
 #include "simulation/iiod_buffer.h"
 #include "support/seed.h"
@@ -33,29 +32,6 @@ const ScanFormat kU16 = [] {
   f.bits = f.storage = 16;
   return f;
 }();
-
-Descriptor connect_to(int port) {
-  Descriptor fd(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  if (connect(fd.get(), reinterpret_cast<sockaddr *>(&address), sizeof address) != 0)
-    throw std::runtime_error(std::strerror(errno));
-  return fd;
-}
-
-void say(const Descriptor &fd, const std::string &bytes) {
-  (void)!send(fd.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
-}
-
-std::string answer_line(const Descriptor &fd) {
-  std::string line;
-  char c = 0;
-  while (recv(fd.get(), &c, 1, 0) == 1 && c != '\n')
-    line += c;
-  return line;
-}
 
 /// A command with some of its words replaced, left out or made long, or bytes of no meaning.
 std::string hostile_line(std::mt19937_64 &rng) {
@@ -85,13 +61,13 @@ std::string hostile_line(std::mt19937_64 &rng) {
                                       "DEBUG"};
   std::string line;
   if (rng() % 4 == 0) {
-    line.resize(rng() % 6000);
+    line.resize(below(rng, 6000));
     for (char &c : line)
       c = static_cast<char>(rng());
     return line;
   }
-  for (std::size_t n = rng() % 6 + 1; n > 0; --n)
-    line += std::string(words[rng() % std::size(words)]) + (rng() % 8 ? " " : "");
+  for (std::size_t n = below(rng, 6) + 1; n > 0; --n)
+    line += std::string(words[below(rng, std::size(words))]) + (rng() % 8 ? " " : "");
   return line + (rng() % 8 ? "\r\n" : "\n\n");
 }
 
@@ -100,7 +76,7 @@ TEST(HostileClient, leaves_the_server_to_the_others) {
   Served server(served_pair(kU16, kU16, 0.0));
   for (int client = 0; client < 100; ++client) {
     const Descriptor fd = connect_to(server.port());
-    for (std::size_t n = rng() % 20; n > 0; --n)
+    for (std::size_t n = below(rng, 20); n > 0; --n)
       say(fd, hostile_line(rng));
     if (rng() % 2)
       shutdown(fd.get(), SHUT_WR);
@@ -186,13 +162,14 @@ TEST(HostileServer, that_sends_more_than_was_asked_for_is_refused) {
     const auto source = open_iio_source(options);
     source->start();
     Frame frames[16];
-    EXPECT_THROW(
-        for (int i = 0; i < 50; ++i) source->read(frames, std::chrono::milliseconds(200)), Error)
+    EXPECT_THROW(for (int i = 0; i < 50; ++i) source->read(frames, std::chrono::milliseconds(200)),
+                 Error)
         << length;
   }
 }
 
-/// What it was not asked any more is not absent: an offset, say, without which the volts are others.
+/// What it was not asked any more is not absent: an offset, say, without which the volts are
+/// others.
 TEST(HostileServer, that_goes_away_while_it_is_asked_is_a_loss) {
   auto context = served_pair(kU16, kU16, 1000.0);
   for (ServedChannel &channel : context->devices[0].channels)
@@ -227,7 +204,7 @@ TEST(HostileServer, gets_a_sentence_for_every_nonsense) {
       if (own() % 3)
         return {};
       std::string text = std::to_string(static_cast<int>(own() % 300) - 150) + "\n";
-      for (std::size_t n = own() % 200; n > 0; --n)
+      for (std::size_t n = below(own, 200); n > 0; --n)
         text += static_cast<char>(own());
       return {IiodFault::Kind::raw_answer, 0, text};
     });

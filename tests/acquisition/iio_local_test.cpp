@@ -440,8 +440,18 @@ TEST_F(IioLocal, TheSampleRateIsWrittenWhereItLives) {
   bed_->add_device(labelled_adc());
   IioSourceOptions o;
   o.sample_rate_hz = 12345.5;
-  EXPECT_EQ(open_iio_source(o)->info().sample_rate_hz, 12345.5);
-  EXPECT_EQ(bed_->read("sampling_frequency"), "12345.5");
+  {
+    const auto source = open_iio_source(o);
+    EXPECT_EQ(source->info().sample_rate_hz, 12345.5);
+    EXPECT_EQ(bed_->read("sampling_frequency"), "12345.5");
+  }
+  EXPECT_EQ(bed_->read("sampling_frequency"), "1000") << "nobody has read the device";
+  {
+    const auto source = open_iio_source(o);
+    source->start();
+    source->stop();
+  }
+  EXPECT_EQ(bed_->read("sampling_frequency"), "12345.5") << "somebody has";
 }
 
 TEST_F(IioLocal, MissingPermissionIsNamedWithTheRemedy) {
