@@ -22,6 +22,13 @@ HealthCheck check_rotation(const Evidence &e) {
     return check;
   }
   const EllipseFit &fit = *e.ellipse;
+  const double out_of_round = fit.structure_rms_v / fit.value.amplitude_v;
+  if (out_of_round > kRoundness)
+    return verdict(
+        "rotation", false, out_of_round, kRoundness, "of the radius",
+        fmt::format("the samples lie on no circle: their curve leaves the best ellipse "
+                    "by {:.2g} % of its radius (rms), as a triangle or a cut-off sine does",
+                    100 * out_of_round));
   return verdict("rotation", true, fit.coverage_deg, kAbsent, "deg",
                  fmt::format("{:.0f} electrical degrees of one circle, which the samples leave by "
                              "{:.2g} % of its radius (rms)",
@@ -46,11 +53,17 @@ HealthCheck check_clipping(const Evidence &e) {
 
 HealthCheck check_stuck(const Evidence &e) {
   const Capture &c = e.capture;
-  if (e.stuck)
-    return verdict("stuck", false, static_cast<double>(e.stuck->samples), kAbsent, "samples",
-                   fmt::format("{} stops following the angle at {} ({} samples in all)",
-                               e.stuck->name, moment(e.what.recording, e.stuck->first),
-                               e.stuck->samples));
+  if (e.stuck) {
+    const auto &[name, first, samples, frozen] = *e.stuck;
+    const std::string from = moment(e.what.recording, first);
+    return verdict(
+        "stuck", false, static_cast<double>(samples), kAbsent, "samples",
+        frozen ? fmt::format("{} without the stated noise: the same value each time from {} on, {} "
+                             "samples in a row",
+                             name, from, samples)
+               : fmt::format("{} stops following the angle at {} ({} samples in all)", name, from,
+                             samples));
+  }
   if (!e.turns)
     return cannot_tell("stuck", "the magnet does not turn, so nothing shows whether the channels "
                                 "follow it");

@@ -19,6 +19,9 @@ HealthCheck check_rails(const Evidence &e);
 HealthCheck check_amplitude(const Evidence &e);
 HealthCheck check_supply(const Evidence &e);
 
+// temperature.cpp: VTEMP; only of a capture that has it
+HealthCheck check_vtemp(const Evidence &e);
+
 // channels.cpp: the two of them together
 HealthCheck check_rotation(const Evidence &e);
 HealthCheck check_clipping(const Evidence &e);

@@ -20,6 +20,20 @@ inline constexpr double kMaxFaultyFraction = 1e-3;
 inline constexpr std::size_t kFewFaulty = 3;
 inline constexpr std::size_t kMaxFaultyRow = 4; ///< samples
 
+/// Of the radius: no error of a sound sensor takes a sample so far off the ellipse. A degree of
+/// angle, the data sheet's accuracy at two periods a turn, is 0.017; three of them leave room for a
+/// distortion that the ellipse does not follow at an angle where the magnet seldom is.
+inline constexpr double kFarOff = 0.05;
+/// Rms of what an ellipse leaves that turns with the angle, of the radius: a sound sensor's
+/// accuracy is 0.017 at its worst angle (kFarOff), and effects of the catalogue at their usual size
+/// leave 0.007 at most. A triangle in the place of a sine leaves 0.11.
+inline constexpr double kRoundness = 0.05;
+
+/// Samples to either side whose median a sample must be as far from, at an end as many in all on
+/// the one side: so many in a row may be wild at once, and what is slower than that (a heater,
+/// another supply) is none of it.
+inline constexpr std::size_t kFarReach = 63;
+
 /// Spikes expected in a capture of normal noise alone. As a normal deviate exceeds z sigmas with a
 /// chance below exp(-z^2/2), the threshold for n samples is sqrt(2 ln(n/this)) sigmas: 6.0 for 70
 /// 000.
@@ -72,6 +86,20 @@ inline constexpr double kTurnedScatter = 0.01;
 /// the record it is that part, of one that has nothing to do with the sensor 1; errors of 10
 /// electrical degrees leave 0.02.
 inline constexpr double kReferenceScatter = 0.5;
+
+/// Degrees Celsius. VTEMP's white noise: what one reading is off by may not be a degree, or it is
+/// no temperature. And a jump, which is one from the median of seven samples to that of the next
+/// seven where the chip would have to warm faster than by 100 degrees a second; noise and usual
+/// motion of the column stand below a tenth of it.
+inline constexpr double kVtempNoiseDeg = 1, kVtempJumpDeg = 5, kVtempJumpDegPerS = 100;
+inline constexpr double kVtempJumpOverUsual = 10;
+/// Volts: VTEMP has noise of this at least, so that a converter whose step is no wider than twice
+/// that (kFrozenNoiseSteps) does not give the same value kFrozenSamples times.
+inline constexpr double kVtempLeastNoise = 1e-4;
+
+/// Different values that a converter of n bits gives are 2^n; of one whose range has a sign some
+/// programs count the bits without it.
+inline constexpr double kCodesOverBits = 2;
 
 /// Electrical degrees within which every peak was seen.
 inline constexpr double kWholeTurnDeg = 300;

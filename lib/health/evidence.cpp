@@ -21,16 +21,34 @@ namespace ada::health {
 
 namespace {
 
+/// Of two findings the one with more samples: the other channel may only have stood at a peak.
+std::optional<StuckChannel> worse(std::optional<StuckChannel> a, std::optional<StuckChannel> b) {
+  return !b || (a && a->samples >= b->samples) ? a : b;
+}
+
 /// A row of equal values that noise cannot leave; nothing where the stated noise is so small that
 /// equal values are ordinary.
 std::optional<StuckChannel> frozen(const CaptureMetadata &meta, const char *name,
                                    const Faults &same) {
-  if (!meta.noise_rms_v || !meta.adc_bits || !meta.adc_reference_v ||
-      *meta.noise_rms_v < kFrozenNoiseSteps * *meta.adc_reference_v / std::exp2(*meta.adc_bits))
+  const auto step = stated_step(meta);
+  if (!step || !meta.noise_rms_v || *meta.noise_rms_v < kFrozenNoiseSteps * *step)
     return std::nullopt;
   if (same.longest + 1 < kFrozenSamples)
     return std::nullopt;
-  return StuckChannel{name, same.longest_first - 1, same.longest + 1};
+  return StuckChannel{name, same.longest_first - 1, same.longest + 1, true};
+}
+
+/// Of the rows of both channels: what they share, else the longer one.
+std::optional<StuckChannel> frozen(const CaptureMetadata &meta, const Tally &tally) {
+  const auto sin = frozen(meta, "VSIN", tally.same_sin.faults());
+  const auto cos = frozen(meta, "VCOS", tally.same_cos.faults());
+  if (sin && cos) {
+    const std::size_t first = std::max(sin->first, cos->first);
+    const std::size_t end = std::min(sin->first + sin->samples, cos->first + cos->samples);
+    if (end >= first + kFrozenSamples)
+      return StuckChannel{"VSIN and VCOS", first, end - first, true};
+  }
+  return worse(sin, cos);
 }
 
 /// `own` against `other`, which moves.
@@ -42,11 +60,6 @@ std::optional<StuckChannel> stuck(const char *name, const std::vector<double> &o
   if (const auto found = stuck_stretches(own, own_travel, other, other_travel))
     return StuckChannel{name, found->first, found->samples};
   return std::nullopt;
-}
-
-/// Of two findings the one with more samples: the other channel may only have stood at a peak.
-std::optional<StuckChannel> worse(std::optional<StuckChannel> a, std::optional<StuckChannel> b) {
-  return !b || (a && a->samples >= b->samples) ? a : b;
 }
 
 bool pair_turns(const Capture &capture) {
@@ -98,8 +111,7 @@ void choose_yardstick(Evidence &e, const Model *model) {
 
 std::optional<StuckChannel> find_stuck(const Evidence &e) {
   const Capture &c = e.capture;
-  const auto row = worse(frozen(c.meta, "VSIN", e.tally.same_sin.faults()),
-                         frozen(c.meta, "VCOS", e.tally.same_cos.faults()));
+  const auto row = frozen(c.meta, e.tally);
   if (row || !e.turns)
     return row;
   const std::vector<double> &sin = e.path_sin(), &cos = e.path_cos();
@@ -118,6 +130,12 @@ std::optional<StuckChannel> find_stuck(const Evidence &e) {
 
 } // namespace
 
+std::optional<double> stated_step(const CaptureMetadata &meta) {
+  if (!meta.adc_bits || !meta.adc_reference_v)
+    return std::nullopt;
+  return *meta.adc_reference_v / std::exp2(*meta.adc_bits);
+}
+
 std::size_t Evidence::path_place(std::size_t of_path) const {
   return what.is_long ? sample_place(what.recording.size(), kPathSamples, 1, of_path) : of_path;
 }
@@ -132,7 +150,7 @@ Evidence gather(const RecordingToFit &what, const Model *model) {
   FrameConverter(e.yardstick).capture(capture, e.angles);
   e.usual_step_s = median_step(capture.time_s);
   const SpikeFinder spikes(capture, what.recording.size(), e.ellipse);
-  e.tally = take_tally(what.recording, e.yardstick, spikes, e.usual_step_s);
+  e.tally = take_tally(what.recording, e.yardstick, spikes, VtempJumps(capture), e.usual_step_s);
   e.stuck = find_stuck(e);
   return e;
 }

@@ -15,10 +15,12 @@
 
 namespace ada::health {
 
-/// "VSIN" or "VCOS" with the sample from which it stays put while the other one moves on.
+/// "VSIN" or "VCOS" with the sample from which it stays put while the other one moves on; "VSIN and
+/// VCOS" where both keep a value that noise would not leave them.
 struct StuckChannel {
   std::string name;
   std::size_t first = 0, samples = 0;
+  bool frozen = false; ///< the same value from sample to sample, whether the magnet turns or not
 };
 
 struct Evidence {
@@ -47,6 +49,9 @@ struct Evidence {
   /// Sample of the recording that stands at this place of the path.
   std::size_t path_place(std::size_t of_path) const;
 };
+
+/// The step of the converter, V, where the capture states it.
+std::optional<double> stated_step(const CaptureMetadata &meta);
 
 /// `model` as for check_health.
 Evidence gather(const RecordingToFit &what, const Model *model);

@@ -41,6 +41,8 @@ Health check_health(const RecordingToFit &what, const Model *model) {
                 check_amplitude(e), check_radius(e), check_clipping(e), check_stuck(e),
                 check_short(e),     check_spikes(e), check_numbers(e),  check_gaps(e),
                 check_noise(e)};
+  if (e.capture.has_vtemp())
+    out.checks.push_back(check_vtemp(e));
   if (e.capture.has_reference())
     out.checks.push_back(check_reference(e));
   return out;

@@ -62,15 +62,25 @@ HealthCheck check_spikes(const Evidence &e) {
   std::vector<std::string> parts;
   if (!t.spikes.empty())
     parts.push_back(spike_text(recording, "the pair", t.spikes));
+  if (t.disturbing.longest > kMaxFaultyRow)
+    parts.push_back(fmt::format("{} of them in a row from {} on", t.disturbing.longest,
+                                moment(recording, t.disturbing.longest_first)));
   for (const auto &[name, found] :
        {std::pair("VTEMP", &t.vtemp_spikes), std::pair("VDD", &t.vdd_spikes)})
     if (!found->empty())
       parts.push_back(spike_text(recording, name, *found));
-  const bool failed = too_many({.count = t.disturbing}, recording.size());
-  HealthCheck check =
-      verdict("spikes", !failed, static_cast<double>(t.spikes.size()), kAbsent, "samples",
-              parts.empty() ? "no sample stands alone"
-                            : fmt::format("samples that stand alone: {}", fmt::join(parts, ", ")));
+  const bool failed = t.far_are_many || too_many(t.disturbing, recording.size());
+  HealthCheck check = verdict(
+      "spikes", !failed, static_cast<double>(t.far_are_many ? t.far : t.spikes.size()), kAbsent,
+      "samples",
+      t.far_are_many
+          ? fmt::format("{} samples lie {}, the first at {}: too many to be single ones", t.far,
+                        e.ellipse ? fmt::format("off the circle by more than {:g} % of its radius",
+                                                100 * kFarOff)
+                                  : std::string("beyond the supply"),
+                        moment(recording, t.spikes.front()))
+      : parts.empty() ? "no sample stands out"
+                      : fmt::format("samples that stand out: {}", fmt::join(parts, ", ")));
   check.times_s = times_of(recording, t.spikes);
   return check;
 }
@@ -106,9 +116,8 @@ HealthCheck check_noise(const Evidence &e) {
     return check;
   }
   double expected = *stated;
-  if (meta.adc_bits && meta.adc_reference_v)
-    expected =
-        std::hypot(expected, *meta.adc_reference_v / std::exp2(*meta.adc_bits) / std::sqrt(12.0));
+  if (const auto step = stated_step(meta))
+    expected = std::hypot(expected, *step / std::sqrt(12.0));
   const double limit = kNoiseFactor * expected;
   return verdict(
       "noise", *noise <= limit, *noise, limit, "V rms",

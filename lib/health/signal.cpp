@@ -28,6 +28,13 @@ HealthCheck check_samples(const Evidence &e, std::string id, const Faults &fault
                         : fine);
 }
 
+/// What a sentence of all samples does not hold for; nothing where it holds for all.
+std::string but_for(const Faults &faults) {
+  return faults.count == 0   ? std::string()
+         : faults.count == 1 ? std::string(" but for a single sample")
+                             : fmt::format(" but for {} samples", faults.count);
+}
+
 /// "is 3 V", "goes from 1 to 3 V"
 std::string span_text(const Reach &bulk) {
   return bulk.width() > 0 ? fmt::format("goes from {:.6g} to {:.6g} V", bulk.low, bulk.high)
@@ -39,10 +46,29 @@ double beyond(const Reach &bulk, const Reach &range) {
   return std::max({0.0, bulk.high - range.high, range.low - bulk.low});
 }
 
+/// How many different numbers a column holds, but for as many as may be wild.
+double different_values(std::vector<double> column) {
+  std::erase_if(column, [](double v) { return !std::isfinite(v); });
+  const double wild = std::max(static_cast<double>(kFewFaulty),
+                               kMaxFaultyFraction * static_cast<double>(column.size()));
+  std::sort(column.begin(), column.end());
+  const auto end = std::unique(column.begin(), column.end());
+  return std::max(static_cast<double>(end - column.begin()) - wild, 0.0);
+}
+
 } // namespace
 
 HealthCheck check_range(const Evidence &e) {
   const CaptureMetadata &meta = e.capture.meta;
+  for (const auto &[name, column] :
+       {std::pair("VSIN", &e.capture.vsin_v), std::pair("VCOS", &e.capture.vcos_v)})
+    if (const double codes = meta.adc_bits ? kCodesOverBits * std::exp2(*meta.adc_bits) : kAbsent;
+        different_values(*column) > codes)
+      return verdict(
+          "range", false, different_values(*column), codes, "values",
+          fmt::format("{} takes about {:.0f} different values, which a converter of {:g} "
+                      "bits cannot give: adc_bits is wrong",
+                      name, different_values(*column), *meta.adc_bits));
   const auto widened = [](double low, double high) {
     const double margin = kRangeMargin * (high - low);
     return Reach{low - margin, high + margin};
@@ -69,7 +95,8 @@ HealthCheck check_range(const Evidence &e) {
                       name, span_text(seen), meta.supply_v));
   }
   return verdict("range", true, worst, 0, "V beyond",
-                 fmt::format("both channels stay within the supply of {:g} V", meta.supply_v));
+                 fmt::format("both channels stay within the supply of {:g} V{}", meta.supply_v,
+                             but_for(e.tally.beyond.faults())));
 }
 
 HealthCheck check_radius(const Evidence &e) {
@@ -94,7 +121,7 @@ HealthCheck check_radius(const Evidence &e) {
 
 HealthCheck check_rails(const Evidence &e) {
   return check_samples(e, "rails", e.tally.rails.faults(), "a channel sits at ground or at VDD",
-                       "no channel sits at a rail");
+                       "no channel sits at a rail" + but_for(e.tally.rails.faults()));
 }
 
 HealthCheck check_amplitude(const Evidence &e) {

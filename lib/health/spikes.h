@@ -4,21 +4,29 @@
 // Samples that stand alone: a moment before and after them everything is as it was.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "base/robust.h"
 #include "calibration/ellipse_fit.h"
+#include "health/criteria.h"
 #include "recording/capture.h"
 
 namespace ada::health {
 
 /// Places in the pair, ascending: with an ellipse those by the distance from it and those by the
-/// angle about it, without one those of VSIN and of VCOS.
+/// angle about it, without one those of VSIN and of VCOS. `far` is where no neighbour need be
+/// asked, and so those in a row of up to kFarReach: off the ellipse by kFarOff, without one beyond
+/// the supply.
 struct PairPlaces {
-  std::vector<std::size_t> off, along;
-  std::vector<std::size_t> both() const;
+  std::vector<std::size_t> off, along, far;
+  std::vector<std::size_t> all() const;
 };
+
+/// What no output does at this supply (kRangeMargin).
+bool beyond_supply(double volts, double supply_v);
 
 /// Finds them in stretches of a recording, by limits that are measured on a sample of it. How rare
 /// they are, and so whether they are spikes at all, shows only in all of it.
@@ -27,6 +35,9 @@ public:
   /// `samples` of the whole recording, of which `sample` may be all.
   SpikeFinder(const Capture &sample, std::size_t samples, const std::optional<EllipseFit> &ellipse);
 
+  /// Samples on either side of a stretch that its own are judged by.
+  static constexpr std::size_t kHalo = std::max(kJudgedBy, 2 * kFarReach);
+
   /// Where the pair stands out in a stretch. Distance and angle do not move much from sample to
   /// sample, however fast the magnet turns; without an ellipse it is channel by channel.
   PairPlaces pair(const Capture &stretch) const;
@@ -34,6 +45,9 @@ public:
   std::vector<std::size_t> vtemp(std::span<const double> column) const;
   std::vector<std::size_t> vdd(std::span<const double> column) const;
 
+  /// Whether `far` is a fault however often it is. Where most of a channel lies beyond the supply
+  /// it is the supply that is wrong.
+  bool far_is_wrong() const { return far_is_wrong_; }
   /// The spikes among all the places of the recording.
   std::vector<std::size_t> spikes(PairPlaces all) const;
   std::vector<std::size_t> spikes(std::vector<std::size_t> all) const;
@@ -46,7 +60,8 @@ private:
   std::size_t samples_;
   std::optional<EllipseParameters> ellipse_;
   double sin_limit_v_ = 0, cos_limit_v_ = 0, vtemp_limit_v_ = 0, vdd_limit_v_ = 0;
-  double off_limit_v_ = 0, along_limit_rad_ = 0;
+  bool far_is_wrong_ = true;
+  double off_limit_v_ = 0, along_limit_rad_ = 0, far_limit_v_ = 0;
 };
 
 } // namespace ada::health

@@ -9,16 +9,18 @@
 
 #include "base/angle.h"
 #include "base/parallel.h"
+#include "base/robust.h"
 #include "conversion/block_converter.h"
 #include "conversion/sample_status.h"
 #include "health/criteria.h"
+#include "simulation/simulation.h"
 
 namespace ada::health {
 
 namespace {
 
-/// Samples of the blocks on either side that show whether one stands alone.
-constexpr std::size_t kHalo = 3;
+/// Samples that a jump of VTEMP is seen by, on either side.
+constexpr std::size_t kSeven = 7;
 constexpr ColumnMask kCounted = kAllColumns & ~kReferenceColumn;
 
 /// Whether a sample lies farther from the middle of its neighbours than the sensor itself may err.
@@ -56,7 +58,7 @@ void add_radius(Tally &t, double radius) {
 struct Counted {
   AngleBlock angles;
   Block side;
-  Capture around; ///< the block and kHalo samples on either side, as far as there are
+  Capture around; ///< the block and its halo on either side, as far as there are
   Tally tally;
   Found found;
 };
@@ -64,8 +66,9 @@ struct Counted {
 class Counter {
 public:
   Counter(const Recording &recording, const Model &yardstick, const SpikeFinder &spikes,
-          double usual_s)
-      : recording_(recording), converter_(yardstick, recording), spikes_(spikes), usual_s_(usual_s),
+          const VtempJumps &jumps, double usual_s)
+      : recording_(recording), converter_(yardstick, recording), spikes_(spikes), jumps_(jumps),
+        usual_s_(usual_s),
         amplitude_v_(yardstick.at_supply(recording.meta().supply_v).baseline.amplitude_v) {
     recording.jumps(); // once, before the threads ask for it
   }
@@ -79,14 +82,28 @@ public:
           append(all, c.tally);
           append(found, all, c.found);
         });
-    all.spikes = spikes_.spikes(std::move(found.pair));
+    all.far_are_many = spikes_.far_is_wrong() && spikes_.is_structure(all.far);
+    all.spikes =
+        all.far_are_many ? std::move(found.pair.far) : spikes_.spikes(std::move(found.pair));
     all.vtemp_spikes = spikes_.spikes(std::move(found.vtemp));
     all.vdd_spikes = spikes_.spikes(std::move(found.vdd));
-    for (const Candidate &c : found.candidates)
-      if (std::binary_search(all.spikes.begin(), all.spikes.end(), c.sample))
-        all.disturbing += c.disturbs;
-      else
+    std::size_t row = 0, next = 0;
+    for (const Candidate &c : found.candidates) {
+      if (!std::binary_search(all.spikes.begin(), all.spikes.end(), c.sample)) {
         add_radius(all, c.radius);
+        continue;
+      }
+      if (!c.disturbs)
+        continue;
+      Faults &faults = all.disturbing;
+      ++faults.count;
+      row = c.sample == next ? row + 1 : 1;
+      next = c.sample + 1;
+      if (row > faults.longest) {
+        faults.longest = row;
+        faults.longest_first = next - row;
+      }
+    }
     return all;
   }
 
@@ -99,6 +116,7 @@ private:
     find_spikes(before, c);
     count_faults(before, c);
     count_steps(before, c);
+    count_vtemp(before, c);
     if (recording_.size() > kPathSamples)
       pick_pairs(c.angles.block, recording_.size(), kPathSamples, c.tally.path);
   }
@@ -111,13 +129,13 @@ private:
     std::size_t before = 0;
     if (k > 0) {
       const std::size_t size = recording_.block_begin(k) - recording_.block_begin(k - 1);
-      before = std::min(kHalo, size);
+      before = std::min(SpikeFinder::kHalo, size);
       recording_.read(k - 1, size - before, before, kCounted, c.side);
       add(c.side, c.around);
     }
     add(c.angles.block, c.around);
     if (k + 1 < recording_.blocks()) {
-      recording_.read(k + 1, 0, kHalo, kCounted, c.side);
+      recording_.read(k + 1, 0, SpikeFinder::kHalo, kCounted, c.side);
       add(c.side, c.around);
     }
     return before;
@@ -140,13 +158,17 @@ private:
     };
     PairPlaces pair = spikes_.pair(c.around);
     Found &found = c.found;
-    found.pair = {of_block(std::move(pair.off)), of_block(std::move(pair.along))};
+    found.pair = {of_block(std::move(pair.off)), of_block(std::move(pair.along)),
+                  of_block(std::move(pair.far))};
+    c.tally.far = found.pair.far.size();
     found.vtemp = of_block(spikes_.vtemp(c.around.vtemp_v));
     found.vdd = of_block(spikes_.vdd(c.around.vdd_v));
     found.candidates.clear();
-    for (const std::size_t sample : found.pair.both())
-      found.candidates.push_back({sample, c.angles.radius[sample - first],
-                                  disturbs(c.around, sample - first + before, amplitude_v_)});
+    for (const std::size_t sample : found.pair.all())
+      found.candidates.push_back(
+          {sample, c.angles.radius[sample - first],
+           std::binary_search(found.pair.far.begin(), found.pair.far.end(), sample) ||
+               disturbs(c.around, sample - first + before, amplitude_v_)});
   }
 
   void count_faults(std::size_t before, Counted &c) const {
@@ -154,6 +176,7 @@ private:
     const auto at_rail = [&](double v) {
       return std::abs(v) <= margin || std::abs(v - supply) <= margin;
     };
+    const auto is_beyond = [&](double v) { return beyond_supply(v, supply); };
     const Capture &a = c.around;
     Tally &t = c.tally;
     auto candidate = c.found.candidates.begin();
@@ -161,6 +184,7 @@ private:
       const std::size_t n = before + i;
       const double vsin = a.vsin_v[n], vcos = a.vcos_v[n], radius = c.angles.radius[i];
       t.rails.add(at_rail(vsin) || at_rail(vcos));
+      t.beyond.add(is_beyond(vsin) || is_beyond(vcos));
       t.radius.add((c.angles.status[i] & ADA4571_SAMPLE_RADIUS) != 0);
       t.invalid.add((c.angles.status[i] & ADA4571_SAMPLE_INVALID) != 0);
       t.same_sin.add(n > 0 && vsin == a.vsin_v[n - 1]);
@@ -191,6 +215,20 @@ private:
     }
   }
 
+  void count_vtemp(std::size_t before, Counted &c) const {
+    const Capture &a = c.around;
+    if (!a.has_vtemp())
+      return;
+    Tally &t = c.tally;
+    for (std::size_t i = 0; i < c.angles.count(); ++i) {
+      const std::size_t n = before + i;
+      t.same_vtemp.add(n > 0 && a.vtemp_v[n] == a.vtemp_v[n - 1]);
+      if (jumps_.after(a, n) && t.vtemp_jumps++ == 0)
+        t.first_vtemp_jump =
+            c.angles.block.first + i + 1 + kSeven / 2; // most of the seven are there
+    }
+  }
+
   /// Beyond what is rare in the recording nobody asks which they are.
   void append(std::vector<std::size_t> &all, const std::vector<std::size_t> &found) const {
     if (!spikes_.is_structure(all.size()))
@@ -205,23 +243,31 @@ private:
     };
     for (const Candidate &c : found.candidates)
       if (may_be_spike(all.pair.off, found.pair.off, c.sample) ||
-          may_be_spike(all.pair.along, found.pair.along, c.sample))
+          may_be_spike(all.pair.along, found.pair.along, c.sample) ||
+          may_be_spike(all.pair.far, found.pair.far, c.sample))
         all.candidates.push_back(c);
       else
         add_radius(tally, c.radius);
     append(all.pair.off, found.pair.off);
     append(all.pair.along, found.pair.along);
+    append(all.pair.far, found.pair.far);
     append(all.vtemp, found.vtemp);
     append(all.vdd, found.vdd);
   }
 
   static void append(Tally &all, const Tally &t) {
     all.rails.append(t.rails);
+    all.beyond.append(t.beyond);
     all.radius.append(t.radius);
     all.invalid.append(t.invalid);
     all.same_sin.append(t.same_sin);
     all.same_cos.append(t.same_cos);
     all.usable += t.usable;
+    all.same_vtemp.append(t.same_vtemp);
+    if (all.vtemp_jumps == 0)
+      all.first_vtemp_jump = t.first_vtemp_jump;
+    all.vtemp_jumps += t.vtemp_jumps;
+    all.far += t.far;
     all.least_radius = std::min(all.least_radius, t.least_radius);
     all.greatest_radius = std::max(all.greatest_radius, t.greatest_radius);
     TimeSteps &s = all.steps;
@@ -240,10 +286,51 @@ private:
   const Recording &recording_;
   BlockConverter converter_;
   const SpikeFinder &spikes_;
+  const VtempJumps &jumps_;
   double usual_s_, amplitude_v_;
 };
 
 } // namespace
+
+namespace {
+
+double median_of_seven(const std::vector<double> &x, std::size_t first) {
+  const auto begin = x.begin() + static_cast<std::ptrdiff_t>(first);
+  return quantile(std::vector<double>(begin, begin + kSeven), 0.5);
+}
+
+/// From the seven samples that end with one to the seven after it.
+double median_step(const std::vector<double> &x, std::size_t i) {
+  return median_of_seven(x, i + 1) - median_of_seven(x, i + 1 - kSeven);
+}
+
+} // namespace
+
+VtempJumps::VtempJumps(const Capture &sample) {
+  if (!sample.has_vtemp() || sample.size() < 2 * kSeven)
+    return;
+  const double degree_v = kVtempFractionPerDegree * sample.meta.supply_v;
+  std::vector<double> usual;
+  const std::size_t stride = sample.size() / kPathSamples * kSeven + kSeven;
+  for (std::size_t i = kSeven - 1; i + kSeven < sample.size(); i += stride)
+    usual.push_back(std::abs(median_step(sample.vtemp_v, i)));
+  limit_v_ =
+      std::max({kVtempJumpDeg * degree_v, kVtempJumpOverUsual * quantile(std::move(usual), 0.5),
+                kVtempJumpOverUsual * noise_between(sample.vtemp_v)});
+  slope_v_s_ = kVtempJumpDegPerS * degree_v;
+}
+
+bool VtempJumps::after(const Capture &stretch, std::size_t i) const {
+  const std::vector<double> &v = stretch.vtemp_v, &t = stretch.time_s;
+  if (i + 1 < kSeven || i + kSeven >= v.size())
+    return false;
+  // The middle of seven to the middle of the next: where not even these differ, most do not.
+  const std::size_t from = i - kSeven / 2, to = i + 1 + kSeven / 2;
+  if (std::abs(v[to] - v[from]) <= limit_v_ / 2)
+    return false;
+  const double step = std::abs(median_step(v, i));
+  return step > limit_v_ && step > slope_v_s_ * (t[to] - t[from]);
+}
 
 void FaultRow::end_row(std::size_t length, std::size_t end) {
   if (length > faults_.longest)
@@ -275,8 +362,8 @@ void FaultRow::append(const FaultRow &next) {
 }
 
 Tally take_tally(const Recording &recording, const Model &yardstick, const SpikeFinder &spikes,
-                 double usual_s) {
-  return Counter(recording, yardstick, spikes, usual_s).run();
+                 const VtempJumps &jumps, double usual_s) {
+  return Counter(recording, yardstick, spikes, jumps, usual_s).run();
 }
 
 } // namespace ada::health

@@ -45,21 +45,38 @@ struct TimeSteps {
 
 struct Tally {
   FaultRow rails, radius, invalid;
+  FaultRow beyond;             ///< what the supply allows
   FaultRow same_sin, same_cos; ///< the value of the sample before
   std::size_t usable = 0;      ///< pairs of numbers
   /// Of the radius, but for the spikes.
   double least_radius = std::numeric_limits<double>::infinity(), greatest_radius = -least_radius;
   std::vector<std::size_t> spikes; ///< samples of the pair that stand alone, ascending
-  std::size_t disturbing = 0;      ///< of them, those that a sound sensor's error does not reach
+  Faults disturbing;               ///< of them, those that a sound sensor's error does not reach
+  std::size_t far = 0; ///< samples far off the ellipse, be they spikes or too many for that
+  bool far_are_many = false;
   std::vector<std::size_t> vtemp_spikes, vdd_spikes;
   TimeSteps steps;
+  std::size_t vtemp_jumps = 0, first_vtemp_jump = 0;
+  FaultRow same_vtemp; ///< the value of the sample before
   Pairs path; ///< of a recording of more than kPathSamples so many single pairs, else none
 };
 
 inline constexpr std::size_t kPathSamples = kFittedWhole;
 
+/// How far VTEMP goes from the median of seven samples to that of the next seven, V; no number
+/// where they are not there, or where it takes no longer than kVtempJumpDegPerS allows.
+class VtempJumps {
+public:
+  explicit VtempJumps(const Capture &sample);
+  /// Whether it jumps between this sample and the next one.
+  bool after(const Capture &stretch, std::size_t i) const;
+
+private:
+  double limit_v_ = 0, slope_v_s_ = 0;
+};
+
 /// `yardstick` is what radius and status are of; `usual_s` the usual step of time.
 Tally take_tally(const Recording &recording, const Model &yardstick, const SpikeFinder &spikes,
-                 double usual_s);
+                 const VtempJumps &jumps, double usual_s);
 
 } // namespace ada::health

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "support/health.h"
 #include "support/seed.h"
 #include "support/wild.h"
@@ -52,6 +54,132 @@ INSTANTIATE_TEST_SUITE_P(Speeds, WildCheck,
                                   std::to_string(static_cast<int>(std::get<1>(i.param))) + "_rpm";
                          });
 
+/// Wild samples in a row: how many, and what they are times their distance from the middle.
+class WildRow : public testing::TestWithParam<std::tuple<std::size_t, double>> {};
+
+TEST_P(WildRow, is_counted_and_placed_wherever_it_is) {
+  const auto [count, size] = GetParam();
+  const SensorPair pair;
+  Sampler sampler(pair, fresh_seed());
+  for (const double rpm : {30.0, 60.0, 3000.0}) {
+    const Capture sound = sampler.capture(10000, 2, constant_speed(rpm / 60));
+    const std::size_t n = sound.size();
+    for (const std::vector<std::size_t> &begins : std::vector<std::vector<std::size_t>>{
+             {0}, {1}, {n / 3}, {n - count - 1}, {n - count}, {0, n - count}}) {
+      Capture c = sound;
+      std::vector<double> times;
+      for (const std::size_t begin : begins)
+        for (std::size_t i = begin; i < begin + count; ++i) {
+          c.vsin_v[i] = 2.5 + size * (c.vsin_v[i] - 2.5);
+          c.vcos_v[i] = 2.5 + size * (c.vcos_v[i] - 2.5);
+          times.push_back(c.time_s[i]);
+        }
+      const Health health = check_health(c, nullptr);
+      SCOPED_TRACE(std::to_string(rpm) + " rpm, from sample " + std::to_string(begins[0]) + "\n" +
+                   health_text(health));
+      const HealthCheck &spikes = find(health, "spikes");
+      EXPECT_EQ(spikes.times_s, times);
+      EXPECT_EQ(spikes.measured, static_cast<double>(times.size()));
+      EXPECT_EQ(spikes.state, count <= 4 ? HealthState::passed : HealthState::failed);
+      EXPECT_EQ(health.sound(), count <= 4);
+      const HealthCheck &range = find(health, "range");
+      EXPECT_EQ(range.explanation.find(" but for ") != std::string::npos, size > 1000);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, WildRow,
+                         testing::Combine(testing::Values(1u, 2u, 3u, 4u, 5u, 10u, 20u),
+                                          testing::Values(0.0, 0.8, 0.92, 1.08, 1.25, 7e5)));
+
+TEST(Check, counts_what_is_wild_also_where_it_is_not_rare) {
+  Capture c = Sampler(SensorPair{}, fresh_seed()).capture(1000, 0.5, constant_speed(5));
+  for (std::size_t i = 0; i < 30; ++i)
+    c.vsin_v[16 * i] = i % 2 ? 1e6 : -1e6;
+  const Health health = check_health(c, nullptr);
+  EXPECT_FALSE(health.sound());
+  EXPECT_EQ(find(health, "spikes").measured, 30) << health_text(health);
+  EXPECT_EQ(find(health, "spikes").explanation,
+            "30 samples lie beyond the supply, the first at 0 s: too many to be single ones");
+}
+
+TEST(Check, says_of_the_rails_and_the_range_what_does_not_hold_for_single_samples) {
+  for (const double rpm : {0.0, 300.0}) {
+    Capture c = Sampler(SensorPair{}, fresh_seed()).capture(10000, 1, constant_speed(rpm / 60));
+    c.vsin_v[0] = c.vsin_v[1] = 0;
+    c.vcos_v[c.size() - 1] = 1e6;
+    const Health health = check_health(c, nullptr);
+    EXPECT_TRUE(health.sound()) << health_text(health);
+    EXPECT_EQ(find(health, "rails").explanation, "no channel sits at a rail but for 2 samples");
+    EXPECT_EQ(find(health, "range").explanation,
+              "both channels stay within the supply of 5 V but for a single sample");
+    EXPECT_EQ(find(health, "spikes").measured, 3) << health_text(health);
+  }
+}
+
+TEST(Check, noise_in_steps_of_a_converter_is_no_spike) {
+  Sampler sampler(SensorPair{}, fresh_seed());
+  for (int draw = 0; draw < 20; ++draw) {
+    Capture c = sampler.capture(10000, 1, constant_speed(1));
+    const double step = 5.0 / 65536, noise_steps = sampler.uniform(0.1, 5);
+    for (auto *column : {&c.vtemp_v, &c.vdd_v})
+      for (std::size_t i = 0; i < c.size(); ++i)
+        column->push_back(step * std::round(sampler.noise(noise_steps) +
+                                            (column == &c.vdd_v ? 5.0 : 1.6) / step));
+    const std::string said = find(check_health(c, nullptr), "spikes").explanation;
+    EXPECT_EQ(said.find("VTEMP"), std::string::npos) << noise_steps << " steps: " << said;
+    EXPECT_EQ(said.find("VDD"), std::string::npos) << noise_steps << " steps: " << said;
+  }
+}
+
+TEST(Check, a_distortion_that_moves_faster_than_the_noise_is_no_spike) {
+  const SensorPair pair;
+  for (const double rpm : {600.0, 1500.0, 3000.0}) {
+    Capture c = Sampler(pair, fresh_seed()).capture(10000, 2, constant_speed(rpm / 60));
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      const double psi = std::atan2(c.vsin_v[i] - 2.5, c.vcos_v[i] - 2.5);
+      c.vsin_v[i] += 0.015 * std::sin(3 * psi);
+      c.vcos_v[i] += 0.015 * std::cos(3 * psi);
+    }
+    EXPECT_EQ(find(check_health(c, nullptr), "spikes").explanation, "no sample stands out");
+  }
+}
+
+TEST(Check, crests_of_an_offset_that_turns_at_changing_speed_are_no_spikes) {
+  const std::uint64_t seed = fresh_seed();
+  Sampler sampler(SensorPair{}, seed);
+  for (int draw = 0; draw < 10; ++draw) {
+    const double slow = sampler.uniform(0.5, 2), fast = sampler.uniform(1.1, 5) * slow;
+    Capture c = sampler.capture(100, 600, [&](double t) {
+      return 2 * std::numbers::pi * (slow * t + (fast - slow) * t * t / 1200);
+    });
+    for (std::size_t i = 0; i < c.size(); ++i) // what warms up by the end
+      c.vsin_v[i] += 0.04 * (c.time_s[i] / 600 - 0.5);
+    const HealthCheck check = find(check_health(c, nullptr), "spikes");
+    EXPECT_EQ(check.state, HealthState::passed) << "seed " << seed;
+    EXPECT_LE(check.measured, 3) << check.explanation << "; " << slow << " to " << fast
+                                 << " turns a second, seed " << seed;
+  }
+}
+
+TEST(Check, noise_of_two_sizes_is_no_row_of_spikes) {
+  const std::uint64_t seed = fresh_seed();
+  Sampler sampler(SensorPair{}, seed);
+  for (int draw = 0; draw < 10; ++draw) {
+    const double often = sampler.uniform(0.1, 0.5), times = sampler.uniform(2, 5);
+    Capture c = sampler.capture(2000, 2.5, constant_speed(1));
+    for (auto *column : {&c.vsin_v, &c.vcos_v})
+      for (double &v : *column)
+        v += sampler.noise(sampler.uniform(0, 1) < often ? times * 0.001 : 0.001);
+    const HealthCheck check = find(check_health(c, nullptr), "spikes");
+    // Of the tenth that is four times as noisy 0.6 % reach 2.8 of its sigmas, which is twice what
+    // one in sixty of all exceeds: three samples in this capture.
+    EXPECT_EQ(check.state, HealthState::passed);
+    EXPECT_LE(check.measured, 10) << check.explanation << "; " << often << " of the samples "
+                                  << times << " times, seed " << seed;
+  }
+}
+
 TEST(Check, names_the_channel_that_is_stuck) {
   const std::uint64_t seed = fresh_seed();
   Sampler sampler(SensorPair{}, seed);
@@ -77,6 +205,47 @@ TEST(Check, names_the_channel_that_is_stuck) {
         EXPECT_EQ(clipping.explanation.substr(0, 4), sine ? "VSIN" : "VCOS");
       }
     }
+}
+
+TEST(Check, names_both_channels_where_both_keep_one_value) {
+  const Capture sound = Sampler(SensorPair{}, fresh_seed()).capture(10000, 1, constant_speed(2));
+  const auto told = [&](double vsin, double vcos, std::size_t first) {
+    Capture c = sound;
+    c.meta.noise_rms_v = SensorPair().noise_rms_v;
+    c.meta.adc_bits = 16;
+    c.meta.adc_reference_v = 5.0;
+    for (std::size_t i = first; i < c.size(); ++i) {
+      c.vsin_v[i] = std::isnan(vsin) ? c.vsin_v[i] : vsin;
+      c.vcos_v[i] = std::isnan(vcos) ? c.vcos_v[i] : vcos;
+    }
+    const Health health = check_health(c, nullptr);
+    EXPECT_EQ(find(health, "stuck").state, HealthState::failed) << health_text(health);
+    return find(health, "stuck").explanation;
+  };
+  for (const double value : {0.0, 5e-324, 1e-150, 2.5, -0.0, 1e6})
+    for (const std::size_t first : {0u, 3000u}) {
+      const std::string both = told(value, value, first), sine = told(value, NAN, first);
+      EXPECT_TRUE(both.starts_with("VSIN and VCOS ")) << both;
+      EXPECT_NE(both.find(std::to_string(10000 - first) + " samples"), std::string::npos) << both;
+      EXPECT_TRUE(sine.starts_with("VSIN without")) << sine;
+      EXPECT_TRUE(told(NAN, value, first).starts_with("VCOS without"));
+    }
+}
+
+TEST(Check, places_a_jump_of_vtemp) {
+  Sampler sampler(SensorPair{}, fresh_seed());
+  Capture c = sampler.capture(10000, 1, constant_speed(2));
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.vtemp_v.push_back((i < 4321 ? 1.5 : 1.7) + sampler.noise(0.0002));
+  const HealthCheck check = find(check_health(c, nullptr), "vtemp");
+  EXPECT_NE(check.explanation.find("first at 0.4321 s"), std::string::npos) << check.explanation;
+}
+
+TEST(Check, no_moment_is_minus_zero) {
+  for (const double time_s : {0.0, -0.0, -1e-300, -4e-7})
+    EXPECT_EQ(moment_text(time_s), "0 s");
+  EXPECT_EQ(moment_text(-0.5), "-0.5 s");
+  EXPECT_EQ(moment_text(-10), "-10 s");
 }
 
 TEST(Check, says_of_a_magnet_at_rest_what_it_cannot_tell) {

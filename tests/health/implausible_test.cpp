@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/angle.h"
 #include "support/health.h"
 #include "support/seed.h"
 
@@ -39,6 +40,33 @@ auto scaled(double gain, double offset) {
   return [gain, offset](Capture &c, Sampler &) { scale(c, gain, offset); };
 }
 
+/// Of 1.45 V about 2.5 V, by turns.
+double triangle(double turns) {
+  const double part = turns - std::floor(turns);
+  return 2.5 + 1.45 * (part < 0.5 ? 4 * part - 1 : 3 - 4 * part);
+}
+
+/// A converter of so many bits and 5 V, with some wild samples.
+std::function<void(Capture &, Sampler &)> in_steps(int bits, std::size_t wild) {
+  return [bits, wild](Capture &c, Sampler &s) {
+    c.meta.adc_bits = bits;
+    c.meta.adc_reference_v = 5;
+    const double step = 5 / std::exp2(bits);
+    for (auto *channel : {&c.vsin_v, &c.vcos_v})
+      for (double &v : *channel)
+        v = step * std::round(v / step);
+    for (std::size_t i = 0; i < wild; ++i)
+      c.vsin_v[i * 999] = s.uniform(-1e6, 1e6);
+  };
+}
+
+std::function<void(Capture &, Sampler &)> vtemp(std::function<double(double, Sampler &)> of_time) {
+  return [of_time](Capture &c, Sampler &s) {
+    for (const double t : c.time_s)
+      c.vtemp_v.push_back(of_time(t, s));
+  };
+}
+
 const Case kCases[] = {
     {"nothing", nullptr, [](Capture &, Sampler &) {}},
     {"supply_4_5", "supply", supply(4.5)},
@@ -65,6 +93,75 @@ const Case kCases[] = {
          c.vcos_v[i] = quarter == 1 || quarter == 2 ? 1.5 : 3.5;
        }
      }},
+    {"triangles", "rotation",
+     [](Capture &c, Sampler &s) {
+       for (std::size_t i = 0; i < c.size(); ++i) {
+         const double turns = 0.0041 * static_cast<double>(i);
+         c.vsin_v[i] = triangle(turns) + s.noise(0.0005);
+         c.vcos_v[i] = triangle(turns + 0.25) + s.noise(0.0005);
+       }
+     }},
+    {"one_triangle", "rotation",
+     [](Capture &c, Sampler &s) {
+       for (std::size_t i = 0; i < c.size(); ++i) {
+         const double turns = 0.0041 * static_cast<double>(i);
+         c.vsin_v[i] = triangle(turns) + s.noise(0.0005);
+         c.vcos_v[i] = 2.5 + 1.45 * std::cos(kTwoPi * turns) + s.noise(0.0005);
+       }
+     }},
+    {"a_third_harmonic_of_a_weak_magnet", nullptr,
+     [](Capture &c, Sampler &) {
+       for (std::size_t i = 0; i < c.size(); ++i) {
+         const double psi = std::atan2(c.vsin_v[i] - 2.5, c.vcos_v[i] - 2.5);
+         c.vsin_v[i] += 0.04 * std::sin(3 * psi);
+         c.vcos_v[i] += 0.04 * std::cos(3 * psi);
+       }
+     }},
+    {"one_bit", "range", [](Capture &c, Sampler &) { c.meta.adc_bits = 1; }},
+    {"eight_bits_of_more", "range", [](Capture &c, Sampler &) { c.meta.adc_bits = 8; }},
+    {"eight_bits", nullptr, in_steps(8, 0)},
+    {"twelve_bits", nullptr, in_steps(12, 0)},
+    {"twelve_bits_and_wild_ones", nullptr, in_steps(12, 3)},
+    {"vtemp", nullptr, vtemp([](double, Sampler &s) { return 1.58 + s.noise(0.0002); })},
+    {"vtemp_that_warms", nullptr,
+     vtemp([](double t, Sampler &s) { return 1.2 + 0.5 * t + s.noise(0.0002); })},
+    {"vtemp_with_wild_ones", nullptr,
+     [](Capture &c, Sampler &s) {
+       vtemp([](double, Sampler &r) { return 1.58 + r.noise(0.0002); })(c, s);
+       c.vtemp_v[0] = 1e6;
+       for (std::size_t i = 5000; i < 5003; ++i)
+         c.vtemp_v[i] = -7;
+     }},
+    {"vtemp_constant_to_a_wide_step", nullptr,
+     [](Capture &c, Sampler &s) {
+       in_steps(12, 0)(c, s);
+       c.vtemp_v.assign(c.size(), 1.58);
+     }},
+    {"vtemp_constant", "vtemp",
+     [](Capture &c, Sampler &s) {
+       in_steps(16, 0)(c, s);
+       c.vtemp_v.assign(c.size(), 1.58);
+     }},
+    {"vtemp_constant_but_for_wild_ones", "vtemp",
+     [](Capture &c, Sampler &s) {
+       in_steps(16, 0)(c, s);
+       c.vtemp_v.assign(c.size(), 1.58);
+       c.vtemp_v[0] = c.vtemp_v[700] = 3;
+     }},
+    {"vtemp_at_ground", "vtemp", vtemp([](double, Sampler &s) { return s.noise(0.0002); })},
+    {"vtemp_at_vdd", "vtemp", vtemp([](double, Sampler &s) { return 5 + s.noise(0.0002); })},
+    {"vtemp_noise", "vtemp", vtemp([](double, Sampler &s) { return s.uniform(0, 5); })},
+    {"vtemp_noise_of_three_degrees", "vtemp",
+     vtemp([](double, Sampler &s) { return 1.58 + s.noise(0.05); })},
+    {"vtemp_square_wave", "vtemp", vtemp([](double t, Sampler &s) {
+       return (std::fmod(t, 0.1) < 0.05 ? 1.2 : 2.0) + s.noise(0.0002);
+     })},
+    {"vtemp_square_wave_without_noise", "vtemp",
+     vtemp([](double t, Sampler &) { return std::fmod(t, 0.7) < 0.3 ? 1.4 : 1.6; })},
+    {"vtemp_fast_square_wave", "vtemp",
+     vtemp([](double t, Sampler &) { return std::fmod(t, 0.0008) < 0.0004 ? 1.4 : 1.6; })},
+    {"vtemp_that_steps_once", "vtemp",
+     vtemp([](double t, Sampler &s) { return (t < 1.3 ? 1.5 : 1.7) + s.noise(0.0002); })},
     {"reference_stands_still", "reference",
      [](Capture &c, Sampler &) { c.reference_deg.assign(c.size(), 17.0); }},
     {"reference_stands_still_but_for_a_few", "reference",
@@ -121,6 +218,16 @@ TEST_P(Implausible, is_told) {
   EXPECT_EQ(health.sound(), what.check == nullptr) << health_text(health);
   if (what.check != nullptr) {
     EXPECT_EQ(find(health, what.check).state, HealthState::failed) << health_text(health);
+  }
+}
+
+TEST(ImplausibleReference, is_told_with_the_periods_that_would_fit) {
+  for (const int stated : {1, 3, 4}) {
+    Sampler sampler(SensorPair{}, fresh_seed());
+    Capture c = sampler.capture(5000, 2, constant_speed(3));
+    c.meta.periods_per_turn = stated;
+    const std::string said = find(check_health(c, nullptr), "reference").explanation;
+    EXPECT_NE(said.find("at 2 periods a turn"), std::string::npos) << said;
   }
 }
 
