@@ -145,6 +145,9 @@ public:
   virtual void shaft_from_reference(Values, const Conditions &, std::span<double>) const {}
   /// The part of VCOS that VTEMP carries over, where VTEMP is in the scan.
   virtual double vtemp_on_vcos(Values) const { return 0.0; }
+  /// What an event leaves behind for good: what is read after the capture begins there. False:
+  /// nothing.
+  virtual bool leaves_behind(Values, Baseline &) const { return false; }
   /// Error of one order of the turn that the reference itself shows against smooth time.
   virtual OrderRipple reference_ripple(Values) const { return {}; }
   /// Step in which the reference counts, rad; 0: none.

@@ -63,4 +63,12 @@ Model Model::at_supply(double volts) const {
   return out;
 }
 
+Model correctable_part(const Model &model) {
+  Model out = model;
+  std::erase_if(out.effects, [&](const EffectInstance &e) {
+    return e.effect->leaves_behind(e.values, out.baseline) || !e.effect->info().correctable;
+  });
+  return out;
+}
+
 } // namespace ada

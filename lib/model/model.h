@@ -57,4 +57,8 @@ struct Model {
   Model at_supply(double volts) const;
 };
 
+/// What a model says of readings to come: the effects that may be taken out of the angle, and what
+/// the events of its capture left behind.
+Model correctable_part(const Model &model);
+
 } // namespace ada

@@ -13,9 +13,9 @@
 
 #include <fcntl.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include "base/atomic_file.h"
+#include "base/checksum.h"
 #include "base/text.h"
 #include "model/effect.h"
 
@@ -171,7 +171,7 @@ std::string read_all(int fd, const std::string &shown) {
 } // namespace
 
 std::string model_checksum(std::string_view text, std::size_t line) {
-  uLong crc = crc32(0, nullptr, 0);
+  std::uint32_t crc = 0;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const auto end = text.find('\n');
     auto part = text.substr(0, end == text.npos ? end : end + 1);
@@ -180,10 +180,10 @@ std::string model_checksum(std::string_view text, std::size_t line) {
       continue;
     for (const char &c : part)
       if (c != '\r')
-        crc = crc32(crc, reinterpret_cast<const Bytef *>(&c), 1);
+        crc = crc32_of(std::as_bytes(std::span(&c, 1)), crc);
   }
   std::array<char, 24> out;
-  std::snprintf(out.data(), out.size(), "crc32:%08lx", crc);
+  std::snprintf(out.data(), out.size(), "crc32:%08x", crc);
   return out.data();
 }
 

@@ -13,6 +13,7 @@
 
 #include <toml++/toml.h>
 
+#include "base/angle.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "base/toml_text.h"
@@ -324,7 +325,7 @@ Model model_from_toml(std::string_view text, const std::string &shown) {
   check_checksum(root, text);
   Model model;
   model.periods_per_turn =
-      static_cast<int>(root.required_whole_number("periods_per_turn", {1, 100}));
+      static_cast<int>(root.required_whole_number("periods_per_turn", {1, kMostPeriodsATurn}));
   model.supply_v = root.required_number("supply_v", {0.1, 100});
   model.vtemp_reference_v = root.number("vtemp_reference_v", {-100, 100}).value_or(0.0);
   model.noise_rms_v = root.number("noise_rms_v", {0, 100});

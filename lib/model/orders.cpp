@@ -18,6 +18,9 @@ constexpr std::size_t kMostLines = 4;
 constexpr std::size_t kLongest = std::size_t{1} << 20; ///< of the transform: 16 MB
 /// A line stands this far above the median power: exp(-12 ln 2) of the lines of noise do.
 constexpr double kClearPower = 12.0;
+/// So many turns' resolutions on either side are a line's surroundings: what a wander of the speed
+/// leaves above the motion's cut-off is a hump of that width, and no line.
+constexpr std::size_t kSurroundings = 12;
 
 /// The residual's turn of the angle at one sample, mechanical rad.
 double turn_of(const Residual &r, std::size_t i) {
@@ -57,9 +60,20 @@ double top_of(double before, double at, double after) {
   return bend < 0.0 ? 0.5 * (before - after) / bend : 0.0;
 }
 
-} // namespace
+/// Median of the powers from one place to before another, which may lie outside; 0 if there is
+/// none.
+double median_of(const std::vector<double> &power, std::ptrdiff_t from, std::ptrdiff_t to) {
+  const auto size = static_cast<std::ptrdiff_t>(power.size());
+  std::vector<double> part(power.begin() + std::clamp<std::ptrdiff_t>(from, 0, size),
+                           power.begin() + std::clamp<std::ptrdiff_t>(to, 0, size));
+  if (part.empty())
+    return 0.0;
+  const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
+  std::nth_element(part.begin(), middle, part.end());
+  return *middle;
+}
 
-std::vector<double> find_orders(const Residual &r) {
+std::vector<double> orders_of(const Residual &r) {
   const std::size_t n = r.alpha.size();
   if (n < 256)
     return {};
@@ -79,13 +93,19 @@ std::vector<double> find_orders(const Residual &r) {
   std::vector<double> power(line.size() / 2);
   for (std::size_t k = 0; k < power.size(); ++k)
     power[k] = static_cast<double>(std::norm(line[k]));
-  std::vector<double> sorted = power;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double floor = kClearPower * median_of(power, 0, static_cast<std::ptrdiff_t>(power.size()));
+  const auto lobe = static_cast<std::size_t>(2.0 * cells.turns_in_all / turns) + 1;
+  const auto is_line = [&](std::size_t k) {
+    if (!(power[k] > floor && power[k] >= power[k - 1] && power[k] > power[k + 1]))
+      return false;
+    const auto at = static_cast<std::ptrdiff_t>(k), near = static_cast<std::ptrdiff_t>(lobe),
+               far = static_cast<std::ptrdiff_t>(kSurroundings * lobe / 2);
+    return power[k] > kClearPower * std::max(median_of(power, at - far, at - near),
+                                             median_of(power, at + near + 1, at + far + 1));
+  };
   std::vector<std::pair<double, std::size_t>> peaks;
-  const auto first = static_cast<std::size_t>(2.0 * cells.turns_in_all / turns) + 1;
-  for (std::size_t k = first; k + 1 < power.size(); ++k)
-    if (power[k] > kClearPower * *middle && power[k] >= power[k - 1] && power[k] > power[k + 1])
+  for (std::size_t k = lobe; k + 1 < power.size(); ++k)
+    if (is_line(k))
       peaks.emplace_back(power[k], k);
   std::sort(peaks.rbegin(), peaks.rend());
 
@@ -103,6 +123,12 @@ std::vector<double> find_orders(const Residual &r) {
       break;
   }
   return orders;
+}
+
+} // namespace
+
+const std::vector<double> &find_orders(const Residual &residual) {
+  return residual.orders.get([&] { return orders_of(residual); });
 }
 
 } // namespace ada

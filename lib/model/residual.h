@@ -17,6 +17,26 @@
 
 namespace ada {
 
+/// What several effects ask of one residual: worked out at the first question, in one thread. A
+/// copy, whose columns may be replaced, begins without it.
+template <class Value> class AskedOften {
+public:
+  AskedOften() = default;
+  AskedOften(const AskedOften &) {}
+  AskedOften &operator=(const AskedOften &) {
+    value_.reset();
+    return *this;
+  }
+  template <class Work> const Value &get(Work work) const {
+    if (!value_)
+      value_ = work();
+    return *value_;
+  }
+
+private:
+  mutable std::optional<Value> value_;
+};
+
 /// The data minus the model so far, and what the capture holds. Arrays of one length, in time
 /// order; samples that a fit must not use are left out.
 class Residual {
@@ -34,6 +54,7 @@ public:
   std::span<const double> sin_v, cos_v;             ///< residual
   std::span<const double> model_sin_v, model_cos_v; ///< absolute volts of the model so far
   std::span<const double> alpha;                    ///< mechanical angle, rad
+  AskedOften<std::vector<double>> orders;           ///< of find_orders
 };
 
 struct StepGuess {
@@ -57,7 +78,7 @@ std::vector<std::vector<double>> find_clipping(const Residual &residual);
 
 /// Orders of the turn, whole or not, at which the angle of the residual shows lines against the
 /// angle; the strongest first. Empty below a few turns.
-std::vector<double> find_orders(const Residual &residual);
+const std::vector<double> &find_orders(const Residual &residual);
 
 /// A cause that is seen before any fit.
 struct ScreenFinding {

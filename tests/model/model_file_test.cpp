@@ -62,7 +62,7 @@ Model full_model(std::mt19937_64 &rng) {
     m.effects.push_back(instance);
   }
   if (rng() % 4)
-    m.remainder = drawn_remainder(rng, 1 + rng() % PeriodicRemainder::kHighestOrder, unit(rng),
+    m.remainder = drawn_remainder(rng, 1 + below(rng, PeriodicRemainder::kHighestOrder), unit(rng),
                                   rng() % 2 == 0);
   m.provenance.serial = "S \"1\" \\ \xC3\xA9 \t\x01";
   m.provenance.date = "2024-02-29T12:00:00Z";

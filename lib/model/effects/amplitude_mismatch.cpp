@@ -11,11 +11,18 @@ namespace {
 constexpr std::array<ParameterInfo, 1> kParameters{
     ParameterInfo{"k", "1", 0.01, -1.0, 1.0, Role::fitted, 1e-4}};
 
+constexpr std::array<Separation, 2> kSeparations{
+    {{"harmonic-distortion", "record a reference and capture again: two amplitudes leave each "
+                             "channel a sine, a harmonic does not"},
+     {"clipping",
+      "capture at another amplitude (gain control, supply): clipping keeps its level in volts"}}};
+
 constexpr EffectInfo kInfo{.id = "amplitude-mismatch",
                            .cause = "The two channels have different amplitudes.",
                            .stage = Stage::bridge,
                            .parameters = kParameters,
                            .correctable = true,
+                           .separations = kSeparations,
                            .prior_rank = 0};
 
 class AmplitudeMismatch final : public Effect {

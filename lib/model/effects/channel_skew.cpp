@@ -29,9 +29,11 @@ constexpr EffectInfo kInfo{.id = "channel-skew",
 class ChannelSkew final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
-  /// Both channels belong to one frame: nothing is converted more than a frame late.
+  /// Within a frame one channel is late by less than its period; by just one where a frame is
+  /// paired with the one before.
   bool refuted(Values v, const Residual &r) const override {
-    return r.sample_period_s > 0.0 && std::abs(v[0]) > r.sample_period_s;
+    constexpr double kMostPeriods = 1.5;
+    return r.sample_period_s > 0.0 && std::abs(v[0]) > kMostPeriods * r.sample_period_s;
   }
   void dynamics(Values v, Taps &taps) const override {
     for (Tap &tap : taps.cos)

@@ -3,6 +3,7 @@
 
 #include "model/effects/common.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace ada {
@@ -106,6 +107,20 @@ std::vector<std::vector<double>> one_of_each(std::size_t parameters, std::size_t
     out.push_back(v);
   }
   return out;
+}
+
+void add_orders_seen(const Residual &residual, const ParameterInfo &order, Orders which,
+                     std::vector<std::vector<double>> &out) {
+  const std::size_t parameters = out.front().size();
+  for (const double seen : find_orders(residual)) {
+    const bool tried =
+        std::any_of(out.begin(), out.end(), [&](const auto &v) { return v[0] == seen; });
+    const bool wanted = which == Orders::any || seen == std::round(seen);
+    if (tried || !wanted || seen < order.minimum || seen > order.maximum)
+      continue;
+    out.emplace_back(parameters, 0.0);
+    out.back()[0] = seen;
+  }
 }
 
 } // namespace ada

@@ -111,4 +111,10 @@ void turn_vector(Take &take, std::size_t i, double re, double im);
 std::vector<std::vector<double>> one_of_each(std::size_t parameters, std::size_t index, int first,
                                              int last);
 
+/// Adds the orders that the residual shows as lines and `out` does not try yet: teeth, poles and
+/// balls come at any. `order` is the first parameter.
+enum class Orders { any, whole };
+void add_orders_seen(const Residual &residual, const ParameterInfo &order, Orders which,
+                     std::vector<std::vector<double>> &out);
+
 } // namespace ada

@@ -10,12 +10,17 @@ namespace {
 
 constexpr std::array<ParameterInfo, 1> kParameters{ParameterInfo{"rms_v", "V", 0.001, 0.0, 5.0}};
 
+constexpr std::array<Separation, 1> kSeparations{
+    {{"impulse-noise",
+      "capture for longer: spikes stay rare and large, noise is in every sample"}}};
+
 constexpr EffectInfo kInfo{.id = "excess-noise",
                            .cause = "There is more white noise than the model states.",
                            .stage = Stage::converter,
                            .parameters = kParameters,
                            .correctable = false,
                            .evidence = Evidence::noise,
+                           .separations = kSeparations,
                            .axis = "noise",
                            .pattern = Pattern::offset,
                            .character = Character::white,

@@ -57,8 +57,11 @@ public:
   std::string invisible(const Residual &r) const override {
     return r.has_reference ? "" : "without a reference it looks like a speed ripple";
   }
-  std::vector<std::vector<double>> guesses(const Residual &) const override {
-    return one_of_each(3, 0, 3, 12); // orders 1 and 2 have a cause of their own
+  std::vector<std::vector<double>> guesses(const Residual &r) const override {
+    auto out = one_of_each(3, 0, 1, 12);
+    add_orders_seen(r, kParameters[0], Orders::whole, out);
+    out.erase(out.begin(), out.begin() + 2); // orders 1 and 2 have a cause of their own
+    return out;
   }
 
 protected:

@@ -9,7 +9,7 @@ namespace ada {
 namespace {
 
 constexpr std::array<ParameterInfo, 1> kParameters{
-    ParameterInfo{"width_deg", "deg", 0.1, -10.0, 10.0, Role::fitted, 0.01}};
+    ParameterInfo{"width_deg", "deg", 0.1, 0.0, 10.0, Role::fitted, 0.01}};
 
 constexpr std::array<Separation, 2> kSeparations{
     {{"propagation-delay", "capture a second speed: a delay grows with it, hysteresis does not"},

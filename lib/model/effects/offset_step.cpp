@@ -32,6 +32,11 @@ public:
       if (w.at.time[i] >= v[0])
         w.add_offset(i, v[1], v[2]);
   }
+  bool leaves_behind(Values v, Baseline &baseline) const override {
+    baseline.offset_sin_v += v[1];
+    baseline.offset_cos_v += v[2];
+    return true;
+  }
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     std::vector<std::vector<double>> out;
     for (const StepGuess &step : find_steps(r, StepIn::offsets))

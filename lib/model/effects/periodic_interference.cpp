@@ -15,12 +15,22 @@ constexpr std::array<ParameterInfo, 5> kParameters{
     ParameterInfo{"phase_sin_deg", "deg", 0.0, -360.0, 360.0},
     ParameterInfo{"phase_cos_deg", "deg", 0.0, -360.0, 360.0}};
 
+constexpr std::array<Separation, 4> kSeparations{
+    {{"supply-variation", "record VDD: what follows it is the supply"},
+     {"harmonic-distortion",
+      "capture at another speed: a tone keeps its frequency, a harmonic its order"},
+     {"rotation-nonuniformity",
+      "capture at another speed: a tone keeps its frequency, a ripple of the shaft its order"},
+     {"reference-harmonic", "capture at another speed: a tone keeps its frequency, an error of the "
+                            "reference its order"}}};
+
 constexpr EffectInfo kInfo{.id = "periodic-interference",
                            .cause = "A tone that does not turn with the shaft lies on the signals: "
                                     "mains pickup or the alias of a PWM.",
                            .stage = Stage::converter,
                            .parameters = kParameters,
                            .correctable = false,
+                           .separations = kSeparations,
                            .axis = "frequency",
                            .pattern = Pattern::offset,
                            .character = Character::process,

@@ -12,12 +12,19 @@ namespace {
 constexpr std::array<ParameterInfo, 2> kParameters{
     ParameterInfo{"q2", "1", 0.01, -0.3, 0.3, Role::fitted, 1e-4}, kOrigin};
 
+constexpr std::array<Separation, 2> kSeparations{
+    {{"harmonic-distortion", "change the amplitude (gain control, supply) and capture again: a "
+                             "transfer error changes with it"},
+     {"clipping",
+      "capture at another amplitude (gain control, supply): clipping keeps its level in volts"}}};
+
 constexpr EffectInfo kInfo{.id = "quadratic-nonlinearity",
                            .cause =
                                "The transfer of the signal chain is bent like a bow (even order).",
                            .stage = Stage::chain,
                            .parameters = kParameters,
-                           .correctable = true};
+                           .correctable = true,
+                           .separations = kSeparations};
 
 class QuadraticNonlinearity final : public TransferError {
 public:

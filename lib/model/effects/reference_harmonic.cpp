@@ -53,10 +53,8 @@ public:
     auto out = one_of_each(3, 0, 2, 8); // order 1 is the eccentricity's
     for (const double order : {16.0, 32.0, 64.0})
       out.push_back({order, 0.0, 0.0});
-    for (const double order : find_orders(r))
-      if (std::abs(order - 1.0) > kOfEccentricity &&
-          std::none_of(out.begin(), out.end(), [&](const auto &v) { return v[0] == order; }))
-        out.push_back({order, 0.0, 0.0});
+    add_orders_seen(r, kParameters[0], Orders::any, out);
+    std::erase_if(out, [](const auto &v) { return std::abs(v[0] - 1.0) <= kOfEccentricity; });
     return out;
   }
 

@@ -47,8 +47,14 @@ public:
   std::string invisible(const Residual &r) const override {
     return r.has_reference ? "the reference follows the shaft's true motion" : "";
   }
-  std::vector<std::vector<double>> guesses(const Residual &) const override {
-    return one_of_each(3, 0, 1, 12);
+  std::vector<std::vector<double>> guesses(const Residual &r) const override {
+    auto out = one_of_each(3, 0, 1, 12);
+    // The motion is read off the pair by a spline with a knot a turn: of a slow wander it leaves
+    // images at orders about 1, which are no ripple.
+    ParameterInfo order = kParameters[0];
+    order.minimum = 1.5;
+    add_orders_seen(r, order, Orders::any, out);
+    return out;
   }
 
 protected:
