@@ -61,15 +61,35 @@ double leap_limit(std::span<const double> psi, double sigmas, double floor_rad) 
   std::vector<double> between(psi.size(), 0.0);
   for (std::size_t i = 1; i + 1 < psi.size(); ++i)
     between[i] = off_middle(psi, i);
-  return sigmas * std::max(robust_spread(between), floor_rad);
+  const double noise_reaches = sigmas * std::max(robust_spread(between), floor_rad);
+  return std::max(noise_reaches, gap_beyond_bulk(std::move(between)));
 }
 
 std::vector<std::size_t> leaps_beyond(std::span<const double> psi, double limit, double ways) {
   // From the line through two angles, one step on from the second.
-  const auto beyond = [&](std::size_t first, std::size_t second, std::size_t i) {
-    return std::abs(wrap_centred(psi[i] - psi[second] - turn(psi, first, second), kTwoPi));
+  const auto beyond = [&](std::size_t first, std::size_t second, std::size_t i, double steps = 1) {
+    return std::abs(wrap_centred(psi[i] - psi[second] - steps * turn(psi, first, second), kTwoPi));
   };
   std::vector<std::size_t> places;
+  // At an end there are the neighbours on one side only. Of white noise the lines from there miss
+  // by two to three times what the middle does: the limit is twice as far.
+  const auto at_end = [&](std::size_t i, std::size_t a, std::size_t b, std::size_t c) {
+    const double least = std::min(beyond(b, a, i), beyond(c, b, i, 2));
+    const double way = std::max(std::abs(turn(psi, a, b)), std::abs(turn(psi, b, c)));
+    return least > 2 * limit && least > ways * way;
+  };
+  const auto beside_end = [&](std::size_t i, std::size_t end, std::size_t a, std::size_t b) {
+    const double middle =
+        std::abs(wrap_centred(turn(psi, end, i) - 0.5 * turn(psi, end, a), kTwoPi));
+    const double least = std::min(beyond(b, a, i), middle);
+    const double way = std::max(std::abs(turn(psi, a, b)), std::abs(turn(psi, end, a)));
+    return least > limit && least > ways * way;
+  };
+  const std::size_t n = psi.size();
+  if (n >= 4 && at_end(0, 1, 2, 3))
+    places.push_back(0);
+  if (n >= 4 && beside_end(1, 0, 2, 3))
+    places.push_back(1);
   for (std::size_t i = 2; i + 2 < psi.size(); ++i) {
     if (std::abs(off_middle_of_short_steps(psi, i)) <= limit)
       continue;
@@ -81,6 +101,10 @@ std::vector<std::size_t> leaps_beyond(std::span<const double> psi, double limit,
     if (least > limit && least > ways * way)
       places.push_back(i);
   }
+  if (n >= 6 && beside_end(n - 2, n - 1, n - 3, n - 4))
+    places.push_back(n - 2);
+  if (n >= 6 && at_end(n - 1, n - 2, n - 3, n - 4))
+    places.push_back(n - 1);
   return places;
 }
 

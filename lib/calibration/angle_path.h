@@ -20,9 +20,10 @@ struct AnglePath {
 
 /// Places of angles that lie far from where their neighbours lead, on a circle: from the lines
 /// through the two before them, the two after them, and the two about them, so that neither a
-/// reversal nor a gap counts. Far is more than `sigmas` of their usual distance from the middle of
-/// their neighbours, which is taken for `floor_rad` at least, and more than `ways` times the way
-/// that the neighbours move by themselves. What is not rare is no leap (base/robust.h).
+/// reversal nor a gap counts; at an end there are those on one side. Far is more than `sigmas` of
+/// their usual distance from the middle of their neighbours, which is taken for `floor_rad` at
+/// least, and more than `ways` times the way that the neighbours move by themselves. What is not
+/// rare is no leap (base/robust.h).
 std::vector<std::size_t> leaps(std::span<const double> psi, double sigmas, double floor_rad,
                                double ways);
 

@@ -10,9 +10,8 @@
 #include <cstring>
 #include <string_view>
 
-#include <zlib.h>
-
 #include "base/atomic_file.h"
+#include "base/checksum.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "recording/fixed_point.h"
@@ -89,6 +88,7 @@ class AngleSigmf final : public AngleFile {
 public:
   AngleSigmf(const std::string &path, const Recording &recording)
       : path_(path), recording_(recording), data_(sigmf_data_path(path)) {
+    claim_sigmf_pair(path);
     if (AtomicFile(sigmf_meta_path(path)).in_place() || data_.in_place())
       throw Error(ADA4571_ERROR_INVALID_ARGUMENT, path + ": SigMF needs two regular files");
     meta_.meta = recording.meta();
@@ -101,36 +101,33 @@ public:
   }
 
   void encode(const AngleBlock &angles, Bytes &out) const override {
-    const std::size_t step = meta_.frame_bytes;
-    out.bytes.resize(angles.count() * step);
-    char *frame = out.bytes.data();
-    for (std::size_t i = 0; i < angles.count(); ++i, frame += step) {
-      const float values[] = {static_cast<float>(angles.angle_deg[i]),
-                              static_cast<float>(angles.radius[i]),
-                              static_cast<float>(static_cast<int>(angles.status[i]))};
-      std::memcpy(frame, values, sizeof values);
-    }
+    const std::size_t count = angles.count(), step = meta_.frame_bytes;
+    constexpr std::size_t kFloats = sizeof(float[3]);
+    out.bytes.resize(count * step);
+    std::vector<char> &floats = holds_times() ? out.floats : out.bytes;
+    floats.resize(count * kFloats);
+    frames_of_floats(angles.angle_deg.data(), angles.radius.data(), angles.status.data(), count,
+                     floats.data());
     if (holds_times()) {
-      frame = out.bytes.data();
-      const std::size_t after = sizeof(float[3]), time = meta_.channels[3].byte;
-      for (std::size_t i = 0; i < angles.count(); ++i, frame += step) {
-        std::memset(frame + after, 0, time - after);
+      const std::size_t time = meta_.channels[3].byte;
+      char *frame = out.bytes.data();
+      for (std::size_t i = 0; i < count; ++i, frame += step) {
+        std::memcpy(frame, floats.data() + i * kFloats, kFloats);
+        std::memset(frame + kFloats, 0, time - kFloats);
         std::memcpy(frame + time, &angles.block.time_s[i], sizeof(double));
       }
     }
-    out.crc32 = static_cast<std::uint32_t>(crc32(crc32(0, nullptr, 0),
-                                                 reinterpret_cast<const Bytef *>(out.bytes.data()),
-                                                 static_cast<uInt>(out.bytes.size())));
+    out.crc32 = crc32_of(std::as_bytes(std::span(out.bytes)));
   }
 
   void write(const Bytes &bytes) override {
-    crc_ = crc32_combine(crc_, bytes.crc32, static_cast<z_off_t>(bytes.bytes.size()));
+    crc_ = crc32_joined(crc_, bytes.crc32, bytes.bytes.size());
     data_.write(bytes.bytes.data(), bytes.bytes.size());
   }
 
   bool holds_times() const override { return !recording_.regular(); }
   void finish() override {
-    meta_.data_crc32 = static_cast<std::uint32_t>(crc_);
+    meta_.data_crc32 = crc_;
     const std::string data = free_sigmf_stem(path_) + ".sigmf-data";
     data_.commit_as(data);
     publish_sigmf_pair(path_, meta_, data, IfRefused::remove);
@@ -154,7 +151,7 @@ private:
   const Recording &recording_;
   AtomicFile data_;
   SigmfMeta meta_;
-  uLong crc_ = crc32(0, nullptr, 0);
+  std::uint32_t crc_ = 0;
 };
 
 std::unique_ptr<AngleFile> open_angles(const std::string &path, AngleForm form, double range_deg,

@@ -20,7 +20,7 @@ class AngleFile {
 public:
   /// The bytes of one block, and their checksum where the file has one.
   struct Bytes {
-    std::vector<char> bytes;
+    std::vector<char> bytes, floats; ///< floats: on their way into bytes
     std::uint32_t crc32 = 0;
   };
 

@@ -93,19 +93,18 @@ struct Columns {
   }
 };
 
-} // namespace
+/// Noise of a channel over the amplitude, where the model does not say.
+constexpr double kNoiseOfAmplitude = 1e-3;
 
-Model correctable_part(const Model &model) {
-  Model out = model;
-  std::erase_if(out.effects, [](const EffectInstance &e) { return !e.effect->info().correctable; });
-  return out;
-}
+} // namespace
 
 AngleSolver::AngleSolver(const Model &model)
     : model_(correctable_part(model)), forward_(model_), amplitude_v_(model.baseline.amplitude_v),
-      centre_sin_v_(0.5 * model.supply_v + model.baseline.offset_sin_v),
-      centre_cos_v_(0.5 * model.supply_v + model.baseline.offset_cos_v),
+      centre_sin_v_(0.5 * model.supply_v + model_.baseline.offset_sin_v),
+      centre_cos_v_(0.5 * model.supply_v + model_.baseline.offset_cos_v),
       zero_rad_(model.baseline.angle_zero_deg * kRadPerDeg), periods_(model.periods_per_turn),
+      back_rad_(kBackBeyondNoise * model.noise_rms_v.value_or(kNoiseOfAmplitude * amplitude_v_) /
+                (amplitude_v_ * model.periods_per_turn)),
       supply_fraction_(0.0), step_rad_(kStep), iterations_(kIterations) {
   for (const EffectInstance &e : model_.effects)
     if (follows_supply(e.effect->info()))
@@ -310,8 +309,16 @@ void AngleSolver::frames(std::span<const Frame> frames, std::span<ada4571_angle>
     if (stream_.running && dt > 0.0) {
       const double speed = (alpha - stream_.alpha) / dt;
       stream_.omega += (speed - stream_.omega) * -std::expm1(-dt / kSpeedTime);
-      if (std::abs(stream_.omega) > 0.05)
-        stream_.sense = stream_.omega < 0.0 ? -1 : 1;
+    }
+    // At rest the sense is that of the motion before: it changes with the angle, not with its
+    // noise.
+    if (!stream_.running)
+      stream_.furthest = alpha;
+    if (stream_.sense * (alpha - stream_.furthest) > 0.0)
+      stream_.furthest = alpha;
+    if (stream_.sense * (stream_.furthest - alpha) > back_rad_) {
+      stream_.sense = static_cast<signed char>(-stream_.sense);
+      stream_.furthest = alpha;
     }
     stream_.running = true;
     stream_.time = f.time_s;

@@ -14,9 +14,6 @@
 
 namespace ada {
 
-/// The effects of a model that may be taken out of the angle.
-Model correctable_part(const Model &model);
-
 class AngleSolver {
 public:
   explicit AngleSolver(const Model &model);
@@ -49,6 +46,7 @@ private:
   ForwardModel forward_;
   double amplitude_v_, centre_sin_v_, centre_cos_v_, zero_rad_;
   int periods_;
+  double back_rad_ = 0.0;  ///< by which a shaft has turned back, and not the noise
   double supply_fraction_; ///< rms_fraction of supply-variation, 0 without
   double step_rad_;        ///< of the differences that give the slope
   int iterations_;         ///< at most
@@ -59,6 +57,7 @@ private:
     bool running = false;
     signed char sense = 1;
     double time = 0.0, alpha = 0.0, omega = 0.0, vdd_mean = 0.0, vdd_count = 0.0;
+    double furthest = 0.0; ///< angle in the sense of rotation
   } stream_;
 };
 

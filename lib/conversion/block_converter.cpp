@@ -61,6 +61,13 @@ BlockConverter::BlockConverter(const Model &model, const Recording &recording)
 }
 
 void BlockConverter::convert(std::size_t k, AngleBlock &out, bool times) const {
+  if (const auto pairs = raw_ ? recording_.raw_pairs(k) : std::nullopt) {
+    recording_.read(k, times ? kTimeColumn : 0, out.block);
+    out.resize(out.count());
+    by_kernel(*pairs, out);
+    mark_gaps(out);
+    return;
+  }
   recording_.read(k, columns(times), out.block);
   convert(out);
 }
@@ -77,21 +84,38 @@ void BlockConverter::convert(AngleBlock &out) const {
   mark_gaps(out);
 }
 
+SampleLimits BlockConverter::limits(const ada4571_layout &layout) const {
+  const Rails rails(model_.supply_v);
+  return {kDegPerRad,    std::nextafter(360.0 / model_.periods_per_turn, 0.0),
+          kRadiusMin,    kRadiusMax,
+          layout.offset, layout.scale_v,
+          rails.low_v,   rails.high_v};
+}
+
 void BlockConverter::by_kernel(AngleBlock &out) const {
   const Block &in = out.block;
-  raw_->convert(packed_doubles(), in.vsin_v.data(), in.vcos_v.data(), in.count,
-                out.angle_deg.data(), out.radius.data());
-  const double below_range = std::nextafter(360.0 / model_.periods_per_turn, 0.0);
-  const double supply_v = model_.supply_v;
-  bool all_numbers = true;
-  for (std::size_t i = 0; i < in.count; ++i) {
-    const double angle = out.angle_deg[i], radius = out.radius[i];
-    all_numbers = all_numbers && angle - angle == 0 && radius - radius == 0;
-    out.angle_deg[i] = std::min(angle * kDegPerRad, below_range);
-    out.status[i] = radius_status(radius) | rail_status(in.vsin_v[i], in.vcos_v[i], supply_v);
-  }
-  if (all_numbers)
+  const ada4571_layout layout = packed_doubles();
+  const double *sin = in.vsin_v.data(), *cos = in.vcos_v.data();
+  raw_->convert(layout, sin, cos, in.count, out.angle_deg.data(), out.radius.data());
+  if (!finish_planar_f64(sin, cos, in.count, limits(layout), out.angle_deg.data(),
+                         out.radius.data(), out.status.data()))
+    convert_singly(in, out);
+}
+
+void BlockConverter::by_kernel(const RawPairs &in, AngleBlock &out) const {
+  raw_->convert(in.layout, in.sin(), in.cos(), out.count(), out.angle_deg.data(),
+                out.radius.data());
+  const auto finish = in.layout.type == ADA4571_S16 ? finish_pairs_i16 : finish_pairs_u16;
+  if (finish(in.data(), out.count(), limits(in.layout), out.angle_deg.data(), out.radius.data(),
+             out.status.data()))
     return;
+  Block volts;
+  recording_.read(recording_.block_of(out.block.first), kPairColumns, volts);
+  convert_singly(volts, out);
+}
+
+/// What the kernels make no numbers of.
+void BlockConverter::convert_singly(const Block &in, AngleBlock &out) const {
   for (std::size_t i = 0; i < in.count; ++i)
     if (!std::isfinite(out.radius[i]) || out.radius[i] == 0)
       out.set(i, frames_.sample(frame_at(in, i)));

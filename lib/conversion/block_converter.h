@@ -12,6 +12,7 @@
 
 #include "conversion/frame_converter.h"
 #include "conversion/raw_converter.h"
+#include "conversion/vector_kernels.h"
 #include "recording/recording.h"
 
 namespace ada {
@@ -46,6 +47,9 @@ public:
 
 private:
   void by_kernel(AngleBlock &out) const;
+  void by_kernel(const RawPairs &in, AngleBlock &out) const;
+  SampleLimits limits(const ada4571_layout &layout) const;
+  void convert_singly(const Block &in, AngleBlock &out) const;
   void by_frames(AngleBlock &out) const;
   void mark_gaps(AngleBlock &out) const;
 

@@ -95,8 +95,9 @@ EllipseModel::EllipseModel(const Model &model)
   reference_.amplitude_v = model.baseline.amplitude_v;
   reference_.k = value("amplitude-mismatch", "k");
   reference_.delta_rad = value("quadrature-error", "delta_deg") * kRadPerDeg;
-  reference_.centre_sin_v = 0.5 * supply_v_ + model.baseline.offset_sin_v;
-  reference_.centre_cos_v = 0.5 * supply_v_ + model.baseline.offset_cos_v;
+  const Baseline last = correctable_part(model).baseline;
+  reference_.centre_sin_v = 0.5 * supply_v_ + last.offset_sin_v;
+  reference_.centre_cos_v = 0.5 * supply_v_ + last.offset_cos_v;
   tc_sin_ = value("offset-temperature-drift", "tc_sin");
   tc_cos_ = value("offset-temperature-drift", "tc_cos");
   tc_amplitude_ = value("amplitude-temperature-drift", "tc_amplitude");

@@ -148,7 +148,7 @@ EllipseInverse turned(const EllipseInverse &e, double angle) {
   return t;
 }
 
-PairConstants<float> exchanged(PairConstants<float> k) {
+template <class T> PairConstants<T> exchanged(PairConstants<T> k) {
   std::swap(k.centre_sin, k.centre_cos);
   std::swap(k.sin_s, k.sin_c);
   std::swap(k.cos_s, k.cos_c);
@@ -158,6 +158,29 @@ PairConstants<float> exchanged(PairConstants<float> k) {
 bool whole_16_bits(const ada4571_layout &l) {
   return (l.type == ADA4571_S16 || l.type == ADA4571_U16) && l.shift == 0 &&
          (l.bits == 0 || l.bits == 16);
+}
+
+/// Whole centres of a 16-bit converter; beyond this they would not be whole numbers in float.
+bool near_zero(double centre_sin, double centre_cos) {
+  return std::abs(centre_sin) < (1 << 23) && std::abs(centre_cos) < (1 << 23);
+}
+
+/// Interleaved 16-bit pairs in place, whichever channel is first; false: these are none.
+template <class T>
+bool convert_interleaved(const ada4571_layout &l, const void *sin, const void *cos,
+                         std::size_t count, const PairConstants<T> &k, T *angle, T *radius) {
+  const auto *s = static_cast<const std::uint8_t *>(sin);
+  const auto *c = static_cast<const std::uint8_t *>(cos);
+  if (l.stride_bytes != 4 || (c != s + 2 && s != c + 2))
+    return false;
+  const bool sin_first = c == s + 2;
+  const std::uint8_t *pairs = sin_first ? s : c;
+  const PairConstants<T> in_order = sin_first ? k : exchanged(k);
+  if (l.type == ADA4571_S16)
+    convert_pairs_i16(pairs, count, in_order, angle, radius);
+  else
+    convert_pairs_u16(pairs, count, in_order, angle, radius);
+  return true;
 }
 
 /// Block by block through packed copies.
@@ -222,20 +245,13 @@ void RawConverter::convert(const ada4571_layout &l, const void *sin, const void 
 void RawConverter::by_ellipse(const ada4571_layout &l, const void *sin, const void *cos,
                               std::size_t count, float *angle, float *radius) const {
   const double cs = raw_centre(l, inverse_.centre_sin_v), cc = raw_centre(l, inverse_.centre_cos_v);
-  // Whole centres of a 16-bit converter; beyond this they would not be whole numbers in float.
-  const bool near = std::abs(cs) < (1 << 23) && std::abs(cc) < (1 << 23);
-  if (whole_16_bits(l) && near) {
+  if (whole_16_bits(l) && near_zero(cs, cc)) {
     const auto k = constants<float>(inverse_, l, std::round(cs), std::round(cc), periods_);
-    const bool is_signed = l.type == ADA4571_S16;
-    const auto *s = static_cast<const std::uint8_t *>(sin);
-    const auto *c = static_cast<const std::uint8_t *>(cos);
     if (l.stride_bytes == 2)
-      return (is_signed ? convert_planar_i16 : convert_planar_u16)(s, c, count, k, angle, radius);
-    const auto pairs = is_signed ? convert_pairs_i16 : convert_pairs_u16;
-    if (l.stride_bytes == 4 && c == s + 2)
-      return pairs(s, count, k, angle, radius);
-    if (l.stride_bytes == 4 && s == c + 2)
-      return pairs(c, count, exchanged(k), angle, radius);
+      return (l.type == ADA4571_S16 ? convert_planar_i16 : convert_planar_u16)(sin, cos, count, k,
+                                                                               angle, radius);
+    if (convert_interleaved(l, sin, cos, count, k, angle, radius))
+      return;
   }
   if (l.type == ADA4571_F32 && l.stride_bytes == sizeof(float)) {
     const auto k =
@@ -254,6 +270,11 @@ void RawConverter::by_ellipse(const ada4571_layout &l, const void *sin, const vo
 void RawConverter::by_ellipse(const ada4571_layout &l, const void *sin, const void *cos,
                               std::size_t count, double *angle, double *radius) const {
   const double cs = raw_centre(l, inverse_.centre_sin_v), cc = raw_centre(l, inverse_.centre_cos_v);
+  if (whole_16_bits(l) && near_zero(cs, cc) &&
+      convert_interleaved(l, sin, cos, count,
+                          constants<double>(inverse_, l, std::round(cs), std::round(cc), periods_),
+                          angle, radius))
+    return;
   auto k = constants<double>(inverse_, l, cs, cc, periods_);
   if (l.type == ADA4571_F64 && l.stride_bytes == sizeof(double))
     return convert_planar_f64(static_cast<const double *>(sin), static_cast<const double *>(cos),

@@ -21,9 +21,15 @@ inline constexpr double kRadiusMax = 1.3;
 /// A channel within this fraction of the supply from ground or VDD sits at a rail.
 inline constexpr double kRailMargin = 0.01;
 
+struct Rails {
+  double low_v, high_v;
+  explicit Rails(double supply_v) : low_v(kRailMargin * supply_v), high_v(supply_v - low_v) {}
+};
+
 inline std::uint32_t rail_status(double vsin_v, double vcos_v, double supply_v) {
-  const double low = kRailMargin * supply_v, high = supply_v - low;
-  const bool rail = vsin_v <= low || vsin_v >= high || vcos_v <= low || vcos_v >= high;
+  const Rails at(supply_v);
+  const bool rail =
+      vsin_v <= at.low_v || vsin_v >= at.high_v || vcos_v <= at.low_v || vcos_v >= at.high_v;
   return rail ? std::uint32_t{ADA4571_SAMPLE_RAIL} : 0u;
 }
 

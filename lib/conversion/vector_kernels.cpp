@@ -17,6 +17,7 @@
 
 #include <hwy/highway.h>
 
+#include "ada4571.h"
 #include "base/vector_targets.h"
 #include "conversion/atan2-inl.h"
 
@@ -39,12 +40,13 @@ template <class E> HWY_INLINE const E *elements_at(const std::uint8_t *at) {
 
 /// Neighbouring 16-bit numbers.
 template <class D, bool kSigned> class Pairs16 {
+  using T = hn::TFromD<D>;
   using DI = hn::Rebind<std::int32_t, D>;
   using V = hn::Vec<D>;
   using VI = hn::Vec<DI>;
 
 public:
-  HWY_INLINE Pairs16(D d, const void *pairs, const void *, const PairConstants<float> &k)
+  HWY_INLINE Pairs16(D d, const void *pairs, const void *, const PairConstants<T> &k)
       : d_(d), data_(static_cast<const std::uint8_t *>(pairs)),
         centre_sin_(static_cast<std::int32_t>(k.centre_sin)),
         centre_cos_(static_cast<std::int32_t>(k.centre_cos)) {}
@@ -62,8 +64,14 @@ private:
   HWY_INLINE void load(const std::uint8_t *at, V &s, V &c) const {
     const VI both = hn::LoadU(di_, elements_at<std::int32_t>(at));
     constexpr bool kSinIsHigh = std::endian::native == std::endian::big;
-    s = hn::ConvertTo(d_, hn::Sub(half<kSinIsHigh>(both), hn::Set(di_, centre_sin_)));
-    c = hn::ConvertTo(d_, hn::Sub(half<!kSinIsHigh>(both), hn::Set(di_, centre_cos_)));
+    s = number(hn::Sub(half<kSinIsHigh>(both), hn::Set(di_, centre_sin_)));
+    c = number(hn::Sub(half<!kSinIsHigh>(both), hn::Set(di_, centre_cos_)));
+  }
+  HWY_INLINE V number(VI whole) const {
+    if constexpr (sizeof(T) == sizeof(std::int32_t))
+      return hn::ConvertTo(d_, whole);
+    else
+      return hn::PromoteTo(d_, whole);
   }
   template <bool kHigh> HWY_INLINE VI half(VI both) const {
     const hn::RebindToUnsigned<DI> du;
@@ -234,6 +242,92 @@ void planar_f64(const double *s, const double *c, std::size_t n, const PairConst
                 double *angle, double *radius) {
   convert<Planar<F64, double>>(s, c, n, k, angle, radius);
 }
+
+template <bool kSigned>
+void pairs_f64(const void *pairs, std::size_t n, const PairConstants<double> &k, double *angle,
+               double *radius) {
+  convert<Pairs16<F64, kSigned>>(pairs, nullptr, n, k, angle, radius);
+}
+
+/// Sample after sample for what is left of the vectors.
+template <class Reader>
+bool finish(const void *first_channel, const void *second_channel, std::size_t count,
+            const SampleLimits &limits, double *HWY_RESTRICT angle,
+            const double *HWY_RESTRICT radius, std::uint32_t *HWY_RESTRICT status) {
+  const F64 d;
+  const hn::Rebind<std::int32_t, F64> di;
+  using V = hn::Vec<F64>;
+  const SampleLimits l = limits; // as above: writing does not change a copy
+  const PairConstants<double> as_they_are{};
+  const Reader source(d, first_channel, second_channel, as_they_are);
+  const std::size_t lanes = hn::Lanes(d);
+  const V zero = hn::Zero(d), rail = hn::Set(d, double{ADA4571_SAMPLE_RAIL}),
+          far = hn::Set(d, double{ADA4571_SAMPLE_RADIUS});
+  V numbers = zero; // stays 0 while all are
+  const auto step = [&](V s, V c, V a, V r, V &degrees, hn::Vec<decltype(di)> &bits) {
+    numbers = hn::Add(numbers, hn::Add(hn::Sub(a, a), hn::Sub(r, r)));
+    const V full = hn::Set(d, l.largest_deg), deg = hn::Mul(a, hn::Set(d, l.degrees_per_rad));
+    degrees = hn::IfThenElse(hn::Gt(deg, full), full, deg);
+    const auto within =
+        hn::And(hn::Ge(r, hn::Set(d, l.least_radius)), hn::Le(r, hn::Set(d, l.largest_radius)));
+    const V offset = hn::Set(d, l.offset), scale = hn::Set(d, l.scale_v);
+    s = hn::Mul(hn::Add(s, offset), scale);
+    c = hn::Mul(hn::Add(c, offset), scale);
+    const auto low = hn::Le(hn::Min(s, c), hn::Set(d, l.low_v));
+    const auto high = hn::Ge(hn::Max(s, c), hn::Set(d, l.high_v));
+    bits = hn::DemoteTo(di, hn::Add(hn::IfThenElse(within, zero, far),
+                                    hn::IfThenElse(hn::Or(low, high), rail, zero)));
+  };
+  V s, c, degrees;
+  hn::Vec<decltype(di)> bits;
+  auto *out = reinterpret_cast<std::int32_t *>(status); // the signed fellow of its type
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    source.at(i, s, c);
+    step(s, c, hn::LoadU(d, angle + i), hn::LoadU(d, radius + i), degrees, bits);
+    hn::StoreU(degrees, d, angle + i);
+    hn::StoreU(bits, di, out + i);
+  }
+  if (i < count) {
+    HWY_ALIGN double a[kMaxBytes / sizeof(double)] = {}, r[kMaxBytes / sizeof(double)] = {};
+    HWY_ALIGN std::int32_t b[kMaxBytes / sizeof(double)];
+    std::memcpy(a, angle + i, (count - i) * sizeof(double));
+    std::memcpy(r, radius + i, (count - i) * sizeof(double));
+    source.last(i, count - i, s, c);
+    step(s, c, hn::Load(d, a), hn::Load(d, r), degrees, bits);
+    hn::Store(degrees, d, a);
+    hn::Store(bits, di, b);
+    std::memcpy(angle + i, a, (count - i) * sizeof(double));
+    std::memcpy(status + i, b, (count - i) * sizeof(std::int32_t));
+  }
+  return hn::AllTrue(d, hn::Eq(numbers, zero));
+}
+
+template <bool kSigned>
+bool finish_pairs(const void *pairs, std::size_t n, const SampleLimits &limits, double *angle,
+                  const double *radius, std::uint32_t *status) {
+  return finish<Pairs16<F64, kSigned>>(pairs, nullptr, n, limits, angle, radius, status);
+}
+bool finish_planar(const double *sin, const double *cos, std::size_t n, const SampleLimits &limits,
+                   double *angle, const double *radius, std::uint32_t *status) {
+  return finish<Planar<F64, double>>(sin, cos, n, limits, angle, radius, status);
+}
+
+std::size_t whole_frames_of_floats(const double *angle, const double *radius,
+                                   const std::uint32_t *status, std::size_t count, void *frames) {
+  auto *out = static_cast<float *>(frames);
+  const F64 d;
+  const hn::Rebind<float, F64> df;
+  const hn::Rebind<std::int32_t, F64> di;
+  const std::size_t lanes = hn::Lanes(d);
+  const auto *bits = reinterpret_cast<const std::int32_t *>(status);
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes)
+    hn::StoreInterleaved3(hn::DemoteTo(df, hn::LoadU(d, angle + i)),
+                          hn::DemoteTo(df, hn::LoadU(d, radius + i)),
+                          hn::ConvertTo(df, hn::LoadU(di, bits + i)), df, out + 3 * i);
+  return i;
+}
 #else
 // NEON of 32 bits has no doubles, takes subnormal floats for zero and divides by an estimate: good
 // for a pair, whose length is near 1, but not for all that C says of atan2.
@@ -254,6 +348,66 @@ void planar_f64(const double *sin, const double *cos, std::size_t n, const PairC
     if (radius != nullptr)
       radius[i] = std::sqrt(y * y + x * x);
   }
+}
+
+/// Neighbouring 16-bit numbers one by one.
+template <bool kSigned> struct Numbers16 {
+  using Number = std::conditional_t<kSigned, std::int16_t, std::uint16_t>;
+  const void *pairs;
+  void operator()(std::size_t i, double &s, double &c) const {
+    Number pair[2];
+    std::memcpy(pair, static_cast<const std::uint8_t *>(pairs) + i * sizeof pair, sizeof pair);
+    s = pair[0];
+    c = pair[1];
+  }
+};
+
+template <bool kSigned>
+void pairs_f64(const void *pairs, std::size_t n, const PairConstants<double> &k, double *angle,
+               double *radius) {
+  const Numbers16<kSigned> number{pairs};
+  for (std::size_t i = 0; i < n; ++i) {
+    double s, c;
+    number(i, s, c);
+    planar_f64(&s, &c, 1, k, angle + i, radius != nullptr ? radius + i : nullptr);
+  }
+}
+
+template <class Numbers>
+bool finish(Numbers number, std::size_t n, const SampleLimits &l, double *angle,
+            const double *radius, std::uint32_t *status) {
+  bool numbers = true;
+  for (std::size_t i = 0; i < n; ++i) {
+    double s, c;
+    number(i, s, c);
+    numbers = numbers && angle[i] - angle[i] == 0 && radius[i] - radius[i] == 0;
+    angle[i] = std::min(angle[i] * l.degrees_per_rad, l.largest_deg);
+    const bool within = radius[i] >= l.least_radius && radius[i] <= l.largest_radius;
+    s = (s + l.offset) * l.scale_v;
+    c = (c + l.offset) * l.scale_v;
+    const bool rail = std::min(s, c) <= l.low_v || std::max(s, c) >= l.high_v;
+    status[i] = (within ? 0u : std::uint32_t{ADA4571_SAMPLE_RADIUS}) |
+                (rail ? std::uint32_t{ADA4571_SAMPLE_RAIL} : 0u);
+  }
+  return numbers;
+}
+template <bool kSigned>
+bool finish_pairs(const void *pairs, std::size_t n, const SampleLimits &limits, double *angle,
+                  const double *radius, std::uint32_t *status) {
+  return finish(Numbers16<kSigned>{pairs}, n, limits, angle, radius, status);
+}
+bool finish_planar(const double *sin, const double *cos, std::size_t n, const SampleLimits &limits,
+                   double *angle, const double *radius, std::uint32_t *status) {
+  const auto number = [&](std::size_t i, double &s, double &c) {
+    s = sin[i];
+    c = cos[i];
+  };
+  return finish(number, n, limits, angle, radius, status);
+}
+
+std::size_t whole_frames_of_floats(const double *, const double *, const std::uint32_t *,
+                                   std::size_t, void *) {
+  return 0;
 }
 #endif
 
@@ -289,6 +443,35 @@ void PlanarF64(const double *s, const double *c, std::size_t n, const PairConsta
                double *angle, double *radius) {
   planar_f64(s, c, n, k, angle, radius);
 }
+void PairsI16F64(const void *pairs, std::size_t n, const PairConstants<double> &k, double *angle,
+                 double *radius) {
+  pairs_f64<true>(pairs, n, k, angle, radius);
+}
+void PairsU16F64(const void *pairs, std::size_t n, const PairConstants<double> &k, double *angle,
+                 double *radius) {
+  pairs_f64<false>(pairs, n, k, angle, radius);
+}
+bool FinishPairsI16(const void *pairs, std::size_t n, const SampleLimits &limits, double *angle,
+                    const double *radius, std::uint32_t *status) {
+  return finish_pairs<true>(pairs, n, limits, angle, radius, status);
+}
+bool FinishPairsU16(const void *pairs, std::size_t n, const SampleLimits &limits, double *angle,
+                    const double *radius, std::uint32_t *status) {
+  return finish_pairs<false>(pairs, n, limits, angle, radius, status);
+}
+bool FinishPlanarF64(const double *sin, const double *cos, std::size_t n,
+                     const SampleLimits &limits, double *angle, const double *radius,
+                     std::uint32_t *status) {
+  return finish_planar(sin, cos, n, limits, angle, radius, status);
+}
+void FramesOfFloats(const double *angle, const double *radius, const std::uint32_t *status,
+                    std::size_t n, void *frames) {
+  for (std::size_t i = whole_frames_of_floats(angle, radius, status, n, frames); i < n; ++i) {
+    const float values[] = {static_cast<float>(angle[i]), static_cast<float>(radius[i]),
+                            static_cast<float>(static_cast<std::int32_t>(status[i]))};
+    std::memcpy(static_cast<std::uint8_t *>(frames) + i * sizeof values, values, sizeof values);
+  }
+}
 std::int64_t Target() {
   return HWY_TARGET;
 }
@@ -309,6 +492,12 @@ HWY_EXPORT(PlanarI16);
 HWY_EXPORT(PlanarU16);
 HWY_EXPORT(PlanarF32);
 HWY_EXPORT(PlanarF64);
+HWY_EXPORT(PairsI16F64);
+HWY_EXPORT(PairsU16F64);
+HWY_EXPORT(FinishPairsI16);
+HWY_EXPORT(FinishPairsU16);
+HWY_EXPORT(FinishPlanarF64);
+HWY_EXPORT(FramesOfFloats);
 HWY_EXPORT(Target);
 
 void atan2_f32(const float *y, const float *x, std::size_t count, float *out) {
@@ -340,6 +529,31 @@ void convert_planar_f32(const float *sin, const float *cos, std::size_t count,
 void convert_planar_f64(const double *sin, const double *cos, std::size_t count,
                         const PairConstants<double> &k, double *angle, double *radius) {
   HWY_DYNAMIC_DISPATCH(PlanarF64)(sin, cos, count, k, angle, radius);
+}
+void convert_pairs_i16(const void *pairs, std::size_t count, const PairConstants<double> &k,
+                       double *angle, double *radius) {
+  HWY_DYNAMIC_DISPATCH(PairsI16F64)(pairs, count, k, angle, radius);
+}
+void convert_pairs_u16(const void *pairs, std::size_t count, const PairConstants<double> &k,
+                       double *angle, double *radius) {
+  HWY_DYNAMIC_DISPATCH(PairsU16F64)(pairs, count, k, angle, radius);
+}
+bool finish_pairs_i16(const void *pairs, std::size_t count, const SampleLimits &limits,
+                      double *angle, const double *radius, std::uint32_t *status) {
+  return HWY_DYNAMIC_DISPATCH(FinishPairsI16)(pairs, count, limits, angle, radius, status);
+}
+bool finish_pairs_u16(const void *pairs, std::size_t count, const SampleLimits &limits,
+                      double *angle, const double *radius, std::uint32_t *status) {
+  return HWY_DYNAMIC_DISPATCH(FinishPairsU16)(pairs, count, limits, angle, radius, status);
+}
+bool finish_planar_f64(const double *sin, const double *cos, std::size_t count,
+                       const SampleLimits &limits, double *angle, const double *radius,
+                       std::uint32_t *status) {
+  return HWY_DYNAMIC_DISPATCH(FinishPlanarF64)(sin, cos, count, limits, angle, radius, status);
+}
+void frames_of_floats(const double *angle, const double *radius, const std::uint32_t *status,
+                      std::size_t count, void *frames) {
+  HWY_DYNAMIC_DISPATCH(FramesOfFloats)(angle, radius, status, count, frames);
 }
 
 const char *vector_target() {

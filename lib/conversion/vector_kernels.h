@@ -37,6 +37,10 @@ void convert_pairs_i16(const void *pairs, std::size_t count, const PairConstants
                        float *angle, float *radius);
 void convert_pairs_u16(const void *pairs, std::size_t count, const PairConstants<float> &constants,
                        float *angle, float *radius);
+void convert_pairs_i16(const void *pairs, std::size_t count, const PairConstants<double> &constants,
+                       double *angle, double *radius);
+void convert_pairs_u16(const void *pairs, std::size_t count, const PairConstants<double> &constants,
+                       double *angle, double *radius);
 /// Channels of their own.
 void convert_planar_i16(const void *sin, const void *cos, std::size_t count,
                         const PairConstants<float> &constants, float *angle, float *radius);
@@ -46,6 +50,28 @@ void convert_planar_f32(const float *sin, const float *cos, std::size_t count,
                         const PairConstants<float> &constants, float *angle, float *radius);
 void convert_planar_f64(const double *sin, const double *cos, std::size_t count,
                         const PairConstants<double> &constants, double *angle, double *radius);
+
+/// What makes samples of angles and radii: degrees below the end of the range, and the bits of
+/// ada4571_angle.status. A channel is at a rail when its volts, (number + offset) scale_v, are not
+/// between `low_v` and `high_v`.
+struct SampleLimits {
+  double degrees_per_rad, largest_deg;
+  double least_radius, largest_radius;
+  double offset, scale_v, low_v, high_v;
+};
+
+/// Turns `angle` into degrees and fills `status`. False: some angle or radius is no number.
+bool finish_pairs_i16(const void *pairs, std::size_t count, const SampleLimits &limits,
+                      double *angle, const double *radius, std::uint32_t *status);
+bool finish_pairs_u16(const void *pairs, std::size_t count, const SampleLimits &limits,
+                      double *angle, const double *radius, std::uint32_t *status);
+bool finish_planar_f64(const double *sin, const double *cos, std::size_t count,
+                       const SampleLimits &limits, double *angle, const double *radius,
+                       std::uint32_t *status);
+
+/// Frames of angle, radius and status as three floats, of any alignment.
+void frames_of_floats(const double *angle, const double *radius, const std::uint32_t *status,
+                      std::size_t count, void *frames);
 
 /// Name of the instruction set in use. Lives for ever.
 const char *vector_target();

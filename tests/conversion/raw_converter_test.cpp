@@ -5,6 +5,7 @@
 
 #include "conversion/raw_converter.h"
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -101,7 +102,10 @@ double put(const Case &c, const ada4571_layout &l, std::uint8_t *at, double volt
   std::uint64_t raw = rng();
   const std::uint64_t mask = ((std::uint64_t{1} << bits) - 1) << c.shift;
   raw = (raw & ~mask) | ((code << c.shift) & mask);
-  std::memcpy(at, &raw, width_of(c.type));
+  // The low bytes of the word: on a big-endian machine they are its last ones.
+  const std::size_t ahead = std::endian::native == std::endian::big ? 8 - width_of(c.type) : 0;
+  const std::uint64_t low_first = raw << (8 * ahead);
+  std::memcpy(at, &low_first, width_of(c.type));
   return (decoded(c, static_cast<std::int64_t>(raw & mask)) + l.offset) * l.scale_v;
 }
 

@@ -7,6 +7,7 @@
 #include "conversion/vector_kernels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -143,6 +144,95 @@ TEST_P(OnTarget, every_count_is_converted_and_nothing_beyond) {
     for (std::size_t i = 0; i < n; ++i)
       EXPECT_NEAR(outd[i], 3 * M_PI / 4, kAtan2F64MaxErrorRad);
     EXPECT_EQ(outd[n], -7.0);
+  }
+}
+
+/// What a block of samples goes through, one after the other.
+struct Samples {
+  std::vector<double> angle, radius;
+  std::vector<std::uint32_t> status;
+  bool numbers = true;
+
+  /// Angles and radii as given; `volts` gives those of a sample.
+  template <class Volts> void finish(const SampleLimits &l, Volts volts) {
+    for (std::size_t i = 0; i < angle.size(); ++i) {
+      numbers = numbers && std::isfinite(angle[i]) && std::isfinite(radius[i]);
+      angle[i] = std::min(angle[i] * l.degrees_per_rad, l.largest_deg);
+      const bool within = radius[i] >= l.least_radius && radius[i] <= l.largest_radius;
+      status[i] = within ? 0 : ADA4571_SAMPLE_RADIUS;
+      for (const double v : volts(i))
+        if (v <= l.low_v || v >= l.high_v)
+          status[i] |= ADA4571_SAMPLE_RAIL;
+    }
+  }
+};
+
+TEST_P(OnTarget, samples_are_finished_as_one_by_one) {
+  std::mt19937_64 rng(fresh_seed());
+  std::uniform_int_distribution<int> code(-32768, 32767), few(0, 40);
+  std::uniform_real_distribution<> angle(0.0, M_PI), radius(0.5, 1.5);
+  const SampleLimits limits{
+      180.0 / M_PI, std::nextafter(180.0, 0.0), 0.7, 1.3, 32768.0, 5.0 / 65536.0, 0.05, 4.95};
+  SampleLimits of_volts = limits;
+  of_volts.offset = 0.0;
+  of_volts.scale_v = 1.0;
+  for (std::size_t n : {0, 1, 7, 8, 15, 16, 1003}) {
+    std::vector<std::int16_t> pairs(2 * n);
+    std::vector<double> sin(n), cos(n);
+    Samples given{std::vector<double>(n), std::vector<double>(n), std::vector<std::uint32_t>(n)};
+    for (std::size_t i = 0; i < n; ++i) {
+      for (int k = 0; k < 2; ++k) // rails at both ends, and on the very limit
+        pairs[2 * i + k] = static_cast<std::int16_t>(few(rng) == 0   ? -32768 + 16 * few(rng)
+                                                     : few(rng) == 0 ? 32767 - 16 * few(rng)
+                                                                     : code(rng));
+      sin[i] = (pairs[2 * i] + limits.offset) * limits.scale_v;
+      cos[i] = (pairs[2 * i + 1] + limits.offset) * limits.scale_v;
+      given.angle[i] = few(rng) == 0 ? std::nextafter(M_PI, 4.0) : angle(rng);
+      given.radius[i] = few(rng) == 0 ? 0.7 : radius(rng);
+    }
+    if (n == 1003)
+      given.radius[1002] = std::nan("");
+    Samples one = given, raw = given, volts = given;
+    one.finish(limits, [&](std::size_t i) { return std::array{sin[i], cos[i]}; });
+    raw.numbers = finish_pairs_i16(pairs.data(), n, limits, raw.angle.data(), raw.radius.data(),
+                                   raw.status.data());
+    volts.numbers = finish_planar_f64(sin.data(), cos.data(), n, of_volts, volts.angle.data(),
+                                      volts.radius.data(), volts.status.data());
+    for (const Samples *other : {&raw, &volts}) {
+      EXPECT_EQ(one.angle, other->angle) << n;
+      EXPECT_EQ(one.status, other->status) << n;
+      EXPECT_EQ(one.numbers, other->numbers) << n;
+    }
+    std::vector<float> frames(3 * n + 1, -7.0f);
+    frames_of_floats(one.angle.data(), one.radius.data(), one.status.data(), n, frames.data());
+    for (std::size_t i = 0; i < n; ++i) {
+      EXPECT_EQ(frames[3 * i], static_cast<float>(one.angle[i]));
+      if (!std::isnan(one.radius[i])) {
+        EXPECT_EQ(frames[3 * i + 1], static_cast<float>(one.radius[i]));
+      }
+      EXPECT_EQ(frames[3 * i + 2], static_cast<float>(one.status[i]));
+    }
+    EXPECT_EQ(frames.back(), -7.0f);
+  }
+}
+
+TEST_P(OnTarget, pairs_of_integers_convert_to_the_same_doubles_as_their_numbers) {
+  std::mt19937_64 rng(fresh_seed());
+  std::uniform_int_distribution<int> code(0, 65535);
+  const PairConstants<double> k{32100.0, 33050.0, 5e-5, 1e-6, 0.25, -2e-6, 5.1e-5, -0.5, M_PI};
+  for (std::size_t n : {0, 1, 9, 1001}) {
+    std::vector<std::uint16_t> pairs(2 * n);
+    std::vector<double> sin(n), cos(n), angle(n + 1, -7.0), radius(n), same(n), same_radius(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      sin[i] = pairs[2 * i] = static_cast<std::uint16_t>(code(rng));
+      cos[i] = pairs[2 * i + 1] = static_cast<std::uint16_t>(code(rng));
+    }
+    convert_pairs_u16(pairs.data(), n, k, angle.data(), radius.data());
+    convert_planar_f64(sin.data(), cos.data(), n, k, same.data(), same_radius.data());
+    EXPECT_EQ(angle.back(), -7.0);
+    angle.pop_back();
+    EXPECT_EQ(angle, same);
+    EXPECT_EQ(radius, same_radius);
   }
 }
 
