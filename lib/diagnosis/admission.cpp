@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
@@ -30,6 +31,16 @@ std::size_t coordinates(const EffectInstance &e) {
   return e.effect->to_coordinates(e.values).size();
 }
 
+std::optional<double> chosen(const EffectInstance &e, std::string_view name,
+                             std::string_view unit) {
+  const auto parameters = e.effect->info().parameters;
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    if (parameters[k].role == Role::chosen && parameters[k].name == name &&
+        (unit.empty() || parameters[k].unit == unit))
+      return e.values[k];
+  return std::nullopt;
+}
+
 double price(const EffectInstance &e) {
   double nats = criteria::kNatsPerCoordinate * static_cast<double>(coordinates(e));
   for (const ParameterInfo &p : e.effect->info().parameters)
@@ -47,6 +58,10 @@ double least_of_noise(const Effect &effect) {
 
 bool of_the_angle(const Effect &effect) {
   return is_static(effect) || effect.info().stage == Stage::motion;
+}
+
+bool shows_beyond_angle(const Effect &effect) {
+  return effect.info().axis != axis_name(Axis::angle);
 }
 
 bool leaks(const EffectInstance &e) {
@@ -69,9 +84,14 @@ double side_evidence(const SearchData &data, const Model &model) {
     left[n - 1].cos -= part.cos;
     left[n - 1].sin -= part.sin;
   }
-  for (const Ripple &r : left)
-    sum -= std::min(0.5 * (r.cos * r.cos + r.sin * r.sin) / (r.error * r.error),
-                    criteria::kCoincidence);
+  const auto squared = [](const Ripple &r) { return r.cos * r.cos + r.sin * r.sin; };
+  // What a fit leaves of it counts by its part of the whole: the fit has errors of its own.
+  for (std::size_t k = 0; k < left.size(); ++k) {
+    const Ripple &seen = data.scene->reference_ripples[k];
+    const double rest = squared(left[k]), whole = std::max(squared(seen), 1e-30);
+    sum -= std::min(0.5 * rest / (seen.error * seen.error),
+                    criteria::kCoincidence * std::min(1.0, rest / whole));
+  }
   return sum;
 }
 
@@ -91,28 +111,14 @@ double Search::volts_explained(const State &with, const State &less) const {
                   std::sqrt(std::max(0.0, fall) / (2.0 * static_cast<double>(plain.size()))));
 }
 
-/// How much an effect moves a channel with everything else unchanged, V rms: what other causes can
-/// take over is still in it.
-double Search::reach(const Model &model, std::size_t effect) const {
-  Model less = model;
-  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
-  const ResidualColumns a = residual_columns(quick_, model), b = residual_columns(quick_, less);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.sin.size(); ++i) {
-    const double s = a.sin[i] - b.sin[i], c = a.cos[i] - b.cos[i];
-    sum += s * s + c * c;
-  }
-  return std::sqrt(sum / (2.0 * static_cast<double>(a.sin.size())));
-}
-
 /// What each effect moves beyond the baseline's own freedom (offsets, amplitude and zero), V^2:
 /// products of each with each, means of a channel.
 Eigen::MatrixXd Search::own_moves(const Model &model) const {
   const auto n = static_cast<Eigen::Index>(model.effects.size());
   const ResidualColumns all = residual_columns(coarse_, model);
   const auto samples = static_cast<Eigen::Index>(coarse_.size());
-  // Where the pair is its own reference, what lies along the circle is no evidence: neither here nor
-  // in what there is to explain.
+  // Where the pair is its own reference, what lies along the circle is no evidence: neither here
+  // nor in what there is to explain.
   const auto weigh = [&](Eigen::Index i, double &sin, double &cos) {
     const auto at = static_cast<std::size_t>(i);
     if (coarse_.disturbed == Direction::motion)
@@ -164,8 +170,8 @@ bool cancels(const Eigen::MatrixXd &own, Eigen::Index from, std::size_t members,
     for (Eigen::Index k : group)
       more += 2.0 * own(j, k);
     group.push_back(j);
-    const bool found = cancels(own, j + 1, members + 1, together + more,
-                               std::max(largest, own(j, j)), group);
+    const bool found =
+        cancels(own, j + 1, members + 1, together + more, std::max(largest, own(j, j)), group);
     group.pop_back();
     if (found)
       return true;
@@ -195,7 +201,7 @@ bool Search::all_stand_alone(const Model &model) const {
 /// What an effect explains, V rms: no more than it moves, and where the evidence stands beside the
 /// pair all of that.
 double Search::size_of(const State &with, const State &less, std::size_t effect) const {
-  const double moved = reach(with.fit.model, effect);
+  const double moved = moved_rms_v(quick_, with.fit.model, effect);
   if (data_.train.coloured) // what it gains counts against what has no name, and not against noise
     return moved;
   const EffectInstance &e = with.fit.model.effects[effect];
@@ -208,8 +214,41 @@ double Search::size_of(const State &with, const State &less, std::size_t effect)
 /// What an effect must explain beyond what is not known to second order, V rms: a coarse
 /// converter's error is no noise, and looks like a little of many effects.
 double Search::doubt_v(const Model &model) const {
-  constexpr double kOfStep = 0.1;
-  return std::max(second_order(*data_.scene, quick_, model), kOfStep * data_.scene->coarse_step_v);
+  return std::max(second_order(*data_.scene, quick_, model) + next_of_supply(quick_, model),
+                  criteria::kOfStep * data_.scene->coarse_step_v);
+}
+
+namespace {
+
+/// Whether an effect has an order that no product of two others has: those of the catalogue reach
+/// to kNamedPeriods electrical periods, each product to twice that, or as far about another order.
+bool above_products(const Model &model, std::size_t effect) {
+  const double reach = criteria::kNamedPeriods * model.periods_per_turn;
+  const auto order = chosen(model.effects[effect], "order", "per turn");
+  if (!order || *order <= 2.0 * reach)
+    return false;
+  for (std::size_t k = 0; k < model.effects.size(); ++k)
+    if (const auto other = chosen(model.effects[k], "order", "per turn");
+        k != effect && other && std::abs(*other - *order) <= reach)
+      return false;
+  return true;
+}
+
+} // namespace
+
+/// Whether a cause of the model explains more than `doubt` of the others. What is not known to
+/// second order repeats with the angle, as what it is a product of does: of a cause that shows
+/// beyond the angle, that part needs no allowance.
+bool Search::beyond_doubt(double size_v, const Model &model, std::size_t effect,
+                          double doubt) const {
+  const Effect &e = *model.effects[effect].effect;
+  if (size_v > doubt)
+    return true;
+  if (above_products(model, effect))
+    return size_v >
+           std::max(least_of_noise(e) * noise_v_, criteria::kOfStep * data_.scene->coarse_step_v);
+  return shows_beyond_angle(e) && size_v > next_of_supply(quick_, model) &&
+         std::min(size_v, moved_off_angle_v(model, effect)) > least_of_noise(e) * noise_v_;
 }
 
 /// What every pair has is expected: it need only stand out of what has no name. Anything else is
@@ -224,7 +263,8 @@ bool Search::worth_keeping(double worth, const Effect &effect) const {
 /// makes none of them worse, and hold whole turns.
 bool Search::helps_everywhere(const State &with, const State &less) const {
   const Observations &data = data_.heldout;
-  const ResidualColumns a = residual_columns(data, with.judged), b = residual_columns(data, less.judged);
+  const ResidualColumns a = residual_columns(data, with.judged),
+                        b = residual_columns(data, less.judged);
   std::vector<double> gain(data.size());
   double left = 0.0;
   for (std::size_t i = 0; i < data.size(); ++i) {
@@ -239,9 +279,9 @@ bool Search::helps_everywhere(const State &with, const State &less) const {
                       std::max(left, criteria::kLeastMeanSquare * n);
   const double turns = n / static_cast<double>(std::max<std::size_t>(1, data_.scene->all.size())) *
                        data_.scene->turns;
-  const auto stretches = static_cast<std::size_t>(std::max(
-      0.0, std::min({criteria::kMostStretchesOfGain, nats / criteria::kNatsOfStretch,
-                     turns / criteria::kTurnsOfStretch})));
+  const auto stretches = static_cast<std::size_t>(
+      std::max(0.0, std::min({criteria::kMostStretchesOfGain, nats / criteria::kNatsOfStretch,
+                              turns / criteria::kTurnsOfStretch})));
   if (stretches < criteria::kFewestStretchesOfGain)
     return true;
   std::vector<double> of_stretch(stretches, 0.0);
@@ -261,6 +301,45 @@ double Search::unknown_v(const State &now) const {
       std::max(0.0, rss / (2.0 * static_cast<double>(data_.train.size())) - noise * noise));
 }
 
+/// What an effect moves beyond what repeats with the electrical angle, V rms of a channel.
+double Search::moved_off_angle_v(const Model &model, std::size_t effect) const {
+  Model less = model;
+  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  const ResidualColumns with = residual_columns(coarse_, model),
+                        without = residual_columns(coarse_, less);
+  const auto n = static_cast<Eigen::Index>(coarse_.size());
+  Eigen::MatrixXd angle(n, 2 * criteria::kNamedPeriods + 1), moved(n, 2);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    moved.row(i) << without.sin[at] - with.sin[at], without.cos[at] - with.cos[at];
+    angle(i, 0) = 1.0;
+    for (int order = 1; order <= criteria::kNamedPeriods; ++order) {
+      const double phase = order * model.periods_per_turn * coarse_.alpha[at];
+      angle(i, 2 * order - 1) = std::cos(phase);
+      angle(i, 2 * order) = std::sin(phase);
+    }
+  }
+  moved -= angle * (angle.transpose() * angle).ldlt().solve(angle.transpose() * moved);
+  return std::sqrt(moved.squaredNorm() / (2.0 * static_cast<double>(n)));
+}
+
+/// Whether a cause is more than the likeliest of many shapes takes of an unknown structure. What
+/// repeats with the angle has no shape by chance that changes with the speed, say, so that beyond
+/// the angle a cause need stand out only of what is unknown there.
+bool Search::stands_out(const State &now, std::size_t effect, double size_v) const {
+  if (size_v > criteria::kOfUnknown * unknown_v(now))
+    return true;
+  const Model &model = now.fit.model;
+  return unnamed_.angle_v2 > 0.0 && shows_beyond_angle(*model.effects[effect].effect) &&
+         moved_off_angle_v(model, effect) > criteria::kOfUnknown * std::sqrt(unnamed_.elsewhere_v2);
+}
+
+/// Causes that cancel each other are the shape of something else, unless with them nothing is left
+/// but noise: a skew may well undo most of a quadrature error at the usual speed.
+bool Search::leaves_noise(const State &now) const {
+  return unknown_v(now) < criteria::kOfUnknown * std::max(noise_v_, data_.scene->white_noise_v);
+}
+
 /// Whether what was measured rules an effect out as it was fitted.
 bool Search::refuted(const State &state, std::size_t effect) const {
   const Model &model = state.fit.model;
@@ -270,22 +349,23 @@ bool Search::refuted(const State &state, std::size_t effect) const {
   return model.effects[effect].effect->refuted(model.effects[effect].values, view);
 }
 
-/// A signature describes one term of what repeats with the angle. It is worth a name of its own while
-/// it holds more than all the terms smaller than it together.
+/// A signature describes one term of what repeats with the angle. It is worth a name of its own
+/// while it holds more than all the terms smaller than it together.
 bool Search::dominates(double size_v, std::size_t effect, const Model &model) const {
-  if (unnamed_v2_ <= 0.0)
+  if (unnamed_.angle_v2 <= 0.0)
     return true;
   double larger = 0.0, smaller = 0.0;
   for (std::size_t k = 0; k < model.effects.size(); ++k)
     if (k != effect && model.effects[k].effect->info().signature) {
-      const double other = reach(model, k);
+      const double other = moved_rms_v(quick_, model, k);
       (other > size_v ? larger : smaller) += other * other;
     }
   // Two bounds: of what was unnamed without signatures, and of what the model leaves over. Beside
   // large ones a difference of squares says little.
-  const double left = white_sum_of_squares(quick_, model) / (2.0 * static_cast<double>(quick_.size())) -
-                      data_.scene->white_noise_v * data_.scene->white_noise_v;
-  const double rest = std::min(unnamed_v2_ - size_v * size_v - larger, left + smaller);
+  const double left =
+      white_sum_of_squares(quick_, model) / (2.0 * static_cast<double>(quick_.size())) -
+      data_.scene->white_noise_v * data_.scene->white_noise_v;
+  const double rest = std::min(unnamed_.angle_v2 - size_v * size_v - larger, left + smaller);
   return size_v * size_v > rest;
 }
 

@@ -4,12 +4,20 @@
 // What speaks for a cause and against it, apart from the search that asks.
 #pragma once
 
+#include <optional>
+#include <string_view>
+
 #include "diagnosis/search.h"
 
 namespace ada {
 
 /// Coordinates of a fit that an effect brings along.
 std::size_t coordinates(const EffectInstance &e);
+
+/// Value of a parameter that is chosen rather than fitted, such as an order; nothing where the
+/// effect has none of this name and, where given, unit.
+std::optional<double> chosen(const EffectInstance &e, std::string_view name,
+                             std::string_view unit = {});
 
 /// What an effect must be worth on held-out data beyond criteria::kLeastNats, for the freedom that it
 /// has.
@@ -22,6 +30,10 @@ double least_of_noise(const Effect &effect);
 /// Whether it is a function of the angle alone. A ripple of the motion is one, too, and what that is
 /// to second order nobody knows.
 bool of_the_angle(const Effect &effect);
+
+/// Whether it moves the pair by more than the angle alone decides: with the speed, the time, the
+/// temperature, the supply.
+bool shows_beyond_angle(const Effect &effect);
 
 /// Whether it lets VTEMP follow VCOS.
 bool leaks(const EffectInstance &e);

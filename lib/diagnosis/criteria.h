@@ -18,6 +18,13 @@ inline constexpr std::size_t kFewestSamples = 12;
 /// Share of the electrical circle that must be seen: below a third an ellipse's centre and its axes
 /// are one in the data (Kanatani, Statistical Optimization, 1996, on short arcs).
 inline constexpr double kLeastCoverage = 0.33;
+/// The same beside a reference: with the angle known, centre and axes are a linear regression. Of 60
+/// degrees its worst direction has 1/600 of the weight of a whole turn: 10,000 samples know it as 17
+/// do there.
+inline constexpr double kLeastCoverageByReference = 1.0 / 6.0;
+/// Of the samples may lie in episodes that are not the sensor's. An estimate: with more of them it is
+/// no longer plain which of the two states is the sensor's own.
+inline constexpr double kMostOfEpisodes = 0.1;
 
 /// Of what a channel that lives moves at least, at its peak while the other passes its middle: there
 /// it moves by all of it, a stuck one by none.
@@ -39,8 +46,9 @@ inline constexpr std::size_t kArcs = 240;
 /// A stop: neighbours further apart than this many times the noise at rest, and than this, rad, have
 /// moved. Eight standard deviations come by chance once in 1e15.
 inline constexpr double kStopMovesNoise = 8.0, kStopMovesRad = 0.1 * kRadPerDeg;
-/// Records of one sensor from which on every third judges as a whole.
-inline constexpr std::size_t kFewestRecords = 3;
+/// Records of one sensor from which on every third judges as a whole: two conditions of six. Of fewer
+/// each may be the only one at its temperature or its speed, which the others must not have to guess.
+inline constexpr std::size_t kFewestRecords = 6;
 /// Stops from which on every third one judges, and readings a stop.
 inline constexpr std::size_t kFewestStops = 6;
 inline constexpr double kFewestReadings = 3.0;
@@ -77,6 +85,9 @@ inline constexpr double kMostColumns = 0.4;
 inline constexpr int kNamedOrders = 16;
 /// The same in electrical periods: a third harmonic turns back and lies four of them off.
 inline constexpr int kNamedPeriods = 4;
+/// Across a supply that is not recorded nothing but noise may be left, by its power. An estimate: the
+/// noise is known to a tenth, and uneven between the channels.
+inline constexpr double kClean = 1.6;
 /// Structure is worth a word from this part of the noise on: it then adds 0.7 % to the whole.
 inline constexpr double kWorthAWord = 0.12;
 /// Relative ridge of the normal equations: of double precision's 1e-16 after squaring.
@@ -91,6 +102,9 @@ inline constexpr double kLeastOfResolution = 0.01;
 /// Angle error of a model with more in it over that with less: a held-out part of a thousand samples
 /// tells it to 2 %.
 inline constexpr double kNoWorse = 1.02;
+/// The radius that one fit leaves over that of another: a held-out part of a hundred samples tells it
+/// to 7 %.
+inline constexpr double kRadiusWorse = 1.1;
 
 /// A cause that helps in one part of the record and harms in another: the harm may be this part of the
 /// help. The stretches that tell are each worth so many nats, of which chance makes none negative
@@ -125,13 +139,17 @@ inline constexpr double kAboveComb = 3.0;
 /// Square of the standard errors, a mean over its coordinates, by which a finding must differ from
 /// none: three of them, which chance makes once in 400.
 inline constexpr double kClear = 9.0;
+/// The same where a finding takes most of what is left: two of them, chance once in twenty. With less
+/// its own size, and its sign, are not known.
+inline constexpr double kUnclear = 4.0;
 
 // --- naming causes
 
 /// Samples of the search: for looking around, and for a first fit.
 inline constexpr std::size_t kQuick = 16000, kCoarse = 6000;
-/// Candidates that get a joint fit, and effects of a model at most.
-inline constexpr std::size_t kShortlist = 5;
+/// Candidates that get a joint fit, of each axis beyond the angle at least, and effects of a model
+/// at most.
+inline constexpr std::size_t kShortlist = 5, kShortlistOfAxis = 2;
 inline constexpr int kMostEffects = 10;
 /// A cause must be worth this many nats on held-out data, and more for each coordinate: the likeliest
 /// of some fifty shapes gains e^-12 of them by chance, and a coordinate that is fitted to nothing one
@@ -147,12 +165,18 @@ inline constexpr double kLeastOfNoise = 0.06;
 /// Residual, in units of the noise, above which what was found is called into question.
 inline constexpr double kShaken = 1.25;
 inline constexpr std::size_t kMostShaken = 6; ///< effects; beyond so many the work grows too long
+/// Of a converter's coarse step, what a cause must explain at least: its error is no noise, and
+/// looks like a little of many effects.
+inline constexpr double kOfStep = 0.1;
 /// Two causes this correlated are one and the same in the data: both together would cancel each other
 /// at sizes that mean nothing. Unless far more is gained than by chance: two speeds just tell two lags
 /// apart.
 inline constexpr double kEntangled = 0.995, kNearlyOne = 0.999, kFarMoreNats = 1000.0;
 /// Part of the best worth from which on another candidate does about as well.
 inline constexpr double kAsWell = 0.98;
+/// What scatters by less than this above noise may be noise. An estimate: 0.44 of the power of noise
+/// may lie hidden in it, which the held-out angle is asked about as well.
+inline constexpr double kMoreThanNoise = 1.2;
 /// A rival that comes this close, in nats, cannot be rejected: odds of e^8 are 3000 to one.
 inline constexpr double kRivalNats = 8.0;
 /// What a cause leaves over of the one that yields to it: as a part of what either explains, and as a
@@ -174,6 +198,9 @@ inline constexpr double kUneven = 1.2;
 /// Highest corner of flicker noise that is tried, over half the sample rate: the density there falls
 /// as 1/f to within an eighth, as without any white noise.
 inline constexpr double kHighestCorner = 8.0;
+/// Power of a noise at low frequencies over that of the errors of what was taken out there by a
+/// fit: what has no more than they may be they.
+inline constexpr double kOfFit = 4.0;
 /// Structure of up to this part of what random causes leave over is of their kind; more of it says
 /// that they are no noise.
 inline constexpr double kOfRandom = 0.5, kOfProcess = 1.2;

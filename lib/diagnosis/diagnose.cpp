@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -15,6 +16,8 @@
 #include "base/robust.h"
 #include "diagnosis/anonymous/anonymous.h"
 #include "diagnosis/candidates.h"
+#include "diagnosis/conditions/reference_zero.h"
+#include "diagnosis/conditions/several.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/describe.h"
 #include "diagnosis/first_model.h"
@@ -43,13 +46,22 @@ constexpr std::size_t kFitTrain = 160000, kFitHeldout = 80000;
 /// The parts of a diagnosis that work on one pair of training and held-out data.
 class Work {
 public:
-  /// `guess`: a supply that is not recorded may be read off the radius first.
-  Work(const Capture &capture, const DiagnosisOptions &options, bool guess)
+  /// `guess`: a supply that is not recorded may be read off the radius first. `apart_from_motion`:
+  /// only the radius is judged, at the angle that the pair gives with this model.
+  Work(const Capture &capture, const DiagnosisOptions &options, bool guess,
+       const Model *apart_from_motion = nullptr)
       : given_(capture), freed_(guess ? with_unseen_supply(capture) : std::nullopt),
         options_(options), named_before_(named_part(options.baseline, capture.meta.supply_v)),
         scene_(scene_of(worked_on(), options.heldout == nullptr)) {
+    if (apart_from_motion) {
+      scene_.all = at_own_angle(std::move(scene_.all), *apart_from_motion);
+      judge_radius_only(scene_);
+    }
     if (options.heldout)
       judge_ = scene_of(*options.heldout, false);
+    if (judge_ && judge_->insufficient.empty() && scene_.insufficient.empty() &&
+        judge_->has_reference && scene_.has_reference && judge_->periods == scene_.periods)
+      move_angle(*judge_, ReferenceZero(scene_).move_if_needed(ReferenceZero(*judge_)));
     if (judge_ && scene_.radius_only != judge_->radius_only)
       judge_radius_only(scene_.radius_only ? *judge_ : scene_);
   }
@@ -70,7 +82,7 @@ public:
       search_causes(scene_.has_reference);
     }
     constexpr int kMostZeros = 3;
-    for (int k = 0; k < kMostZeros && scene_.has_reference && take_slips_as_zeros(); ++k)
+    for (int k = 0; k < kMostZeros && scene_.has_reference && zeros_moved(); ++k)
       search_causes(true);
     // Without a reference what was found bent the motion as well: with it taken out look again, as
     // long as that leaves less over.
@@ -87,8 +99,10 @@ public:
       Scene again = prepare(worked_on(), options_.heldout == nullptr, &known);
       if (!again.insufficient.empty())
         break;
-      if (scene_.radius_only)
+      if (scene_.radius_only) {
+        again.all = at_own_angle(std::move(again.all), known);
         judge_radius_only(again);
+      }
       scene_ = std::move(again);
       search_causes(false);
     }
@@ -105,7 +119,7 @@ public:
     found_ = name_against_anonymous({scene_, judge(), found_baseline(), noise_, options_.progress},
                                     parts_, std::move(found_));
     take(build_ladder(parts_, found_));
-    while (drop_what_harms() || drop_what_is_unclear())
+    while (drop_what_is_impossible() || drop_what_harms() || drop_what_is_unclear())
       take(build_ladder(parts_, found_));
     first_ = ladder_.first;
     compare_with_anonymous();
@@ -118,31 +132,23 @@ public:
     return out_;
   }
 
+  /// Whether the shaft was taken for a reference and something is left over that may be its motion.
+  bool may_blame_the_sensor_for_the_motion() const {
+    return !scene_.has_reference && !scene_.radius_only &&
+           (out_.verdict == Verdict::partly_explained || out_.verdict == Verdict::unexplained);
+  }
+  /// What the extended model leaves along the radius of held-out data, V rms.
+  RadiusLeft radius_left() const { return ada::radius_left(parts_.heldout, out_.extended); }
+
   /// Whether a supply was read off the radius that the search then did not confirm.
   bool guessed_in_vain() const {
     return freed_ && freed_->has_vdd() && !given_.has_vdd() && !has(out_.extended, follows_supply);
   }
 
 private:
-  /// A slip where one capture ends and the next begins is none: their zero angles, each of which is
-  /// the capture's own, were bent by what was not known then. Moves what follows by it; false:
-  /// there is none.
-  bool take_slips_as_zeros() {
-    const std::vector<double> &time = worked_on().time_s;
-    const double about = criteria::kFewestReadings * scene_.all.frame_period_s;
-    bool any = false;
-    for (const EffectInstance &e : found_.fit.model.effects)
-      for (std::size_t start : worked_on().starts) {
-        if (!is_jump(e.effect->info()) || start == 0 || e.values[0] < time[start - 1] - about ||
-            e.values[0] > time[start] + about)
-          continue;
-        for (Observations *o : {&scene_.all, &scene_.spiked, &scene_.rough, &scene_.bursts})
-          for (std::size_t i = 0; i < o->size(); ++i)
-            if (o->time[i] > 0.5 * (time[start - 1] + time[start]))
-              o->alpha[i] += e.values[1] * kRadPerDeg;
-        any = true;
-      }
-    return any;
+  bool zeros_moved() {
+    return move_zeros(scene_, worked_on(), found_.fit.model,
+                      std::max(noise_, found_.residual_rms_v));
   }
 
   /// What a given model carries without a name is no cause: it is looked for anew, so that a model
@@ -204,8 +210,10 @@ private:
         options_.heldout ? judge_->all : scene_.all.select(thin(scene_.heldout, kFitHeldout));
     Model start = first_model(scene_, baseline());
     // Without a reference the angle is the pair's own, lag and all: a common delay is free.
-    free_lag_ = !scene_.has_reference && !scene_.radius_only &&
-                (scene_.several_speeds || scene_.both_directions) && !has(start, is_common_delay);
+    // So it is where each of several captures has its own zero angle and one speed.
+    const bool own = scene_.has_reference ? scene_.lag_in_zeros : !scene_.radius_only;
+    free_lag_ =
+        own && (scene_.several_speeds || scene_.both_directions) && !has(start, is_common_delay);
     if (free_lag_)
       start.effects.push_back({&the_effect(is_common_delay), {0.0}, {}});
     const auto search = [&] {
@@ -219,13 +227,13 @@ private:
     if (!thorough)
       return;
     const Model physical = found_.fit.model;
-    const double unnamed_v2 =
-        unnamed_on_angle(scene_, parts_, physical, anonymous_of(scene_, parts_, physical));
+    const Unnamed unnamed =
+        unnamed_beside(scene_, parts_, physical, anonymous_of(scene_, parts_, physical), noise_);
     // What is left over is looked at against what has no name: second thoughts come there.
-    found_ = search().run(false, &physical, unnamed_v2);
+    found_ = search().run(false, &physical, unnamed);
     if (!anonymous_of(scene_, parts_, found_.fit.model).any()) {
       const Model known = found_.fit.model;
-      found_ = search().run(true, &known, unnamed_v2);
+      found_ = search().run(true, &known, unnamed);
     }
   }
 
@@ -348,14 +356,38 @@ private:
     return true;
   }
 
-  /// A cause whose own standard error does not exclude that it is absent is no finding, whatever
-  /// the held-out data gained by it: something else is there that it stands for.
-  bool drop_what_is_unclear() {
-    const auto least = std::min_element(ladder_.clearness.begin(), ladder_.clearness.end());
-    if (least == ladder_.clearness.end() || *least >= criteria::kClear)
+  /// A cause that the last fit, with all of the data and what has no name, leaves outside of what
+  /// it can be (a delay below zero) stands for something else.
+  bool drop_what_is_impossible() {
+    const auto &f = ladder_.findings;
+    const auto impossible = std::find_if(f.begin(), f.end(), [](const Finding &of) {
+      return !in_range({of.effect, of.values, {}});
+    });
+    if (impossible == f.end())
       return false;
-    found_.forget(static_cast<std::size_t>(least - ladder_.clearness.begin()));
+    found_.forget(static_cast<std::size_t>(impossible - f.begin()));
     return true;
+  }
+
+  /// A cause whose own standard error, beside what has no name, does not exclude that it is absent
+  /// is no finding, whatever the held-out data gained by it: something else is there that it stands
+  /// for. Unless it takes most of what is left without it, and is likelier there than not: what has
+  /// no name could do that as well, with many columns in its place.
+  bool drop_what_is_unclear() {
+    std::vector<std::size_t> places(ladder_.clearness.size());
+    std::iota(places.begin(), places.end(), std::size_t{0});
+    std::sort(places.begin(), places.end(),
+              [&](auto a, auto b) { return ladder_.clearness[a] < ladder_.clearness[b]; });
+    for (const std::size_t place : places) {
+      if (ladder_.clearness[place] >= criteria::kClear)
+        return false;
+      if (ladder_.clearness[place] >= criteria::kUnclear &&
+          takes_most(scene_, parts_, found_.fit.model, found_.order[place]))
+        continue;
+      found_.forget(place);
+      return true;
+    }
+    return false;
   }
 
   /// The budget, the best model that names nothing, and what is carried without a name.
@@ -490,7 +522,7 @@ private:
       if (!processes.empty()) {
         unnamed_ = std::move(slow);
         slow_waves_ = unnamed_.selection.orders[static_cast<std::size_t>(Axis::time)];
-        take_out_courses();
+        take_out_courses(processes);
         white.train = parts_.train;
         white.heldout = parts_.heldout;
         white.train.coloured.reset();
@@ -544,13 +576,13 @@ private:
   }
 
   /// A slow process that has a name is taken out of what is looked at last: its course is known.
-  void take_out_courses() {
+  void take_out_courses(const std::vector<RandomCause> &processes) {
     Selection slow;
     std::vector<double> values;
     for (std::size_t k = 0; k < unnamed_.selection.columns.size(); ++k) {
-      const auto group = static_cast<std::size_t>(unnamed_.selection.columns[k] / 2);
-      const int m = unnamed_.basis.terms()[group].exponent;
-      if (unnamed_.basis.groups()[group].axis != Axis::time || m < 0)
+      if (std::none_of(processes.begin(), processes.end(), [&](const RandomCause &c) {
+            return is_course_of(unnamed_, unnamed_.selection.columns[k], c.effect->info().pattern);
+          }))
         continue;
       slow.columns.push_back(unnamed_.selection.columns[k]);
       values.push_back(unnamed_.selection.values[static_cast<Eigen::Index>(k)]);
@@ -605,25 +637,42 @@ private:
     in_bursts_ = left.bursts;
   }
 
+  double channel_rms_v() const {
+    return std::abs(out_.extended.baseline.amplitude_v) / std::numbers::sqrt2;
+  }
+
+  /// How much a process moves a channel, V rms.
+  double process_v(const EffectInfo &info, const std::vector<double> &values) const {
+    return info.pattern == Pattern::gain ? values[0] * channel_rms_v()
+                                         : std::max(values[0], values[1]);
+  }
+
   /// V rms of a channel that the random causes with a name and the steps of a reference leave over:
-  /// what is smaller is of their kind. Noise that was named was shown to be no more than noise; a
-  /// process goes on above the half waves that its course was taken out by.
+  /// what is smaller is of their kind. White noise that was named was shown to be no more than
+  /// noise; a slow process goes on above the half waves that its course was taken out by.
   double random_v() const {
-    const double amplitude = std::abs(out_.extended.baseline.amplitude_v) / std::sqrt(2.0);
     const double waves = std::max(1, slow_waves_);
     double sum = 0.0;
     for (const EffectInstance &e : seen_random_) {
       const EffectInfo &info = e.effect->info();
-      if (info.evidence == Evidence::noise)
+      if (info.evidence == Evidence::noise && info.character == Character::process)
+        sum += e.values[0] * e.values[0]; // what else is left over is not its own
+      else if (info.evidence == Evidence::noise)
         sum += std::max(0.0, std::pow(last_.heldout.residual_rms_v, 2) - noise_ * noise_);
       else
-        sum += std::pow(info.pattern == Pattern::gain ? e.values[0] * amplitude
-                                                      : std::max(e.values[0], e.values[1]),
-                        2) /
-               waves;
+        sum += std::pow(process_v(info, e.values), 2) / waves;
     }
-    sum += std::pow(reference_step_rad() * scene_.periods * amplitude, 2) / 12.0;
+    sum += std::pow(reference_step_rad() * scene_.periods * channel_rms_v(), 2) / 12.0;
     return std::sqrt(sum);
+  }
+
+  /// V rms of a channel that a motion without a reference leaves over: it was found as a smooth
+  /// curve through the pair's own angles, and what it misses lies across the vector only.
+  double motion_v() const {
+    if (scene_.has_reference || scene_.radius_only)
+      return 0.0;
+    const NoiseShape &n = out_.noise;
+    return std::sqrt(0.5 * std::max(0.0, n.across_v * n.across_v - n.along_v * n.along_v));
   }
 
   /// Takes out what the named random causes account for. White noise is what has no structure:
@@ -644,9 +693,33 @@ private:
       std::erase_if(random_, is_white);
       std::erase_if(seen_random_, is_white);
     }
+    drop_processes_that_leave_more();
     if (const double left = random_v(); left > 0.0)
       std::erase_if(out_.structure,
                     [&](const Structure &s) { return s.rms_v < criteria::kOfProcess * left; });
+  }
+
+  /// A process that accounts for less than what goes on in time beside it, its own half waves
+  /// aside, is no cause: what switches between two states, say, has a slow part, too.
+  void drop_processes_that_leave_more() {
+    const auto leaves_more = [&](const auto &named) {
+      const EffectInfo &info = named.effect->info();
+      if (info.character != Character::process || info.evidence == Evidence::noise)
+        return false;
+      const double v = process_v(info, named.values);
+      return std::any_of(out_.structure.begin(), out_.structure.end(), [&](const Structure &s) {
+        return s.along == axis_name(Axis::time) && s.rms_v > std::numbers::sqrt2 * v;
+      });
+    };
+    if (!std::any_of(seen_random_.begin(), seen_random_.end(), leaves_more))
+      return;
+    std::erase_if(recorded_, leaves_more);
+    std::erase_if(random_, leaves_more);
+    std::erase_if(seen_random_, leaves_more);
+    for (BudgetLine &line : out_.budget)
+      if (line.axis == Axis::time)
+        line.unnamed_rms_v =
+            std::exchange(line.named_rms_v, 0.0) > 0.0 ? line.rms_v : line.unnamed_rms_v;
   }
 
   /// Step of the reference, rad; 0: none was seen.
@@ -661,8 +734,9 @@ private:
   /// word.
   void note_unnamed() {
     const double noise = std::sqrt(unnamed_.selection.noise_v2);
+    const double least = std::max(criteria::kWorthAWord * noise, criteria::kOfProcess * motion_v());
     for (const BudgetLine &line : out_.budget)
-      if (line.axis != Axis::noise && line.unnamed_rms_v > criteria::kWorthAWord * noise)
+      if (line.axis != Axis::noise && line.unnamed_rms_v > least)
         out_.structure.push_back({std::string(axis_name(line.axis)),
                                   unnamed_sentence(line, unnamed_.selection, scene_),
                                   line.unnamed_rms_v});
@@ -678,6 +752,8 @@ private:
     const Residual facts =
         residual_view(scene_, scene_.all, none, noise_, out_.extended.baseline.amplitude_v);
     std::string why = effect.invisible(facts);
+    if (why.empty() && scene_.lag_in_zeros && is_common_delay(effect.info()))
+      why = "each capture has one speed and a zero angle of its own, which holds the delay";
     if (why.empty() && scene_.radius_only && needs_motion(effect))
       why = "without a reference, and with a shaft that turns unevenly, only the radius is judged";
     if (!why.empty())
@@ -686,6 +762,7 @@ private:
 
   /// Puts the parts together.
   void conclude() {
+    out_.radius_only = scene_.radius_only;
     report_moved_offsets();
     out_.baseline = ladder_.baseline;
     const auto given = with_given_remainder(ladder_.baseline);
@@ -784,14 +861,39 @@ std::string_view verdict_name(Verdict verdict) {
   return "insufficient-data";
 }
 
-Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &options) {
-  {
-    Work work(capture, options, true);
-    Diagnosis out = work.run();
-    if (!work.guessed_in_vain())
-      return out;
-  }
-  return Work(capture, options, false).run();
+Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
+  DiagnosisOptions options = given;
+  int steps = 0; // of all searches: their number is not known before the last
+  if (given.progress)
+    options.progress = [&](double, const char *what) {
+      given.progress(1.0 - 1.0 / (1.0 + 0.05 * ++steps), what);
+    };
+  const auto run = [&](bool guess) {
+    struct {
+      Diagnosis out;
+      bool in_vain, doubtful;
+      RadiusLeft left;
+    } result;
+    Work work(capture, options, guess);
+    result.out = work.run();
+    result.in_vain = work.guessed_in_vain();
+    result.doubtful = work.may_blame_the_sensor_for_the_motion();
+    if (result.doubtful)
+      result.left = work.radius_left();
+    return result;
+  };
+  bool guess = true;
+  auto first = run(guess);
+  if (first.in_vain)
+    first = run(guess = false);
+  if (!first.doubtful)
+    return std::move(first.out);
+  // The motion gives nothing to the radius: that says which of the two readings is the better one.
+  Work apart(capture, options, guess, &first.out.extended);
+  Diagnosis out = apart.run();
+  const bool better = out.verdict != Verdict::insufficient_data &&
+                      criteria::kRadiusWorse * apart.radius_left().rms_v < first.left.rms_v;
+  return better ? std::move(out) : std::move(first.out);
 }
 
 } // namespace ada

@@ -42,10 +42,7 @@ Sizes sizes_at_rest(const Scene &scene, const Observations &data, const Model &m
   return out;
 }
 
-namespace {
-
-/// What the next term of the series by which a filter sees the supply would be, V rms: of the last
-/// one that is taken and the whole.
+/// Of the last term that is taken and the whole.
 double next_of_supply(const Observations &data, const Model &model) {
   const auto recorded = std::find_if(model.effects.begin(), model.effects.end(),
                                      [](const auto &e) { return e.effect->info().recorded; });
@@ -67,8 +64,6 @@ double next_of_supply(const Observations &data, const Model &model) {
   return whole > 0.0 ? last * std::sqrt(std::min(1.0, last / whole)) : 0.0;
 }
 
-} // namespace
-
 double second_order(const Scene &scene, const Observations &data, const Model &model) {
   const Sizes sizes = sizes_at_rest(scene, data, model);
   double sum = sizes.own_squares;
@@ -76,7 +71,7 @@ double second_order(const Scene &scene, const Observations &data, const Model &m
     for (std::size_t b = 0; b < a; ++b)
       sum += sizes.each[a] * sizes.each[b];
   const double amplitude = model.baseline.amplitude_v;
-  return std::min(0.35 * sum / amplitude, 6e-4 * amplitude) + next_of_supply(data, model);
+  return std::min(0.35 * sum / amplitude, 6e-4 * amplitude);
 }
 
 double offsets_in_transfer(const Observations &data, const Model &m) {

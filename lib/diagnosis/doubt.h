@@ -25,8 +25,12 @@ struct Sizes {
 Sizes sizes_at_rest(const Scene &scene, const Observations &data, const Model &model);
 
 /// What products of the effects so far may leave over, V rms: the order in which two stages really
-/// act is not known to second order, so nothing of that size is evidence of a further cause.
+/// act is not known to second order, so nothing of that size is evidence of a further cause. These
+/// are effects that act at rest, and so their products repeat with the angle.
 double second_order(const Scene &scene, const Observations &data, const Model &model);
+
+/// What the next term of the series by which a filter sees a recorded supply would be, V rms.
+double next_of_supply(const Observations &data, const Model &model);
 
 /// Whether a transfer error acts on the pair with its offsets or before they are added is not known
 /// either: the difference between the two, V rms of a channel.

@@ -382,6 +382,18 @@ ResidualColumns residual_columns(const Observations &data, const Model &model) {
   return out;
 }
 
+double moved_rms_v(const Observations &data, const Model &model, std::size_t effect) {
+  Model less = model;
+  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  const ResidualColumns with = residual_columns(data, model), without = residual_columns(data, less);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < with.sin.size(); ++i) {
+    const double s = with.sin[i] - without.sin[i], c = with.cos[i] - without.cos[i];
+    sum += s * s + c * c;
+  }
+  return std::sqrt(sum / (2.0 * static_cast<double>(std::max<std::size_t>(1, with.sin.size()))));
+}
+
 ResidualColumns residuals_alone(const Observations &data, const Model &model) {
   ResidualColumns out;
   out.sin.resize(data.size());

@@ -58,6 +58,9 @@ struct ResidualColumns {
 ResidualColumns residual_columns(const Observations &data, const Model &model);
 /// The same without the model's own columns: a long capture has no memory to spare.
 ResidualColumns residuals_alone(const Observations &data, const Model &model);
+/// How much an effect moves a channel with everything else unchanged, V rms: what other causes can
+/// take over is still in it.
+double moved_rms_v(const Observations &data, const Model &model, std::size_t effect);
 
 /// The data with the angle of each sample moved to where the pair itself sees it, so that what is
 /// left of the residual lies along the radius. Without a reference only that is no matter of the

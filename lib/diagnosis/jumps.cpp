@@ -125,8 +125,11 @@ Places measure(const Screened &look, const std::vector<double> &angle, std::size
   for (std::size_t i = side; i + side <= n; ++i) {
     const Meeting lines = lines_meet(look, angle, i, side);
     out.speeds[i] = 0.5 * (lines.before + lines.after);
-    // The edge of a jump may pass for a spike; a stretch without samples says nothing.
-    if (lines.fewest < 0.75 * static_cast<double>(side))
+    // The edge of a jump may pass for a spike; a stretch without samples says nothing, and a line
+    // says little beyond a gap.
+    const std::vector<double> &t = look.capture.time_s;
+    if (lines.fewest < 0.75 * static_cast<double>(side) ||
+        t[i + side - 1] - t[i - side] > 3.0 * static_cast<double>(side) * frame)
       continue;
     out.gaps[i] = lines.gap;
     out.bends[i] = std::abs(lines.after - lines.before) * static_cast<double>(side) * frame;

@@ -6,7 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
 
+#include "base/robust.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/explain.h"
 #include "model/effect_text.h"
 
@@ -50,6 +55,8 @@ void put_in_words(Finding &finding) {
 
 namespace {
 
+constexpr double kWithinOneSigma = 0.6827; ///< of normal numbers
+
 /// Wald's statistic of each effect of a fit over the number of its coordinates.
 std::vector<double> clearness_of(const FitResult &fit) {
   std::vector<double> out;
@@ -61,15 +68,189 @@ std::vector<double> clearness_of(const FitResult &fit) {
     for (std::size_t k = 0; k < x.size(); ++k)
       if (x.size() != parameters.size() || !is_place(parameters[k]))
         sizes.push_back(static_cast<Eigen::Index>(k));
-    const auto all = static_cast<Eigen::Index>(x.size()), n = static_cast<Eigen::Index>(sizes.size());
+    const auto all = static_cast<Eigen::Index>(x.size()),
+               n = static_cast<Eigen::Index>(sizes.size());
     const Eigen::VectorXd value = Eigen::Map<const Eigen::VectorXd>(x.data(), all)(sizes);
     const Eigen::MatrixXd c = fit.covariance.block(first, first, all, all)(sizes, sizes);
     const double z2 = n == 0 ? std::numeric_limits<double>::infinity()
                              : value.dot(c.ldlt().solve(value)) / static_cast<double>(n);
-    out.push_back(fit.determined && std::isfinite(z2) ? z2 : std::numeric_limits<double>::infinity());
+    out.push_back(fit.determined && std::isfinite(z2) ? z2
+                                                      : std::numeric_limits<double>::infinity());
     first += all;
   }
   return out;
+}
+
+FitResult fit_with_errors(const Observations &data, const Model &start) {
+  FitResult out = fit(data, start, 5);
+  widen_by_scatter(data, out);
+  return out;
+}
+
+/// Scatter of the residual along and across the vector, and of the latter from sample to sample.
+struct Scatter {
+  double along, across, noise_across;
+};
+
+Scatter scatter_of(const Observations &data, const Model &model) {
+  const ResidualColumns r = residual_columns(data, model);
+  std::vector<double> along, across, steps;
+  double last = 0.0;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
+    const double length = std::hypot(s, c), now = (r.sin[i] * c - r.cos[i] * s) / length;
+    along.push_back(std::abs(r.sin[i] * s + r.cos[i] * c) / length);
+    across.push_back(std::abs(now));
+    steps.push_back(std::abs(now - std::exchange(last, now)));
+  }
+  return {quantile(std::move(along), kWithinOneSigma), quantile(std::move(across), kWithinOneSigma),
+          quantile(std::move(steps), kWithinOneSigma) / std::numbers::sqrt2};
+}
+
+/// The fit in which residuals along the vector weigh by their own scatter, and what has no name
+/// lies along it alone; nothing where more than noise is left across.
+std::optional<FitResult> fit_by_direction(Parts parts, Model model) {
+  parts.train.coloured.reset();
+  constexpr int kPasses = 2; // what lies across shows only where the length no longer bends the fit
+  for (int pass = 0; pass < kPasses; ++pass) {
+    parts.weigh(Direction::none, 1.0);
+    const Scatter left = scatter_of(parts.train, model);
+    if (left.along <= criteria::kMoreThanNoise * left.across)
+      return std::nullopt;
+    parts.weigh(Direction::radius, left.across / left.along);
+    model = fit(parts.train, model, 5).model;
+  }
+  const Scatter left = scatter_of(parts.train, model);
+  if (left.across > criteria::kMoreThanNoise * left.noise_across)
+    return std::nullopt;
+  return fit_with_errors(parts.train, model);
+}
+
+/// The whole model with its errors. Where nothing but noise is left across the vector, what is left
+/// along it is a length that wanders, with the air gap or the light, and says little of the pair.
+/// Only for an angle that is clearly better: what is small across and has no name is then not
+/// reckoned with.
+FitResult fit_whole(const Parts &parts, const Model &start) {
+  FitResult alike = fit_with_errors(parts.train, start);
+  std::optional<FitResult> apart = fit_by_direction(parts, start);
+  if (!apart)
+    return alike;
+  const auto angle_error = [&](const FitResult &f) {
+    return parts.rung(f.model).heldout.angle_error_rms_deg.value();
+  };
+  return angle_error(alike) > criteria::kNoWorse * angle_error(*apart) ? *std::move(apart) : alike;
+}
+
+} // namespace
+
+namespace {
+
+/// Means of values over the electrical period about each sample.
+std::vector<double> mean_over_periods(const Observations &data, const std::vector<double> &values,
+                                      int periods) {
+  const double half = 0.5 * kTwoPi / periods;
+  std::vector<double> out(values.size());
+  std::size_t first = 0, end = 0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto near = [&](std::size_t k) {
+      return std::abs(data.alpha[k] - data.alpha[i]) <= half;
+    };
+    if (end < i) { // a gap
+      first = end = i;
+      sum = 0.0;
+    }
+    while (end < values.size() && near(end))
+      sum += values[end++];
+    while (first < i && !near(first))
+      sum -= values[first++];
+    out[i] = end > first ? sum / static_cast<double>(end - first) : 0.0;
+  }
+  return out;
+}
+
+/// Residual along the radius, V.
+std::vector<double> along_radius(const Observations &data, const ResidualColumns &r) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
+    out.push_back((r.sin[i] * s + r.cos[i] * c) / std::sqrt(std::max(s * s + c * c, 1e-12)));
+  }
+  return out;
+}
+
+/// At the pair's own angle, with a length that does not drift.
+Observations without_drift(const Observations &data, const Model &model) {
+  Observations out = at_own_angle(data, model);
+  const ResidualColumns r = residual_columns(out, model);
+  const std::vector<double> slow =
+      mean_over_periods(out, along_radius(out, r), model.periods_per_turn);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    // A gain: it changes what turns in proportion.
+    const double s = r.model_sin[i] - out.centre_sin_v, c = r.model_cos[i] - out.centre_cos_v;
+    const double part = slow[i] / std::sqrt(std::max(s * s + c * c, 1e-12));
+    out.vsin[i] -= part * s;
+    out.vcos[i] -= part * c;
+  }
+  return out;
+}
+
+} // namespace
+
+RadiusLeft radius_left(const Observations &data, const Model &model) {
+  const Observations own = at_own_angle(data, model);
+  const std::vector<double> radius = along_radius(own, residual_columns(own, model));
+  const std::vector<double> slow = mean_over_periods(own, radius, model.periods_per_turn);
+  double sum = 0.0, steps = 0.0, before = 0.0;
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const double along = radius[i] - slow[i];
+    sum += along * along;
+    if (i > 0)
+      steps += 0.5 * (along - before) * (along - before);
+    before = along;
+  }
+  const double n = static_cast<double>(std::max<std::size_t>(1, own.size()));
+  return {std::sqrt(sum / n), sum > 0.0 ? n * std::min(1.0, steps / sum) : 1.0};
+}
+
+namespace {
+
+/// The whole model where the angle is read off the pair. What the motion leaves over bends the fit,
+/// and so may what has no name: the radius of held-out data, to which the motion gives nothing,
+/// says whether a fit without the one, by the radius alone, or by a radius that does not drift is
+/// the better one.
+FitResult fit_without_reference(Parts parts, const Model &start) {
+  FitResult best = fit_with_errors(parts.train, start);
+  RadiusLeft least = radius_left(parts.heldout, best.model);
+  double nats = criteria::kRivalNats;
+  const auto consider = [&] {
+    FitResult other = fit_with_errors(parts.train, best.model);
+    const RadiusLeft left = radius_left(parts.heldout, other.model);
+    if (!other.determined || nats_between(least, left) <= nats)
+      return;
+    least = left;
+    nats = 0.0; // a further pass need only be the better one
+    best = std::move(other);
+  };
+  if (parts.train.coloured) {
+    parts.train.coloured.reset();
+    consider();
+  }
+  if (parts.train.disturbed != Direction::supply) {
+    parts.weigh(Direction::motion, kWeightOfOwnAngle);
+    constexpr int kPasses = 3; // each at the angle that the last one gave
+    for (int pass = 0; pass < kPasses; ++pass) {
+      parts.train = at_own_angle(std::move(parts.train), best.model);
+      consider();
+    }
+    nats = criteria::kRivalNats;
+    const Observations as_it_is = parts.train;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      parts.train = without_drift(as_it_is, best.model);
+      consider();
+    }
+  }
+  return best;
 }
 
 std::vector<std::string> ids_of(const std::vector<Rival> &rivals) {
@@ -97,8 +278,10 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     out.supply = supply_finding(parts, found.supply_rms_fraction, out.first, after);
     out.last = after;
   }
-  FitResult whole = fit(parts.train, found.fit.model, 5);
-  widen_by_scatter(parts.train, whole);
+  const bool weighs_alike = parts.has_reference && found.disturbed == Direction::none;
+  FitResult whole = weighs_alike           ? fit_whole(parts, found.fit.model)
+                    : !parts.has_reference ? fit_without_reference(parts, found.fit.model)
+                                           : fit_with_errors(parts.train, found.fit.model);
   attach_errors(whole);
   const std::vector<double> clear = clearness_of(whole);
   out.extended = std::move(whole.model);

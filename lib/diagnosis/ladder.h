@@ -4,6 +4,8 @@
 // From the baseline up, one finding at a time: what each of them gains.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -26,6 +28,22 @@ struct Ladder {
 /// Findings in the order of their size, each rung fitted to the training part and judged on the
 /// rest. Leaves `parts` weighed as what was found asks for.
 Ladder build_ladder(Parts &parts, const SearchResult &found);
+
+/// Residual along the radius at the angle that the pair itself gives with a model: what is no
+/// matter of the motion. From its mean over each electrical period: a length that drifts says
+/// nothing of the ellipse.
+struct RadiusLeft {
+  double rms_v;
+  /// Independent samples, of which it holds as many as its differences from sample to sample have of
+  /// its mean square: white noise all of them, a slow process few.
+  double samples;
+};
+RadiusLeft radius_left(const Observations &data, const Model &model);
+
+/// Nats by which the radius is likelier with the other model, of Gaussian noise of unknown size.
+inline double nats_between(const RadiusLeft &one, const RadiusLeft &other) {
+  return std::min(one.samples, other.samples) * std::log(one.rms_v / std::max(other.rms_v, 1e-12));
+}
 
 /// Adds what a person reads: the cause in a sentence, and what would tell it from its rivals.
 void put_in_words(Finding &finding);

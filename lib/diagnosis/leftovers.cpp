@@ -29,13 +29,25 @@ constexpr double kMoreThanNoise = 1.15; ///< of a residual that is not white
 Structure of_wrong_rows(const Scene &scene, double amplitude_v) {
   const WrongRows &rows = scene.wrong_rows;
   // What they would make of both channels, spread over the record.
-  const double rms_rad =
-      std::sqrt(rows.squares_rad2 / static_cast<double>(scene.capture->size()));
+  const double rms_rad = std::sqrt(rows.squares_rad2 / static_cast<double>(scene.capture->size()));
   return {"time",
           fmt::format("the reference alone is wrong in {} of {} rows, by up to {:.3g} deg: they "
                       "are left out",
                       rows.count, scene.capture->size(), rows.worst_rad * kDegPerRad),
           scene.periods * rms_rad * amplitude_v / std::numbers::sqrt2};
+}
+
+/// Stretches in which the pair is not the sensor's: no cause, and none of its errors.
+Structure of_episodes(const Scene &scene) {
+  const Episodes &e = scene.episodes;
+  const auto n = static_cast<double>(scene.capture->size());
+  return {"time",
+          fmt::format("{} the pair leaves its curve or its reference, from {:.4g} s on, by up to {:.3g} V and "
+                      "for {:.3g} s at most, at any angle, and comes back: a contact, a cable, or a "
+                      "value that was held; these {} of {} rows are left out",
+                      e.count == 1 ? "once" : fmt::format("{} times", e.count), e.first_s,
+                      e.worst_v, e.longest_s, e.samples, scene.capture->size()),
+          std::sqrt(e.squares_v2 / (2.0 * n))};
 }
 
 } // namespace
@@ -70,8 +82,10 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
                    const Explained &explained, const Rung &last,
                    const std::vector<Structure> &angle) {
   LeftOver out;
-  const double sigma =
-      std::min(last.in_sample.residual_rms_v, std::max(explained.noise_v, scene.white_noise_v));
+  // Where the pair is its own reference nothing is left across, and a channel has half the power.
+  const double left =
+      last.in_sample.residual_rms_v * (scene.radius_only ? std::numbers::sqrt2 : 1.0);
+  const double sigma = std::min(left, std::max(explained.noise_v, scene.white_noise_v));
   // A supply that is only inferred leaves its fast part over.
   if (!explained.supply_inferred) {
     out.structure = find_structure(scene, scene.all, residual_columns(scene.all, model), sigma,
@@ -82,6 +96,8 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
     for (const auto &more : {angle, find_structure_in_rough(scene, model, least), bursts})
       out.structure.insert(out.structure.end(), more.begin(), more.end());
   }
+  if (scene.episodes.count != 0)
+    out.structure.push_back(of_episodes(scene));
   if (scene.wrong_rows.count != 0)
     out.structure.push_back(of_wrong_rows(scene, model.baseline.amplitude_v));
   const double rest2 = last.heldout.residual_rms_v * last.heldout.residual_rms_v -

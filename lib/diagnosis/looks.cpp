@@ -105,8 +105,9 @@ void take_derivatives(const std::vector<double> &time_s, Observations &data) {
   data.supply_bend = std::move(of.bend);
 }
 
-Screened screen(const Capture &capture, const Model *known, const Observations &surroundings) {
-  Screened look = first_look(capture);
+Screened screen(const Capture &capture, const Model *known, const Observations &surroundings,
+                std::vector<char> usable) {
+  Screened look = first_look(capture, std::move(usable));
   if (!known || capture.has_reference()) {
     look_at_record(look);
     return look;

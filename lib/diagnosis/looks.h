@@ -12,8 +12,10 @@ namespace ada {
 
 /// `known`: jumps are looked for once more at the angle that this model gives, as what bends the
 /// pair hides them. A step of the model's own would leave a jump there when its moment is not
-/// exact. `surroundings`: temperature and supply of every sample of the capture.
-Screened screen(const Capture &capture, const Model *known, const Observations &surroundings);
+/// exact. `surroundings`: temperature and supply of every sample of the capture. `usable`: 0 where a
+/// sample is no number or not the sensor's.
+Screened screen(const Capture &capture, const Model *known, const Observations &surroundings,
+                std::vector<char> usable);
 
 /// The time column with the samples put back that it does not know to be lost: a tone went on while
 /// they were.

@@ -56,10 +56,115 @@ std::optional<Model> with_better_rival(const Parts &parts, const SearchResult &f
 }
 
 /// Held-out log likelihood, nats, of a model together with what has no name beside it.
-double nats_beside_anonymous(const Scene &scene, const Parts &parts, const Model &model) {
-  const Anonymous left = anonymous_of(scene, parts, model);
+double nats_beside(const Anonymous &left) {
   return -0.5 * left.from.n_heldout *
          std::log(std::max(left.selection.noise_v2, criteria::kLeastMeanSquare));
+}
+
+double nats_beside_anonymous(const Scene &scene, const Parts &parts, const Model &model) {
+  return nats_beside(anonymous_of(scene, parts, model));
+}
+
+/// Mean square of the held-out residual of a model, V^2 of a channel.
+double left_v2(const Parts &parts, const Model &model) {
+  return white_sum_of_squares(parts.heldout, as_seen_by(parts.heldout, model)) /
+         (2.0 * static_cast<double>(parts.heldout.size()));
+}
+
+/// Columns of the anonymous part that repeat with the angle.
+std::vector<Eigen::Index> angle_columns(const Anonymous &of) {
+  std::vector<Eigen::Index> out;
+  for (Eigen::Index column : of.selection.columns)
+    if (of.basis.groups()[static_cast<std::size_t>(column / 2)].axis == Axis::angle)
+      out.push_back(column);
+  return out;
+}
+
+/// What one more column without a name takes, beside others, of the mean square that is left, V^2.
+double taken_by(Eigen::Index column, const Anonymous &of, std::vector<Eigen::Index> beside) {
+  const double before = select(of.basis, of.from, beside).noise_v2;
+  beside.push_back(column);
+  return before - select(of.basis, of.from, std::move(beside)).noise_v2;
+}
+
+/// Whether what a cause adds takes more of what is left above the noise than any shape does by
+/// chance, and no single column without a name takes more still: that would be nearer to what is
+/// there. A cause that shows beyond the angle is also held against what is left there only.
+bool takes_most(const Parts &parts, const Model &with, const Model &without, const Effect &cause,
+                const Anonymous &beside_without) {
+  const double free = beside_without.selection.noise_v2;
+  const auto most = [&](double left, double left_without, const std::vector<Eigen::Index> &beside) {
+    const double nats = 0.5 * beside_without.from.n_heldout *
+                        std::log(std::max(left_without, criteria::kLeastMeanSquare) /
+                                 std::max(left, criteria::kLeastMeanSquare));
+    if (nats < criteria::kLeastNats || left - free >= criteria::kOfRival * (left_without - free))
+      return false;
+    const auto &columns = beside_without.selection.columns;
+    return std::none_of(columns.begin(), columns.end(), [&](Eigen::Index column) {
+      return std::find(beside.begin(), beside.end(), column) == beside.end() &&
+             taken_by(column, beside_without, beside) > left_without - left + free;
+    });
+  };
+  if (most(left_v2(parts, with), left_v2(parts, without), {}))
+    return true;
+  const std::vector<Eigen::Index> angle = angle_columns(beside_without);
+  return !angle.empty() && shows_beyond_angle(cause) &&
+         most(left_beside_angle(parts, with, beside_without),
+              left_beside_angle(parts, without, beside_without), angle);
+}
+
+} // namespace
+
+bool takes_most(const Scene &scene, Parts parts, const Model &model, std::size_t effect) {
+  parts.train = thinned(parts.train);
+  parts.train.coloured.reset();
+  Model less = model;
+  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  less = fit(parts.train, less, kRefit).model;
+  return takes_most(parts, fit(parts.train, model, kRefit).model, less,
+                    *model.effects[effect].effect, anonymous_of(scene, parts, less));
+}
+
+namespace {
+
+/// A cause that explains most of what is left without it is a finding although what has no name
+/// could stand for it: many free columns follow a capture into corners that one cause does not
+/// have.
+bool take_back_what_explains_most(const Scene &scene, Parts parts, const Model &first,
+                                  SearchResult &found) {
+  bool any = false;
+  parts.train = thinned(parts.train);
+  parts.train.coloured.reset();
+  for (const EffectInstance &e : first.effects) {
+    const auto &has = found.fit.model.effects;
+    if (std::any_of(has.begin(), has.end(),
+                    [&](const EffectInstance &o) { return o.effect == e.effect; }))
+      continue;
+    const Model less = fit(parts.train, found.fit.model, kRefit).model;
+    Model with = less;
+    with.effects.push_back(e);
+    FitResult fitted = fit(parts.train, with, kRefit);
+    if (!fitted.determined ||
+        !takes_most(parts, fitted.model, less, *e.effect, anonymous_of(scene, parts, less)))
+      continue;
+    found.order.push_back(fitted.model.effects.size() - 1);
+    found.contribution.push_back(
+        std::sqrt(std::max(0.0, left_v2(parts, less) - left_v2(parts, fitted.model))));
+    found.alternatives.emplace_back();
+    found.fit.model = std::move(fitted.model);
+    any = true;
+  }
+  return any;
+}
+
+/// What has no name, as the covariance of the training part.
+void colour(const Scene &scene, Parts &parts, const Model &model) {
+  const Anonymous left = anonymous_of(scene, parts, model);
+  parts.train = thinned(parts.train);
+  parts.train.coloured.reset();
+  if (left.any())
+    parts.train.coloured = std::make_shared<Coloured>(
+        discrepancy_of(left.basis, left.selection, left.from), parts.train);
 }
 
 /// A cause is no finding where held-out data are likelier without it, with what has no name then
@@ -68,7 +173,9 @@ void drop_what_has_no_name(const Scene &scene, Parts parts, SearchResult &found)
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
   for (;;) {
-    const Model &model = found.fit.model;
+    // Both fitted alike: beside a discrepancy what follows it is not determined, and may be
+    // anything.
+    const Model model = fit(parts.train, found.fit.model, kRefit).model;
     const double with = nats_beside_anonymous(scene, parts, model);
     std::size_t worst = found.order.size();
     double most = criteria::kRivalNats;
@@ -77,10 +184,18 @@ void drop_what_has_no_name(const Scene &scene, Parts parts, SearchResult &found)
         continue;
       Model less = model;
       less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(found.order[place]));
-      const double without =
-          nats_beside_anonymous(scene, parts, fit(parts.train, less, kRefit).model);
-      if (without - with > most) {
-        most = without - with;
+      less = fit(parts.train, less, kRefit).model;
+      const Anonymous unnamed = anonymous_of(scene, parts, less);
+      if (takes_most(parts, model, less, *model.effects[found.order[place]].effect, unnamed))
+        continue;
+      double more = nats_beside(unnamed) - with;
+      // What went into the choice because the cause was not there, the images of a tone or the rest
+      // of a lag that is no plain one, is offered beside the cause as well.
+      if (more > most)
+        more = std::min(more, nats_beside(unnamed) -
+                                  nats_beside(anonymous_alike(scene, parts, model, unnamed)));
+      if (more > most) {
+        most = more;
         worst = place;
       }
     }
@@ -99,7 +214,7 @@ double comb_v2(const Anonymous &left) {
   for (std::size_t k = 0; k < left.selection.columns.size(); ++k) {
     const Group &group =
         left.basis.groups()[static_cast<std::size_t>(left.selection.columns[k] / 2)];
-    if (group.axis == Axis::angle)
+    if (group.axis == Axis::angle && group.order != kOfBaseline)
       of_order[group.order] +=
           0.5 * std::pow(left.selection.values[static_cast<Eigen::Index>(k)], 2);
   }
@@ -111,13 +226,6 @@ double comb_v2(const Anonymous &left) {
   return sum > 0.0 ? squares / sum : 0.0;
 }
 
-bool has_chosen_order(const Effect &effect) {
-  const auto parameters = effect.info().parameters;
-  return std::any_of(parameters.begin(), parameters.end(), [](const ParameterInfo &p) {
-    return p.role == Role::chosen && p.name == "order";
-  });
-}
-
 /// One order of many that repeat with the angle is no cause of its own: it must stand out of what
 /// has no name.
 void drop_orders_of_a_comb(const Scene &scene, Parts parts, SearchResult &found) {
@@ -127,19 +235,11 @@ void drop_orders_of_a_comb(const Scene &scene, Parts parts, SearchResult &found)
     const Model &model = found.fit.model;
     std::size_t least_place = found.order.size();
     double least = 0.0;
-    const ResidualColumns all = residual_columns(parts.heldout, model);
     for (std::size_t place = 0; place < found.order.size(); ++place) {
       const std::size_t at = found.order[place];
-      if (!has_chosen_order(*model.effects[at].effect))
+      if (!chosen(model.effects[at], "order"))
         continue;
-      Model less = model;
-      less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(at));
-      const ResidualColumns without = residual_columns(parts.heldout, less);
-      double v2 = 0.0;
-      for (std::size_t i = 0; i < all.model_sin.size(); ++i)
-        v2 += 0.5 * (std::pow(all.model_sin[i] - without.model_sin[i], 2) +
-                     std::pow(all.model_cos[i] - without.model_cos[i], 2));
-      v2 /= static_cast<double>(std::max<std::size_t>(1, all.model_sin.size()));
+      const double v2 = std::pow(moved_rms_v(parts.heldout, model, at), 2);
       if (least_place == found.order.size() || v2 < least) {
         least = v2;
         least_place = place;
@@ -167,14 +267,6 @@ bool brings_forth(const Model &with, const Model &without) {
       }
   }
   return false;
-}
-
-std::optional<double> chosen(const EffectInstance &e, std::string_view name) {
-  const auto parameters = e.effect->info().parameters;
-  for (std::size_t k = 0; k < parameters.size(); ++k)
-    if (parameters[k].role == Role::chosen && parameters[k].name == name)
-      return e.values[k];
-  return std::nullopt;
 }
 
 /// What turns the field, or the reference, with the order that a harmonic of one channel has along
@@ -241,19 +333,91 @@ void drop_signatures_that_bring_forth(const Scene &scene, const Scene &judge, Pa
   }
 }
 
+/// Of causes that look alike where both could be, the one that every pair has is named, unless
+/// held-out data beside what has no name are likelier with the other.
+void prefer_what_every_pair_has(const Scene &scene, const Scene &judge, Parts parts,
+                                SearchResult &found) {
+  parts.train = thinned(parts.train);
+  parts.train.coloured.reset();
+  const SearchData aside{&scene, parts.train, parts.heldout, &judge};
+  const auto worth = [&](const Model &m) {
+    return nats_beside_anonymous(scene, parts, m) + side_evidence(aside, m);
+  };
+  for (std::size_t place = 0; place < found.order.size(); ++place) {
+    const std::size_t at = found.order[place];
+    const EffectInfo &info = found.fit.model.effects[at].effect->info();
+    if (info.prior_rank == 0)
+      continue;
+    for (const Separation &from : info.separations) {
+      const Effect *common = find_effect(from.rival);
+      if (!common || common->info().prior_rank != 0 ||
+          std::any_of(found.fit.model.effects.begin(), found.fit.model.effects.end(),
+                      [&](const EffectInstance &e) { return e.effect == common; }))
+        continue;
+      Model other = found.fit.model;
+      other.effects[at] = {common, {}, {}};
+      for (const ParameterInfo &p : common->info().parameters)
+        other.effects[at].values.push_back(p.role == Role::chosen ? p.fallback : 0.0);
+      other = fit(parts.train, other, kRefit).model;
+      const Model model = fit(parts.train, found.fit.model, kRefit).model;
+      const double nats = worth(other), others = worth(model);
+      if (nats < others - criteria::kRivalNats ||
+          takes_most(parts, model, other, *model.effects[at].effect,
+                     anonymous_of(scene, parts, other)))
+        continue;
+      if (nats < others + criteria::kRivalNats)
+        found.alternatives[place].push_back({std::string(info.id), found.fit.model});
+      found.fit.model = std::move(other);
+      break;
+    }
+  }
+}
+
 } // namespace
 
-double unnamed_on_angle(const Scene &scene, const Parts &parts, const Model &model,
-                        const Anonymous &left) {
+Unnamed unnamed_beside(const Scene &scene, const Parts &parts, const Model &model,
+                       const Anonymous &left, double noise_v) {
   Model physical = model;
   const auto dropped = std::erase_if(
       physical.effects, [](const EffectInstance &e) { return e.effect->info().signature; });
-  return (dropped > 0 ? anonymous_of(scene, parts, physical) : left)
-      .selection.share_v2[static_cast<std::size_t>(Axis::angle)];
+  constexpr auto kAngle = static_cast<std::size_t>(Axis::angle);
+  Unnamed out;
+  out.angle_v2 =
+      (dropped > 0 ? anonymous_of(scene, parts, physical) : left).selection.share_v2[kAngle];
+  const double noise = std::max(noise_v, scene.white_noise_v);
+  out.elsewhere_v2 = std::max(0.0, left.selection.noise_v2 - noise * noise);
+  for (std::size_t axis = 0; axis < left.selection.share_v2.size(); ++axis)
+    if (axis != kAngle)
+      out.elsewhere_v2 += std::max(0.0, left.selection.share_v2[axis]);
+  return out;
 }
 
+namespace {
+
+/// Whether a supply that is not recorded leaves nothing but noise across it, and held-out data are
+/// likelier with it, which takes in a direction at every moment, than with whatever has no name.
+bool is_likelier_as_supply(const Scene &scene, const Parts &parts, const SearchResult &found,
+                           double noise_v) {
+  if (found.disturbed != Direction::supply)
+    return false;
+  const Model &model = found.fit.model;
+  Parts weighed = parts;
+  weighed.weigh(found.disturbed, found.weight_along);
+  const Quality with = weighed.rung(model).heldout;
+  const double noise = std::max(noise_v, scene.white_noise_v);
+  if (with.residual_rms_v * with.residual_rms_v > criteria::kClean * noise * noise)
+    return false;
+  return with.log_likelihood >
+         quality_with(anonymous_of(scene, parts, model), parts, model).log_likelihood;
+}
+
+} // namespace
+
 SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, SearchResult found) {
+  if (is_likelier_as_supply(start.scene, parts, found, start.noise_v))
+    return found;
   constexpr int kMostRounds = 3;
+  const Model first = found.fit.model;
   const auto search = [&] {
     return Search({&start.scene, parts.train, parts.heldout, &start.judge}, start.baseline,
                   start.noise_v, start.report);
@@ -270,8 +434,8 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
       return found;
     }
     const Discrepancy discrepancy = discrepancy_of(left.basis, left.selection, left.from);
-    SearchResult next =
-        search().run_against(discrepancy, unnamed_on_angle(start.scene, parts, known, left), known);
+    SearchResult next = search().run_against(
+        discrepancy, unnamed_beside(start.scene, parts, known, left, start.noise_v), known);
     const bool same = names_of(next) == names_of(found);
     found = std::move(next);
     parts.train = thinned(parts.train);
@@ -287,7 +451,10 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
   }
   drop_orders_of_a_comb(start.scene, parts, found);
   drop_signatures_that_bring_forth(start.scene, start.judge, parts, found);
+  if (take_back_what_explains_most(start.scene, parts, first, found))
+    colour(start.scene, parts, found.fit.model);
   drop_what_has_no_name(start.scene, parts, found);
+  prefer_what_every_pair_has(start.scene, start.judge, parts, found);
   return found;
 }
 

@@ -17,10 +17,13 @@ struct SearchStart {
   Report report;
 };
 
-/// Mean square of what repeats with the angle and has no physical name, signatures included, V^2 of a
-/// channel. `left`: what `model` leaves over.
-double unnamed_on_angle(const Scene &scene, const Parts &parts, const Model &model,
-                        const Anonymous &left);
+/// What has no physical name beside a model, signatures included. `left`: what `model` leaves over.
+Unnamed unnamed_beside(const Scene &scene, const Parts &parts, const Model &model,
+                       const Anonymous &left, double noise_v);
+
+/// Whether an effect of the model takes more of what is left above the noise without it than any shape
+/// does by chance, and no single column without a name is nearer to what is there.
+bool takes_most(const Scene &scene, Parts parts, const Model &model, std::size_t effect);
 
 /// Goes on from what was found, with what nobody can name as a part of the noise: its coefficients have
 /// the variance that is left of them, which falls with every true cause and rises with every false

@@ -3,9 +3,11 @@
 
 #include "diagnosis/observations.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <fmt/format.h>
 #include <numeric>
 #include <random>
@@ -28,11 +30,9 @@ namespace {
 
 /// A shaft that departs this far from a smooth motion is no reference, rad rms mechanical.
 constexpr double kRoughMotion = 1.0 * kRadPerDeg;
-/// The angle that a pair gives itself says nothing about the pair; not 0, so that the zero angle
-/// stays determined.
-constexpr double kWeightOfOwnAngle = 0.02;
 constexpr double kLeastTemperatureV = 0.03; ///< about 2 degrees Celsius at 5 V
 constexpr int kRippleOrders = 20;           ///< clipping alone shows up to order 16
+constexpr int kReferenceOrders = 64;        ///< a line disc errs with its segments
 
 template <class T>
 std::vector<T> pick(const std::vector<T> &from, const std::vector<std::uint32_t> &indices) {
@@ -96,7 +96,13 @@ void leave_out_reversals(const Kinematics &motion, std::vector<char> &usable) {
   }
   const auto count = static_cast<double>(std::count(out.begin(), out.end(), char{1}));
   if (count > kMost * static_cast<double>(n))
-    return;
+    std::fill(out.begin(), out.end(), char{0});
+  // Which way it came to where it stands at the start nobody saw.
+  const bool turns_back =
+      std::any_of(motion.direction.begin(), motion.direction.end(),
+                  [&](auto sense) { return sense != motion.direction.front(); });
+  const std::size_t moves = turns_back ? first_motion(motion.alpha) : 0;
+  std::fill_n(out.begin(), moves < n ? moves : 0, char{1});
   for (std::size_t i = 0; i < n; ++i)
     if (out[i])
       usable[i] = 0;
@@ -235,7 +241,7 @@ Kinematics motion_by_reference(Screened &look, Scene &scene) {
   if (scene.stops)
     return at_rest(std::move(alpha), scene.stops);
   scene.reference_ripples =
-      ripples_against_time(capture.time_s, alpha, look.usable, kRippleOrders);
+      ripples_against_time(capture.time_s, alpha, look.usable, kReferenceOrders);
   Kinematics motion = differentiate(capture.time_s, std::move(alpha), 4);
   leave_out_changes(motion, look.usable);
   return motion;
@@ -246,6 +252,15 @@ Kinematics motion_of_the_pair_itself(const Screened &look, Scene &scene) {
   constexpr std::size_t kHalfWindow = 3;
   scene.radius_only = true;
   return differentiate(look.capture.time_s, look.angle, kHalfWindow);
+}
+
+/// A shaft is a reference as long as what the smooth motion leaves over in parts of a turn is not
+/// much more than what lies along the radius: a sensor's errors show in both, the motion in the
+/// angle alone. A channel that lags gives the angle twice the power that it gives the radius;
+/// beyond four times more than half of it is the motion's.
+bool more_than_the_radius(const SmoothMotion &smooth, const Screened &look) {
+  const double electrical = look.capture.meta.periods_per_turn;
+  return electrical * smooth.slow_rad > 2.0 * radius_left_rad(look);
 }
 
 /// A motion whose ripple is looked for at orders of the electrical period: of a ring of many poles
@@ -280,7 +295,7 @@ Kinematics motion_by_pair(Screened &look, Scene &scene, std::vector<std::uint32_
                : motion_of_the_pair_itself(look, scene);
   const std::vector<char> before = look.usable;
   SmoothMotion smooth = smooth_motion_with_losses(look, kRippleOrders);
-  scene.radius_only = smooth.residual_rms_rad > kRoughMotion;
+  scene.radius_only = smooth.residual_rms_rad > kRoughMotion || more_than_the_radius(smooth, look);
   if (scene.radius_only)
     smooth.motion.alpha = look.angle;
   else
@@ -322,6 +337,9 @@ std::array<double, 2> Observations::direction_at(std::size_t i, double model_sin
   if (disturbed == Direction::motion) {
     us = vcos[i] - centre_cos_v;
     uc = centre_sin_v - vsin[i];
+  } else if (disturbed == Direction::radius) {
+    us = model_sin - centre_sin_v;
+    uc = model_cos - centre_cos_v;
   }
   const double inverse = 1.0 / std::max(std::hypot(us, uc), 1e-12);
   return {us * inverse, uc * inverse};
@@ -408,7 +426,11 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
     all.vtemp_on_vcos = temperature.on_vcos;
     all.vtemp_on_vcos_error = temperature.on_vcos_error;
   }
-  Screened look = screen(capture, known, all);
+  std::vector<char> usable(capture.size());
+  for (std::size_t i = 0; i < capture.size(); ++i)
+    usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
+  scene.episodes = leave_out_episodes(capture, usable);
+  Screened look = screen(capture, known, all, std::move(usable));
   scene.screened = look.findings;
   scene.white_noise_v = look.white_noise_v;
   constexpr double kCoarse = 0.5; // of a step; its own error counts as 0.29 of noise
@@ -472,16 +494,88 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   return scene;
 }
 
+namespace {
+
+/// Electrical angle of each sample as the raw pair has it.
+std::vector<double> own_angle(const Observations &data) {
+  std::vector<double> out(data.size());
+  for (std::size_t i = 0; i < data.size(); ++i)
+    out[i] = std::atan2(data.vsin[i] - data.centre_sin_v, data.vcos[i] - data.centre_cos_v);
+  return out;
+}
+
+/// Whether VSIN and VCOS move along one line: the variance across it, over that along it.
+bool on_one_line(const Observations &data) {
+  // A third of a turn leaves 0.08 of an even pair, a twelfth 0.005, an ellipse of 1 to 10 leaves
+  // 0.01; noise of a hundredth of the amplitude on a line leaves 0.0002.
+  constexpr double kLine = 1e-3;
+  const double n = static_cast<double>(data.size());
+  const Eigen::Map<const Eigen::ArrayXd> s(data.vsin.data(),
+                                           static_cast<Eigen::Index>(data.size()));
+  const Eigen::Map<const Eigen::ArrayXd> c(data.vcos.data(),
+                                           static_cast<Eigen::Index>(data.size()));
+  const Eigen::ArrayXd x = s - s.mean(), y = c - c.mean();
+  Eigen::Matrix2d covariance;
+  covariance << (x * x).sum() / n, (x * y).sum() / n, (x * y).sum() / n, (y * y).sum() / n;
+  const Eigen::Vector2d along =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues();
+  return along[0] < kLine * along[1];
+}
+
+/// How far the pair keeps step with so many periods a turn, in either sense: 1 all the time, 0
+/// never.
+double in_step(const std::vector<double> &own, const std::vector<double> &alpha, int periods) {
+  constexpr std::size_t kMost = 4000; // of chance 1/sqrt(4000) is left
+  const std::size_t every = std::max<std::size_t>(1, own.size() / kMost);
+  std::complex<double> with, against;
+  double n = 0.0;
+  for (std::size_t i = 0; i < own.size(); i += every, n += 1.0) {
+    with += std::polar(1.0, own[i] - periods * alpha[i]);
+    against += std::polar(1.0, own[i] + periods * alpha[i]);
+  }
+  return std::max(std::abs(with), std::abs(against)) / n;
+}
+
+/// The number of periods a turn with which the pair keeps step and with the stated one it does not.
+/// 0: there is none.
+int other_periods(const std::vector<double> &own, const std::vector<double> &alpha, int stated) {
+  // An ellipse of 1 to 2, or an error of 60 deg, leaves 0.8 of a step; what runs through leaves
+  // none.
+  constexpr double kInStep = 0.7, kOutOfStep = 0.3;
+  if (stated > criteria::kMostPeriodsInTurns || in_step(own, alpha, stated) > kOutOfStep)
+    return 0;
+  for (int periods = 1; periods <= criteria::kMostPeriodsInTurns; ++periods)
+    if (in_step(own, alpha, periods) > kInStep)
+      return periods;
+  return 0;
+}
+
+} // namespace
+
 Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
   Scene scene = capture.starts.empty() ? prepare_record(capture, needs_split, known)
                                        : prepare_several(capture, needs_split, known);
   const Observations &all = scene.all;
   if (!scene.insufficient.empty())
     return scene;
-  if (const double seen = share_of_circle(all.alpha, scene.periods); seen < criteria::kLeastCoverage)
+  const double least =
+      scene.has_reference ? criteria::kLeastCoverageByReference : criteria::kLeastCoverage;
+  const double seen = share_of_circle(all.alpha, scene.periods);
+  if (seen < least)
     scene.insufficient = fmt::format("the record shows {:.0f} of 360 electrical degrees; at least "
                                      "{:.0f} are needed to tell centre and axes apart",
-                                     360.0 * seen, 360.0 * criteria::kLeastCoverage);
+                                     360.0 * seen, 360.0 * least);
+  else if (on_one_line(all))
+    scene.insufficient =
+        "the shaft turns and the vector does not: VSIN and VCOS move along one line";
+  if (!scene.has_reference || !scene.insufficient.empty())
+    return scene;
+  const std::vector<double> own = own_angle(all);
+  if (const int periods = other_periods(own, all.alpha, scene.periods); periods != 0)
+    scene.insufficient = fmt::format(
+        "the pair makes {} {} a turn of the reference, where the capture states {}: its "
+        "periods_per_turn is wrong, or the reference counts other turns than the shaft's",
+        periods, periods == 1 ? "period" : "periods", scene.periods);
   return scene;
 }
 

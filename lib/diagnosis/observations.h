@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/conditions/episodes.h"
 #include "diagnosis/conditions/holdout.h"
 #include "model/residual.h"
 #include "model/wave.h"
@@ -22,7 +23,7 @@ namespace ada {
 
 class Coloured; // anonymous/discrepancy.h
 
-enum class Direction { none, supply, motion };
+enum class Direction { none, supply, motion, radius };
 
 /// Columns of one length, in time order.
 struct Observations {
@@ -85,6 +86,9 @@ struct Scene {
   /// Without a reference and with a shaft that turns too unevenly to be one itself: the angle is
   /// the pair's own, and only the radius can be judged.
   bool radius_only = false;
+  /// Several records with a zero angle each, in none of which the speed changes: what lags behind a
+  /// reference is in the zero angles.
+  bool lag_in_zeros = false;
   std::string why_no_temperature;
   double turns = 0.0, fastest_omega = 0.0;
   double vtemp_mean_v = 0.0, supply_rms = 0.0;
@@ -95,6 +99,7 @@ struct Scene {
   /// there is no reference, or too little steady motion.
   std::vector<Ripple> reference_ripples;
   WrongRows wrong_rows;
+  Episodes episodes;
 
   Observations all;                        ///< usable samples
   std::vector<std::uint32_t> index;        ///< their places in the capture
@@ -111,6 +116,9 @@ struct Scene {
   std::string insufficient; ///< why nothing can be said; empty when something can
 };
 
+/// The angle that a pair gives itself says nothing about the pair; not 0, so that the zero angle
+/// stays determined.
+inline constexpr double kWeightOfOwnAngle = 0.02;
 void judge_radius_only(Scene &scene);
 /// What the motion of the usable samples can show, and the temperature of the whole capture.
 void describe_motion(Scene &scene);

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "base/angle.h"
+#include "base/robust.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/moments.h"
 
@@ -68,8 +69,35 @@ double left_over(const std::vector<Sight> &before, const std::vector<Sight> &aft
   return sum - right.dot(normal.ldlt().solve(right));
 }
 
+/// Without the samples on the way from one speed to another: the motion is smooth, and where the
+/// speed changes at once its own is between the two for as long as it is smoothed over.
+void keep_settled(std::vector<Sight> &before, std::vector<Sight> &after) {
+  constexpr double kSettled = 0.1; // of the change
+  const auto usual = [](const std::vector<Sight> &side) {
+    std::vector<double> speeds;
+    for (const Sight &s : side)
+      speeds.push_back(s.speed);
+    return quantile(std::move(speeds), 0.5);
+  };
+  const double from = usual(before), to = usual(after);
+  const auto on_the_way = [&](const Sight &s) {
+    const double way = (s.speed - from) / (to - from);
+    return way > kSettled && way < 1.0 - kSettled;
+  };
+  // Where the speed only swings about, or changes all the time, there is no such way.
+  if (!(std::abs(to - from) > kSettled * std::max(std::abs(from), std::abs(to))))
+    return;
+  for (auto *side : {&before, &after})
+    if (2 * static_cast<std::size_t>(std::count_if(side->begin(), side->end(), on_the_way)) >
+        side->size())
+      return;
+  std::erase_if(before, on_the_way);
+  std::erase_if(after, on_the_way);
+}
+
 /// Whether an offset that follows the speed would be seen just so.
-bool goes_with_the_speed(const std::vector<Sight> &before, const std::vector<Sight> &after) {
+bool goes_with_the_speed(std::vector<Sight> before, std::vector<Sight> after) {
+  keep_settled(before, after);
   constexpr double kNoWorse = 10.0; // nats, of the noise that the step leaves
   double fastest = 0.0;
   for (const auto *side : {&before, &after})
@@ -115,20 +143,21 @@ bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) 
     }
     return out;
   };
-  const auto within_a_turn = [&](std::size_t k) {
-    return std::abs(near.alpha[k] - near.alpha[middle]) <= kTwoPi;
+  // Where rough motion was left out, the turns are those beside it.
+  const auto within_a_turn = [&](std::size_t k, std::size_t of) {
+    return std::abs(near.alpha[k] - near.alpha[of]) <= kTwoPi;
   };
   std::vector<Sight> before, after;
-  for (std::size_t k = middle; k-- > 0 && within_a_turn(k);)
+  for (std::size_t k = middle; k-- > 0 && within_a_turn(k, middle - 1);)
     before.push_back(sight(k));
-  for (std::size_t k = middle; k < near.size() && within_a_turn(k); ++k)
+  for (std::size_t k = middle; k < near.size() && within_a_turn(k, middle); ++k)
     after.push_back(sight(k));
   if (before.size() < kFewest || after.size() < kFewest)
     return true;
   const Side first = look_at(before), second = look_at(after);
   if (first.variance + second.variance > kSure * kSure)
     return true;
-  return second.part - first.part > kWhole && !goes_with_the_speed(before, after);
+  return second.part - first.part > kWhole && !goes_with_the_speed(std::move(before), std::move(after));
 }
 
 } // namespace ada

@@ -20,7 +20,9 @@ namespace {
 void take_out_what_no_file_corrects(const Observations &data, const Model &model,
                                     std::vector<double> &vsin, std::vector<double> &vcos) {
   Model rest = model;
-  std::erase_if(rest.effects, [](const EffectInstance &e) {
+  std::erase_if(rest.effects, [&](const EffectInstance &e) {
+    if (e.effect->leaves_behind(e.values, rest.baseline)) // as the correction has it
+      return true;
     return !e.effect->info().correctable && e.effect->info().stage != Stage::record &&
            e.effect->info().stage != Stage::motion;
   });

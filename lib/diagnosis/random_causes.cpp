@@ -33,18 +33,15 @@ struct Worth {
   double share_v2 = 0.0, nats = 0.0;
 };
 
-Worth worth_of(const Anonymous &left, bool (*wanted)(int exponent, int periods)) {
+Worth worth_of(const Anonymous &left, Pattern pattern) {
   const Selection &all = left.selection;
   const Eigen::Index last = left.from.heldout.rows() - 1;
   // Without the columns in question, the others as they are.
   Eigen::VectorXd values = Eigen::VectorXd::Zero(last), less = values;
   for (std::size_t k = 0; k < all.columns.size(); ++k) {
-    const auto group = static_cast<std::size_t>(all.columns[k] / 2);
     const double value = all.values[static_cast<Eigen::Index>(k)];
     values[all.columns[k]] = value;
-    const bool out = left.basis.groups()[group].axis == Axis::time &&
-                     wanted(left.basis.terms()[group].exponent, left.basis.periods());
-    less[all.columns[k]] = out ? 0.0 : value;
+    less[all.columns[k]] = is_course_of(left, all.columns[k], pattern) ? 0.0 : value;
   }
   const auto square = [&](const Eigen::VectorXd &v) {
     const auto &g = left.from.heldout;
@@ -216,6 +213,59 @@ struct Flicker {
   double corner_hz = 0.0, rms_v = 0.0, nats = 0.0;
 };
 
+/// Power of both channels' lines over time, and how it is looked at.
+struct Lines {
+  std::array<std::vector<double>, 2> power;
+  double bin_hz = 0.0;
+  std::size_t stride = 1; ///< lines of the grid closer than the record resolves are no news
+  std::size_t first = 0;  ///< below it what is slow in time, or steps with the speed, was taken out
+
+  std::size_t size() const { return power[0].size(); }
+
+  /// Whittle's log likelihood of a corner, with the density of the white part that fits best.
+  double likelihood(int channel, double corner_hz, double &white) const {
+    const auto &p = power[static_cast<std::size_t>(channel)];
+    double sum = 0.0, n = 0.0, logs = 0.0;
+    for (std::size_t k = first; k < size(); k += stride, n += 1.0) {
+      const double shape = 1.0 + corner_hz / (static_cast<double>(k) * bin_hz);
+      sum += p[k] / shape;
+      logs += std::log(shape);
+    }
+    white = sum / n;
+    return -n * std::log(white) - n - logs;
+  }
+};
+
+Lines lines_of(const Observations &data, const ResidualColumns &rest) {
+  Lines out;
+  for (int channel = 0; channel < 2; ++channel) {
+    const auto &v = channel == 0 ? rest.sin : rest.cos;
+    const Spectrum s = spectrum_over_time(data.time, data.frame_period_s,
+                                          [&](std::size_t i) { return std::complex(v[i], 0.0); });
+    out.bin_hz = s.bin_hz;
+    for (std::size_t k = 0; k < s.line.size() / 2; ++k)
+      out.power[static_cast<std::size_t>(channel)].push_back(
+          std::norm(std::complex<double>(s.line[k])));
+  }
+  const double span = data.time.back() - data.time.front();
+  if (span > 0.0 && out.bin_hz > 0.0)
+    out.stride =
+        std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (span * out.bin_hz))));
+  out.first = out.stride * static_cast<std::size_t>(criteria::kMostTrends);
+  return out;
+}
+
+/// What is left along the radius. What has no name is chosen by what it takes out in all, of which
+/// the most may lie across: where it adds along the radius it stays.
+ResidualColumns radial_of(const Observations &data, ResidualColumns as_it_is, ResidualColumns less) {
+  keep_radial(data, as_it_is);
+  keep_radial(data, less);
+  return mean_square(as_it_is.sin) + mean_square(as_it_is.cos) <
+                 mean_square(less.sin) + mean_square(less.cos)
+             ? as_it_is
+             : less;
+}
+
 Flicker flicker_of(const Observations &whole, bool has_reference, const Model &model,
                    const Anonymous &left) {
   // What is smooth in time is taken out: flicker noise goes on above it, a wander does not. Of the
@@ -224,54 +274,30 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
   Flicker out;
   Observations data = whole;
   data.coloured.reset();
+  if (!has_reference) // at an angle that is off the radius is that of another part of the ellipse
+    data = at_own_angle(std::move(data), model);
   ResidualColumns rest = residual_columns(data, model);
+  const ResidualColumns as_it_is = rest;
   subtract(left.basis, left.selection, data, rest);
   if (!has_reference)
-    keep_radial(data, rest);
+    rest = radial_of(data, as_it_is, rest);
   const double span = data.time.back() - data.time.front();
   if (!(data.frame_period_s > 0.0) || span <= 0.0)
     return out;
-  std::array<std::vector<double>, 2> power;
-  double bin = 0.0;
-  for (int channel = 0; channel < 2; ++channel) {
-    const auto &v = channel == 0 ? rest.sin : rest.cos;
-    const Spectrum s = spectrum_over_time(data.time, data.frame_period_s,
-                                          [&](std::size_t i) { return std::complex(v[i], 0.0); });
-    bin = s.bin_hz;
-    for (std::size_t k = 0; k < s.line.size() / 2; ++k)
-      power[static_cast<std::size_t>(channel)].push_back(
-          std::norm(std::complex<double>(s.line[k])));
-  }
-  const std::size_t lines = power[0].size();
-  if (lines < 64)
+  const Lines of = lines_of(data, rest);
+  const auto &[power, bin, stride, first] = of;
+  const std::size_t lines = of.size();
+  if (lines < 64 || first >= lines / 4)
     return out;
-  // Lines of the grid closer than the record resolves are no news: every so many.
-  const auto stride =
-      std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (span * bin))));
-  // Below these what is slow in time, or steps with the speed, has been taken out.
-  const auto first = stride * static_cast<std::size_t>(criteria::kMostTrends);
-  if (first >= lines / 4)
-    return out;
-  const auto likelihood = [&](int channel, double corner, double &white) {
-    const auto &p = power[static_cast<std::size_t>(channel)];
-    double sum = 0.0, n = 0.0;
-    for (std::size_t k = first; k < lines; k += stride, n += 1.0)
-      sum += p[k] / (1.0 + corner / (static_cast<double>(k) * bin));
-    white = sum / n;
-    double log_likelihood = -n * std::log(white) - n;
-    for (std::size_t k = first; k < lines; k += stride)
-      log_likelihood -= std::log(1.0 + corner / (static_cast<double>(k) * bin));
-    return log_likelihood;
-  };
   double white[2], still[2];
   for (int c = 0; c < 2; ++c)
-    still[c] = likelihood(c, 0.0, white[c]);
+    still[c] = of.likelihood(c, 0.0, white[c]);
   const double top = static_cast<double>(lines) * bin;
   double least = 0.0, at_end = 0.0;
   for (double corner = 2.0 / span; corner < criteria::kHighestCorner * top; corner *= 1.08) {
     double w[2];
-    const double a = likelihood(0, corner, w[0]) - still[0],
-                 b = likelihood(1, corner, w[1]) - still[1];
+    const double a = of.likelihood(0, corner, w[0]) - still[0],
+                 b = of.likelihood(1, corner, w[1]) - still[1];
     at_end = a + b;
     if (a + b > out.nats) {
       out.nats = a + b;
@@ -296,6 +322,21 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
           std::abs(std::log(ratio / n)) > std::log(criteria::kOctaveOff))
         return {};
     }
+  // Flicker noise of the channels is seen along the radius as well: what is across only is an angle
+  // that the reference, or the magnet, has moved.
+  if (has_reference) {
+    const Observations own = at_own_angle(data, model);
+    const ResidualColumns at_own = residual_columns(own, model);
+    ResidualColumns less = at_own;
+    subtract(left.basis, left.selection, own, less);
+    const Lines along = lines_of(own, radial_of(own, at_own, less));
+    double nats = 0.0, w;
+    for (int c = 0; c < 2; ++c)
+      nats += along.likelihood(c, out.corner_hz * kRadialSlow / kRadialWhite, w) -
+              along.likelihood(c, 0.0, w);
+    if (nats <= 0.0)
+      return {};
+  }
   // Density of the white part from its share of the whole mean square.
   const double of_white = has_reference ? 1.0 : kRadialWhite;
   out.corner_hz *= has_reference ? 1.0 : kRadialWhite / kRadialSlow;
@@ -309,7 +350,11 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
     sum += 0.5 * density * out.corner_hz * std::log(std::max(out.corner_hz * span, std::exp(1.0)));
   }
   out.rms_v = std::sqrt(sum);
-  return out;
+  // What was taken out was fitted, and its errors lie low in the spectrum as well.
+  const double of_fit_v2 = left.selection.noise_v2 *
+                           static_cast<double>(left.selection.columns.size()) /
+                           std::max(1.0, left.from.n_train);
+  return sum > criteria::kOfFit * of_fit_v2 ? out : Flicker{};
 }
 
 std::string id_of(const Effect *effect) {
@@ -317,6 +362,14 @@ std::string id_of(const Effect *effect) {
 }
 
 } // namespace
+
+bool is_course_of(const Anonymous &left, Eigen::Index column, Pattern pattern) {
+  const auto group = static_cast<std::size_t>(column / 2);
+  if (left.basis.groups()[group].axis != Axis::time)
+    return false;
+  const int m = left.basis.terms()[group].exponent;
+  return pattern == Pattern::offset ? m == 0 : m == left.basis.periods() && column % 2 == 0;
+}
 
 std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts,
                                      const Model &model) {
@@ -326,8 +379,7 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts,
     return out;
   const double waves = left.selection.orders[static_cast<std::size_t>(Axis::time)];
   const double relative = 1.0 / std::sqrt(2.0 * std::max(1.0, waves)); // of an rms of so many terms
-  const Worth offset = worth_of(left, [](int m, int) { return m == 0; });
-  const Worth gain = worth_of(left, [](int m, int p) { return m == p; });
+  const Worth offset = worth_of(left, Pattern::offset), gain = worth_of(left, Pattern::gain);
   // What is faster than these functions, of the larger one, lies in the smaller one as well.
   const double both_v2 = offset.share_v2 + gain.share_v2;
   const auto clear = [&](const Worth &w) {

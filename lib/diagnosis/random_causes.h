@@ -21,6 +21,10 @@ struct RandomCause {
   double slow_v2 = 0.0; ///< what it moves slowly, V^2, mean of a channel; 0: it is white
 };
 
+/// Whether a column of the anonymous model is the course of a slow process: of both offsets, or of the
+/// gain, which moves the pair along the vector. What moves across it is an angle that drifts.
+bool is_course_of(const Anonymous &left, Eigen::Index column, Pattern pattern);
+
 /// Offsets and a gain that move slowly with time, where nothing that is recorded explains them.
 /// `left`: what the named model leaves over.
 std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model);

@@ -74,6 +74,7 @@ struct Diagnosis {
   int periods_per_turn = 2;
   std::vector<std::string> channels;
   bool has_reference = false;
+  bool radius_only = false; ///< the motion is no reference: only the radius was judged
   // the models
   std::string baseline_name = "application note";
   Model baseline, extended;

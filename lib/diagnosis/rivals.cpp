@@ -32,10 +32,21 @@ void Search::choose(State &now, std::size_t effect) const {
 bool Search::others_stay(const Model &model, std::size_t effect, const Model &rival,
                          double part) const {
   for (std::size_t k = given_, r = given_; k < model.effects.size(); ++k)
-    if (k != effect && reach(rival, r++) > reach(model, k) + 2.0 * part)
+    if (k != effect && moved_rms_v(quick_, rival, r++) > moved_rms_v(quick_, model, k) + 2.0 * part)
       return false;
   return true;
 }
+
+namespace {
+
+/// Whether an effect of the sensor, the motion or the reference is a function of the angle alone:
+/// its products with others are not known to second order.
+bool repeats_with_angle(const Effect &effect) {
+  return of_the_angle(effect) ||
+         (effect.info().stage == Stage::record && !shows_beyond_angle(effect));
+}
+
+} // namespace
 
 std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *better) const {
   std::vector<Rival> out;
@@ -72,21 +83,19 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
       continue;
     State rival = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
     choose(rival, rival.fit.model.effects.size() - 1);
-    const bool at_rest = of_the_angle(*self) && of_the_angle(*c.effect);
+    const bool at_rest = repeats_with_angle(*self) && repeats_with_angle(*c.effect);
     if (!rival.fit.determined || !in_range(rival.fit.model, given_) ||
-        !all_stand_alone(rival.fit.model) ||
-        refuted(rival, rival.fit.model.effects.size() - 1))
+        !all_stand_alone(rival.fit.model) || refuted(rival, rival.fit.model.effects.size() - 1))
       continue;
     const double side = side_evidence(data_, rival.fit.model) - my_side;
-    // Beside what has no name the variance of that covers what is not known to second order.
     const double blurred =
-        at_rest && !data_.train.coloured
-            ? std::min(criteria::kMostBlurred * part,
-                       std::max({4.0 * part * (part + offset) / base.amplitude_v, in_transfer,
-                                 4.0 * part * others / base.amplitude_v}))
-            : 0.0;
+        at_rest ? std::min(criteria::kMostBlurred * part,
+                           std::max({4.0 * part * (part + offset) / base.amplitude_v, in_transfer,
+                                     4.0 * part * others / base.amplitude_v}))
+                : 0.0;
     const double left = std::sqrt(std::max(0.0, rival.heldout - now.heldout) / (2.0 * n));
-    if (side < -criteria::kRivalNats || (rival.score - side < now.score - criteria::kRivalNats && left > blurred))
+    if (side < -criteria::kRivalNats ||
+        (rival.score - side < now.score - criteria::kRivalNats && left > blurred))
       continue;
     if (others_stay(now.fit.model, effect, rival.fit.model, part))
       out.push_back({std::string(c.effect->info().id), rival.fit.model});
@@ -97,9 +106,9 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
     if (better && c.visible && saved >= 0.0 &&
         (rival.score + saved > now.score + needed ||
          c.effect->info().prior_rank < self->info().prior_rank ||
-         (yields && left <= std::min({blurred, criteria::kSlight * part, criteria::kHidden * noise}))) &&
-        a_cause &&
-        (better->score == 0.0 || rival.score > better->score))
+         (yields &&
+          left <= std::min({blurred, criteria::kSlight * part, criteria::kHidden * noise}))) &&
+        a_cause && (better->score == 0.0 || rival.score > better->score))
       *better = std::move(rival);
   }
   return out;

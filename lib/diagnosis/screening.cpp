@@ -9,12 +9,14 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <optional>
 
 #include "base/angle.h"
 #include "base/error.h"
 #include "base/robust.h"
 #include "calibration/ellipse_fit.h"
 #include "diagnosis/criteria.h"
+#include "motion/followed_gaps.h"
 
 namespace ada {
 
@@ -60,8 +62,8 @@ Polar polar(const std::vector<double> &vsin, const std::vector<double> &vcos,
 }
 
 /// From the electrical angle within a period to the unwrapped mechanical one. Where a channel reads
-/// what it never can, the pair says nothing of the angle, and could lead the unwrapping into another
-/// period: that of the sample before stays.
+/// what it never can, the pair says nothing of the angle, and could lead the unwrapping into
+/// another period: that of the sample before stays.
 void unwrap_believed(Screened &look) {
   const Capture &c = look.capture;
   const Reach sin = fence(c.vsin_v), cos = fence(c.vcos_v);
@@ -69,6 +71,7 @@ void unwrap_believed(Screened &look) {
     if (!sin.holds(c.vsin_v[i]) || !cos.holds(c.vcos_v[i]))
       look.angle[i] = look.angle[i - 1];
   unwrap(look.angle, kTwoPi);
+  follow_through_gaps(c, kTwoPi, look.angle);
   for (double &a : look.angle)
     a /= c.meta.periods_per_turn;
 }
@@ -98,24 +101,33 @@ void rough_angle(Screened &look) {
   unwrap_believed(look);
 }
 
-/// The same by the ellipse that the pair draws: in a part of a turn the middle of a range is no
-/// centre. Left as it is where no ellipse is seen.
-void angle_of_ellipse(Screened &look) {
-  const Capture &c = look.capture;
-  EllipseFit fit;
+/// The curve that the pair draws, where one is seen: an ellipse, or on a short arc a circle.
+std::optional<EllipseParameters> curve_of(const Capture &c) {
   try {
-    fit = fit_ellipse(c.vsin_v, c.vcos_v);
+    return fit_ellipse(c.vsin_v, c.vcos_v).value;
   } catch (const Error &) {
-    return;
   }
-  const EllipseParameters &e = fit.value;
-  if (!(e.amplitude_v > 0.0) || std::abs(e.k) > 1.5)
+  try {
+    const EllipseFit circle = fit_ellipse(c.vsin_v, c.vcos_v, {.circle = true});
+    if (circle.coverage_deg < 360.0 * criteria::kLeastCoverage)
+      return circle.value;
+  } catch (const Error &) {
+  }
+  return std::nullopt;
+}
+
+/// The same by the curve that the pair draws: in a part of a turn the middle of a range is no
+/// centre. Left as it is where no curve is seen.
+void angle_of_curve(Screened &look) {
+  const Capture &c = look.capture;
+  const std::optional<EllipseParameters> e = curve_of(c);
+  if (!e || !(e->amplitude_v > 0.0) || std::abs(e->k) > 1.5)
     return;
-  look.centre_sin_v = e.centre_sin_v;
-  look.centre_cos_v = e.centre_cos_v;
+  look.centre_sin_v = e->centre_sin_v;
+  look.centre_cos_v = e->centre_cos_v;
   if (c.has_reference())
     return;
-  const EllipseInverse inverse = invert(e);
+  const EllipseInverse inverse = invert(*e);
   for (std::size_t i = 0; i < c.size(); ++i)
     look.angle[i] = std::atan2(inverse.sine(c.vsin_v[i], c.vcos_v[i]),
                                inverse.cosine(c.vsin_v[i], c.vcos_v[i]));
@@ -211,6 +223,17 @@ std::vector<std::string> rivals_of(const Effect &effect) {
   return out;
 }
 
+/// Radius of the pair, V of VCOS, less what repeats with the angle.
+std::vector<double> radius_left(const Screened &look, const Range &cos) {
+  const Capture &c = look.capture;
+  const Range sin = range_of(c.vsin_v, look.usable);
+  std::vector<double> radius;
+  for (std::size_t i = 0; i < c.size(); ++i)
+    radius.push_back(cos.half * std::hypot((c.vsin_v[i] - sin.middle) / sin.half,
+                                           (c.vcos_v[i] - cos.middle) / cos.half));
+  return against_harmonics(radius, look.angle, look.usable);
+}
+
 } // namespace
 
 std::vector<double> reference_angle(const Capture &c) {
@@ -298,15 +321,9 @@ bool screen_orientation(Screened &look, const Effect &effect) {
 /// period, a channel alone moves too far from sample to sample for a spike to show.
 std::vector<std::size_t> radius_spikes(const Screened &look) {
   constexpr double kStandsOut = 8.0;
-  const Capture &c = look.capture;
-  const Range sin = range_of(c.vsin_v, look.usable), cos = range_of(c.vcos_v, look.usable);
-  std::vector<double> radius;
-  for (std::size_t i = 0; i < c.size(); ++i)
-    radius.push_back(cos.half * std::hypot((c.vsin_v[i] - sin.middle) / sin.half,
-                                           (c.vcos_v[i] - cos.middle) / cos.half));
   std::vector<std::size_t> places;
-  find_spikes(against_harmonics(radius, look.angle, look.usable), kStandsOut, look.white_noise_v,
-              places);
+  find_spikes(radius_left(look, range_of(look.capture.vcos_v, look.usable)), kStandsOut,
+              look.white_noise_v, places);
   return places;
 }
 
@@ -352,22 +369,25 @@ bool screen_spikes(Screened &look, const Effect &effect) {
   return true;
 }
 
-Screened first_look(const Capture &capture) {
-  Screened look{.capture = capture, .usable = std::vector<char>(capture.size(), 1)};
-  for (std::size_t i = 0; i < capture.size(); ++i)
-    look.usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
+double radius_left_rad(const Screened &look) {
+  const Range cos = range_of(look.capture.vcos_v, look.usable);
+  return robust_spread(radius_left(look, cos)) / cos.half;
+}
+
+Screened first_look(const Capture &capture, std::vector<char> usable) {
+  Screened look{.capture = capture, .usable = std::move(usable)};
   // A dead channel would spoil every other look, spikes those for jumps: they go first.
   the_effect_that_spoils(Spoils::channel).screen(look);
   rough_angle(look);
   look.white_noise_v = white_noise(look);
   if (look.turns() < criteria::kFewestUnits ||
       share_of_circle(look.angle, capture.meta.periods_per_turn) < 1.0)
-    angle_of_ellipse(look);
+    angle_of_curve(look);
   // Within a turn the angle itself is a function of the angle: a ripple that repeats with it could
   // take in the whole motion.
-  look.smooth = capture.has_reference() ||
-                (look.turns() >= criteria::kFewestUnits &&
-                 turns_seen(look.angle) >= criteria::kFewestTurnsToRepeat);
+  look.smooth =
+      capture.has_reference() || (look.turns() >= criteria::kFewestUnits &&
+                                  turns_seen(look.angle) >= criteria::kFewestTurnsToRepeat);
   the_effect_that_spoils(Spoils::readings).screen(look);
   return look;
 }

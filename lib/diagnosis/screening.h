@@ -5,14 +5,16 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "model/residual.h"
 #include "motion/kinematics.h"
 
 namespace ada {
 
-/// Dead channels and spikes, and the angle of the pair itself.
-Screened first_look(const Capture &capture);
+/// Dead channels and spikes, and the angle of the pair itself. `usable`: 0 where a sample is no number
+/// or not the sensor's.
+Screened first_look(const Capture &capture, std::vector<char> usable);
 
 /// Lets every other effect of the catalogue have its first look, at `look.angle` as it is.
 void look_at_record(Screened &look);
@@ -22,6 +24,9 @@ std::vector<double> reference_angle(const Capture &capture);
 
 /// Share of the electrical circle, by sectors of 10 degrees, that mechanical angles in rad reach.
 double share_of_circle(std::span<const double> angle, int periods);
+
+/// Spread of what is left of the pair's radius without what repeats with the angle, relative to it.
+double radius_left_rad(const Screened &look);
 
 /// The smooth motion of a capture without reference, with the jumps at lost samples and slips
 /// taken as what they are.

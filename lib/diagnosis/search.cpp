@@ -96,20 +96,25 @@ bool Search::forward(State &now) {
   const bool unexplained = leak_unexplained(data_, now.fit.model);
   std::vector<Option> options;
   std::size_t physical = 0, signatures = 0;
+  std::map<std::string_view, std::size_t> beyond_angle; // by axis
   for (const Candidate &c : list) {
     // What stands beside the pair may ask for a cause that the pair alone hardly shows.
     const bool asked_for = unexplained && leaks(c.start.effects.back());
     if (!worth_keeping(scale * c.gain / (2.0 * variance), *c.effect) && !asked_for)
       continue;
     std::size_t &count = c.effect->info().signature ? signatures : physical;
-    if (count >= (c.effect->info().signature ? 2 : criteria::kShortlist) && !asked_for)
+    // Much that repeats with the angle may fill the list: what shows on another axis has places of
+    // its own.
+    const bool of_axis = shows_beyond_angle(*c.effect) &&
+                         beyond_angle[c.effect->info().axis]++ < criteria::kShortlistOfAxis;
+    if (count >= (c.effect->info().signature ? 2 : criteria::kShortlist) && !asked_for && !of_axis)
       continue;
     ++count;
     State state = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
     if (!state.fit.determined || !in_range(state.fit.model, given_))
       continue;
     const std::size_t last = state.fit.model.effects.size() - 1;
-    if (refuted(state, last) || !all_stand_alone(state.fit.model))
+    if (refuted(state, last) || !(all_stand_alone(state.fit.model) || leaves_noise(state)))
       continue;
     if (has_moment(*c.effect) && !begins_at_once(*data_.scene, state.fit.model, last))
       continue;
@@ -121,8 +126,8 @@ bool Search::forward(State &now) {
     const double size = size_of(state, now, last);
     if (c.effect->info().signature && !dominates(size, last, state.fit.model))
       continue;
-    if (size < least_of_noise(*c.effect) * noise_v_ || size < allowance ||
-        !helps_everywhere(state, now))
+    if (size < least_of_noise(*c.effect) * noise_v_ ||
+        !beyond_doubt(size, state.fit.model, last, allowance) || !helps_everywhere(state, now))
       continue;
     options.push_back({std::move(state), c.effect, worth});
   }
@@ -155,13 +160,16 @@ bool Search::backward(State &now) {
     const auto at = static_cast<Eigen::Index>(k);
     const double own_v = std::sqrt(std::max(0.0, own(at, at)));
     const bool possible =
-        in_range(now.fit.model.effects[k]) && !refuted(now, k) && stands_alone(own, k);
-    const bool worth_it = possible && worth_keeping(worth, effect) &&
-                          (!effect.info().signature || dominates(size, k, now.fit.model)) && size > least_of_noise(effect) * noise_v_ &&
-                          size > doubt_v(less.fit.model) &&
-                          (effect.info().prior_rank == 0 || // expected, and not the likeliest of many
-                           std::min(size, own_v) > criteria::kOfUnknown * unknown_v(now)) &&
-                          helps_everywhere(now, less);
+        in_range(now.fit.model.effects[k]) && !refuted(now, k) &&
+        (stands_alone(own, k) || leaves_noise(now));
+    const bool worth_it =
+        possible && worth_keeping(worth, effect) &&
+        (!effect.info().signature || dominates(size, k, now.fit.model)) &&
+        size > least_of_noise(effect) * noise_v_ &&
+        beyond_doubt(size, now.fit.model, k, doubt_v(less.fit.model)) &&
+        (effect.info().prior_rank == 0 || // expected, and not the likeliest of many
+         stands_out(now, k, std::min(size, own_v))) &&
+        helps_everywhere(now, less);
     if (worth_it)
       continue;
     now = std::move(less);
@@ -243,6 +251,14 @@ bool Search::shared_with_signature(const Model &model) const {
 
 /// Whether fewer causes do as well, up to what is not known to second order.
 bool Search::needs_less(const State &fewer, const State &now) const {
+  for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k) {
+    const Effect *effect = now.fit.model.effects[k].effect;
+    const auto &others = fewer.fit.model.effects;
+    if (shows_beyond_angle(*effect) &&
+        std::none_of(others.begin(), others.end(),
+                     [&](const auto &e) { return e.effect == effect; }))
+      return false; // what is not known to second order repeats with the angle
+  }
   const double more = std::max(0.0, fewer.heldout - now.heldout);
   return fewer.fit.determined &&
          fewer.fit.model.effects.size() < now.fit.model.effects.size() &&
@@ -291,9 +307,9 @@ void Search::progress(const char *what) {
     report_(1.0 - 1.0 / (1.0 + 0.25 * steps_), what);
 }
 
-SearchResult Search::run(bool thorough, const Model *found, double unnamed_v2) {
+SearchResult Search::run(bool thorough, const Model *found, const Unnamed &unnamed) {
   progress("fitting the baseline");
-  unnamed_v2_ = unnamed_v2;
+  unnamed_ = unnamed;
   // A signature is named only where no physical cause explains as much: those come first.
   signatures_ = found != nullptr;
   measure_discrepancy();
@@ -340,14 +356,14 @@ void Search::colour(const Discrepancy &discrepancy) {
   quick_.coloured = data_.train.coloured;
 }
 
-SearchResult Search::run_against(const Discrepancy &discrepancy, double unnamed_v2,
+SearchResult Search::run_against(const Discrepancy &discrepancy, const Unnamed &unnamed,
                                  const Model &found) {
   measure_discrepancy();
   colour(discrepancy);
   supply_rejected_ = true;
   shaken_ = false;
   signatures_ = true;
-  unnamed_v2_ = unnamed_v2;
+  unnamed_ = unnamed;
   State now = evaluate(with_expected(found), 12);
   for (int round = 0; round < 3; ++round) {
     progress("comparing with what has no name");

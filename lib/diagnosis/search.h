@@ -44,6 +44,12 @@ struct SearchResult {
   void forget(std::size_t place);
 };
 
+/// Mean squares of what no physical cause accounts for, V^2 of a channel.
+struct Unnamed {
+  double angle_v2 = 0.0;     ///< of it, what repeats with the angle
+  double elsewhere_v2 = 0.0; ///< and what does not: that of the other axes, and what is on none
+};
+
 using Report = std::function<void(double, const char *)>;
 
 class Search {
@@ -52,13 +58,13 @@ public:
 
   /// Not `thorough`: only what is found on the way up, without rivals and second thoughts; that
   /// tells what bends the motion, in a part of the time. `found`: physical causes known already, to
-  /// which signatures may come; without it only physical causes are looked for. `unnamed_v2`: mean
-  /// square of what repeats with the angle and has no physical name, V^2.
-  SearchResult run(bool thorough, const Model *found = nullptr, double unnamed_v2 = 0.0);
+  /// which signatures may come; without it only physical causes are looked for. `unnamed`: beside
+  /// those that were found.
+  SearchResult run(bool thorough, const Model *found = nullptr, const Unnamed &unnamed = {});
 
   /// Once more from what was found, with what nobody can name as a part of the noise.
-  /// `unnamed_v2`: mean square of all that repeats with the angle and has no physical name, V^2.
-  SearchResult run_against(const Discrepancy &discrepancy, double unnamed_v2, const Model &found);
+  SearchResult run_against(const Discrepancy &discrepancy, const Unnamed &unnamed,
+                           const Model &found);
 
 private:
   struct State {
@@ -76,6 +82,9 @@ private:
   bool worth_keeping(double worth, const Effect &effect) const;
   bool helps_everywhere(const State &with, const State &less) const;
   double unknown_v(const State &now) const;
+  double moved_off_angle_v(const Model &model, std::size_t effect) const;
+  bool stands_out(const State &now, std::size_t effect, double size_v) const;
+  bool leaves_noise(const State &now) const;
   void measure_discrepancy();
   Eigen::MatrixXd own_moves(const Model &model) const;
   bool stands_alone(const Eigen::MatrixXd &own, std::size_t effect) const;
@@ -85,6 +94,7 @@ private:
   double log_likelihood(const FitResult &fit, double heldout) const;
   void progress(const char *what);
   double doubt_v(const Model &model) const;
+  bool beyond_doubt(double size_v, const Model &model, std::size_t effect, double doubt) const;
   bool forward(State &now);
   void climb(State &now);
   void choose(State &now, std::size_t effect) const;
@@ -114,7 +124,6 @@ private:
   std::vector<Rival> rivals(const State &now, std::size_t effect, State *better) const;
   double contribution(const State &with, const State &less) const;
   double volts_explained(const State &with, const State &less) const;
-  double reach(const Model &model, std::size_t effect) const;
   double size_of(const State &with, const State &less, std::size_t effect) const;
 
   SearchData data_;
@@ -126,7 +135,7 @@ private:
   double discrepancy_v_ = 0.0; ///< what the baseline leaves over, V rms of a channel
   Report report_;
   double supply_rms_fraction_ = 0.0;
-  double unnamed_v2_ = 0.0; ///< mean square of what repeats with the angle without a name
+  Unnamed unnamed_;        ///< beside what was found
   bool signatures_ = true; ///< whether shapes without a physical cause are tried
   bool supply_rejected_ = false, shaken_ = false, begun_anew_ = false;
   /// Effects of the model in which no supply was seen last; one more may bring it out.

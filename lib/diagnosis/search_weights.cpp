@@ -10,6 +10,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/search.h"
 
 namespace ada {
@@ -101,7 +102,8 @@ bool Search::notice_supply(State &now) {
     return false;
   const State before = now;
   part = weigh_supply(now, kShareInSearch);
-  const bool clean = part.across < 1.6 * noise2 && part.along - part.across > 0.5 * noise2;
+  const bool clean =
+      part.across < criteria::kClean * noise2 && part.along - part.across > 0.5 * noise2;
   if (!clean && part.along < 4.0 * part.across) {
     weigh(now, Direction::none, 1.0);
     now = before;
@@ -119,7 +121,7 @@ bool Search::doubt_supply(State &now) {
   const double noise2 = noise_v_ * noise_v_;
   if (data_.scene->has_reference) {
     const AlongSupply part = weigh_supply(now, 1.0);
-    if (part.across < 1.6 * noise2 && part.along - part.across > 0.5 * noise2 &&
+    if (part.across < criteria::kClean * noise2 && part.along - part.across > 0.5 * noise2 &&
         part.fixed > kTurns * part.across && part.repeats < kRepeats) {
       supply_rms_fraction_ = std::sqrt((part.along - part.across) / part.length2);
       return false;

@@ -67,7 +67,11 @@ std::string to_text(const Diagnosis &d) {
     if (before.angle_error_rms_deg && after.angle_error_rms_deg)
       out += fmt::format(", angle error {:.4f} -> {:.4f} deg rms", *before.angle_error_rms_deg,
                          *after.angle_error_rms_deg);
-    out += f.correctable ? "\n" : "\n   not a matter for the angle: it is never corrected there\n";
+    Baseline left;
+    out += f.correctable ? "\n"
+           : f.effect->leaves_behind(f.values, left)
+               ? "\n   the angle is corrected for what it left behind, as it is after the capture\n"
+               : "\n   not a matter for the angle: it is never corrected there\n";
     if (!f.alternatives.empty())
       out += fmt::format("   this data cannot tell it from: {}\n   what would: {}\n",
                          fmt::join(f.alternatives, ", "), f.separate_by);

@@ -3,6 +3,7 @@
 
 #include "diagnosis/whiteness.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -21,6 +22,7 @@ namespace {
 /// Components of the residual: VSIN, VCOS, radial, tangential.
 struct Components {
   std::vector<double> of[4];
+  std::vector<double> cos2, sin2; ///< of twice the electrical angle
   std::vector<int> judged; ///< without a reference only the radius is no matter of the motion
 };
 
@@ -29,10 +31,14 @@ Components components(const Scene &scene, const ResidualColumns &r) {
   out.judged = scene.has_reference ? std::vector<int>{0, 1, 2, 3} : std::vector<int>{2};
   for (auto &v : out.of)
     v.resize(r.sin.size());
+  out.cos2.resize(r.sin.size());
+  out.sin2.resize(r.sin.size());
   for (std::size_t i = 0; i < r.sin.size(); ++i) {
     const double c = r.model_cos[i] - scene.all.centre_cos_v,
                  s = r.model_sin[i] - scene.all.centre_sin_v;
     const double inverse = 1.0 / std::max(std::hypot(c, s), 1e-9);
+    out.cos2[i] = (c * c - s * s) * inverse * inverse;
+    out.sin2[i] = 2.0 * s * c * inverse * inverse;
     out.of[0][i] = r.sin[i];
     out.of[1][i] = r.cos[i];
     out.of[2][i] = (r.cos[i] * c + r.sin[i] * s) * inverse;
@@ -47,6 +53,7 @@ struct BinTest {
   double rms_v; ///< structure in the component, noise taken off
 };
 
+/// `sigma`: of that noise; 0: the scatter within the bins.
 BinTest test_bins(const std::vector<double> &component, const std::vector<int> &bin, int bins,
                   double sigma) {
   std::vector<double> sum(static_cast<std::size_t>(bins), 0.0), count = sum;
@@ -56,16 +63,27 @@ BinTest test_bins(const std::vector<double> &component, const std::vector<int> &
     sum[static_cast<std::size_t>(bin[i])] += component[i];
     count[static_cast<std::size_t>(bin[i])] += 1.0;
   }
-  double chi2 = 0.0, used = 0.0, n = 0.0;
+  constexpr double kFewest = 8.0;
+  double between = 0.0, used = 0.0, n = 0.0;
   for (std::size_t b = 0; b < sum.size(); ++b) {
-    if (count[b] < 8.0)
+    if (count[b] < kFewest)
       continue;
-    chi2 += sum[b] * sum[b] / (count[b] * sigma * sigma);
+    between += sum[b] * sum[b] / count[b];
     used += 1.0;
     n += count[b];
   }
   if (used < 2.0)
     return {0.0, 0.0};
+  if (sigma == 0.0) {
+    double all = 0.0;
+    for (std::size_t i = 0; i < component.size(); ++i)
+      if (bin[i] >= 0 && count[static_cast<std::size_t>(bin[i])] >= kFewest)
+        all += component[i] * component[i];
+    sigma = std::sqrt(std::max(all - between, 0.0) / (n - used));
+    if (sigma == 0.0)
+      return {0.0, 0.0};
+  }
+  const double chi2 = between / (sigma * sigma);
   return {(chi2 - used) / std::sqrt(2.0 * used), sigma * std::sqrt(std::max(0.0, chi2 - used) / n)};
 }
 
@@ -107,10 +125,10 @@ void report_bins(const Components &parts, const std::vector<int> &bin, int bins,
 
 /// A converter whose steps are uneven errs with the level of a channel, finer than any bin of the
 /// angle: means over narrow bins of the modelled level (the measured one carries the noise along),
-/// none so narrow that an even converter's own steps show.
+/// none so narrow that an even converter's own steps show. Against the scatter of the channel
+/// itself: one of the two may be the noisier one.
 void report_levels(const Observations &data, const ResidualColumns &residual,
-                   const Components &parts, double sigma, double least,
-                   std::vector<Structure> &out) {
+                   const Components &parts, double least, std::vector<Structure> &out) {
   constexpr double kSteps = 4.0, kEach = 16.0, kFewest = 128.0, kMost = 8192.0;
   constexpr double kFiner = 1.2; ///< more than the bins of the angle show
   const double n = static_cast<double>(data.size());
@@ -130,7 +148,7 @@ void report_levels(const Observations &data, const ResidualColumns &residual,
       const int count = static_cast<int>(bins);
       for (std::size_t i = 0; i < level.size(); ++i)
         bin[i] = std::min(count - 1, static_cast<int>((level[i] - *low) / span * count));
-      const BinTest t = test_bins(component, bin, count, sigma);
+      const BinTest t = test_bins(component, bin, count, 0.0);
       if (t.z > 8.0 && t.rms_v > strongest.rms_v) {
         strongest = t;
         width = span / count;
@@ -148,16 +166,51 @@ void report_levels(const Observations &data, const ResidualColumns &residual,
   look(residual.model_cos, data.vcos, parts.of[pair ? 1 : 2], kComponent[1]);
 }
 
+/// Mean power of the radial part at each sample. Two channels whose noise differs, or is
+/// correlated, make it go with twice the electrical angle, and that of the tangential part against
+/// it.
+struct NoisePower {
+  double mean, with_cos2, with_sin2;
+  double swing(double cos2, double sin2) const { return with_cos2 * cos2 + with_sin2 * sin2; }
+  /// Never less than a fifth of the mean: a few wild samples must not make it vanish.
+  double radial(double cos2, double sin2) const { return at(swing(cos2, sin2)); }
+  double tangential(double cos2, double sin2) const { return at(-swing(cos2, sin2)); }
+
+private:
+  double at(double beside) const { return std::max(mean + beside, 0.2 * mean); }
+};
+
+NoisePower noise_power(const Components &parts) {
+  const bool pair = parts.judged.size() > 1;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Identity() * 1e-9;
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < parts.cos2.size(); ++i) {
+    const Eigen::Vector3d x(1.0, parts.cos2[i], parts.sin2[i]), y(1.0, -x[1], -x[2]);
+    normal += x * x.transpose();
+    right += x * parts.of[2][i] * parts.of[2][i];
+    if (pair) {
+      normal += y * y.transpose();
+      right += y * parts.of[3][i] * parts.of[3][i];
+    }
+  }
+  const Eigen::Vector3d power = normal.ldlt().solve(right);
+  return {power[0], power[1], power[2]};
+}
+
 /// Noise that comes and goes.
 void report_variance(const Components &parts, const std::vector<int> &bin, int bins, double sigma,
                      double least, std::vector<Structure> &out) {
   std::vector<double> sum(static_cast<std::size_t>(bins), 0.0), count = sum;
+  const NoisePower power = noise_power(parts);
+  if (!(power.mean > 0.0))
+    return;
   for (std::size_t i = 0; i < bin.size(); ++i) {
     const auto b = static_cast<std::size_t>(bin[i]);
-    sum[b] += parts.of[2][i] * parts.of[2][i];
+    const double cos2 = parts.cos2[i], sin2 = parts.sin2[i];
+    sum[b] += parts.of[2][i] * parts.of[2][i] / power.radial(cos2, sin2);
     count[b] += 1.0;
     if (parts.judged.size() > 1) {
-      sum[b] += parts.of[3][i] * parts.of[3][i];
+      sum[b] += parts.of[3][i] * parts.of[3][i] / power.tangential(cos2, sin2);
       count[b] += 1.0;
     }
   }
@@ -337,7 +390,7 @@ std::vector<Structure> find_structure(const Scene &scene, const Observations &da
   for (std::size_t i = 0; i < n; ++i)
     angle[i] = std::min(71, static_cast<int>(wrap(data.alpha[i], kTwoPi) / kTwoPi * 72.0));
   report_bins(parts, angle, 72, sigma_v, least_rms_v, "angle", "the angle within the turn", out);
-  report_levels(data, residual, parts, sigma_v, least_rms_v, out);
+  report_levels(data, residual, parts, least_rms_v, out);
 
   const int time_bins = static_cast<int>(std::clamp<std::size_t>(n / 300, 8, 100));
   const std::vector<int> time = bins_of(data.time, time_bins);

@@ -10,6 +10,7 @@
 
 #include "base/angle.h"
 #include "base/sincos.h"
+#include "motion/followed_gaps.h"
 #include "motion/kinematics.h"
 #include "motion/spline.h"
 #include "support/seed.h"
@@ -72,6 +73,62 @@ TEST(SmoothMotion, leaves_a_ripple_of_the_turn_to_the_ripple) {
   EXPECT_NEAR(m.sin[2], 0.004, 3e-4);
   for (std::size_t i = 2000; i < time.size() - 2000; i += 500)
     EXPECT_NEAR(m.motion.omega[i], 20.0 + 0.4 * time[i], 0.02);
+}
+
+/// A shaft that speeds up, the pair of it in stretches of which the gaps hold several turns.
+TEST(FollowedGaps, join_stretches_to_one_motion) {
+  std::mt19937_64 rng(fresh_seed());
+  std::normal_distribution<> noise(0.0, 5e-4);
+  const double direction = std::bernoulli_distribution(0.5)(rng) ? 1.0 : -1.0;
+  constexpr std::size_t kAll = 100'000, kStretch = 4000, kEvery = 20'000;
+  const auto psi = [&](std::size_t i) {
+    const double t = static_cast<double>(i) * 1e-4;
+    return direction * (60.0 * t + 4.0 * t * t);
+  };
+  Capture all, part;
+  for (std::size_t i = 0; i < kAll; ++i) {
+    all.time_s.push_back(static_cast<double>(i) * 1e-4);
+    all.vsin_v.push_back(2.51 + 1.4 * std::sin(psi(i)) + noise(rng));
+    all.vcos_v.push_back(2.48 + 1.5 * std::cos(psi(i)) + noise(rng));
+  }
+  std::vector<LeftOut> left_out;
+  std::vector<double> angle;
+  for (std::size_t start = 0; start < kAll; start += kEvery) {
+    if (start > 0) {
+      part.gaps.push_back(part.size());
+      left_out.push_back({start - kEvery + kStretch - 1, start});
+    }
+    for (std::size_t i = start; i < start + kStretch; ++i) {
+      part.time_s.push_back(all.time_s[i]);
+      part.vsin_v.push_back(all.vsin_v[i]);
+      part.vcos_v.push_back(all.vcos_v[i]);
+      angle.push_back(std::atan2((all.vsin_v[i] - 2.51) / 1.4, (all.vcos_v[i] - 2.48) / 1.5));
+    }
+  }
+  all.vsin_v[kStretch + 100] = 2.49; // in a gap, and on no circle
+  all.vcos_v[kStretch + 100] = 2.47;
+  part.turned_rad = turned_in(*recording_of(all), RoughCircle(part), left_out);
+  unwrap(angle, kTwoPi);
+  follow_through_gaps(part, kTwoPi, angle);
+  for (std::size_t i = 0; i < angle.size(); ++i) {
+    const std::size_t at = i / kStretch * kEvery + i % kStretch;
+    ASSERT_NEAR(angle[i] - angle[0], psi(at) - psi(0), 0.02) << at;
+  }
+}
+
+TEST(SmoothMotion, stretches_with_turns_between_them_need_not_fit_together) {
+  std::vector<double> time, angle;
+  for (int stretch = 0; stretch < 12; ++stretch)
+    for (int i = 0; i < 2000; ++i) {
+      const double t = stretch + i * 1e-4, u = t - 6.0;
+      const double a = 120.0 * t + 9.0 * std::sin(3.0 * u); // the speed wanders in the gaps
+      time.push_back(t);
+      angle.push_back(a + 0.01 * std::cos(a));
+    }
+  std::vector<char> usable(time.size(), 1);
+  const SmoothMotion m = smooth_motion(time, angle, usable, 4);
+  EXPECT_NEAR(m.cos[0], 0.01, 3e-4);
+  EXPECT_LT(m.residual_rms_rad, 5e-4);
 }
 
 TEST(SmoothMotion, what_is_rough_everywhere_is_not_left_out) {

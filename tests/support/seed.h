@@ -4,6 +4,7 @@
 // Random tests draw a fresh seed and say which; ADA4571_TEST_SEED repeats a run.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -20,6 +21,11 @@ inline std::uint64_t fresh_seed() {
   std::printf("ADA4571_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed));
   std::fflush(stdout);
   return seed;
+}
+
+/// A whole number from 0 to n - 1, for places: a size has 32 bits on some processors.
+template <class Random> std::size_t below(Random &random, std::size_t n) {
+  return static_cast<std::size_t>(random() % n);
 }
 
 } // namespace ada::test

@@ -5,6 +5,8 @@
 
   smallest.py --iio-angle build/tools/iio-angle --truth-capture build/tests/truth/truth-capture
 
+It measures what `single` captures hide, and what `bench` captures add.
+
 First two captures at each of a ladder of sizes, the usual ones and each a half of the last, say
 about where the limit lies; then the other captures lie within a factor of three of it. The share
 found may only grow with the size: the isotonic regression that follows the captures best. Printed
@@ -34,10 +36,17 @@ SIZE = {"stray-field": ["b"], "sensor-off-axis": ["a_deg"], "field-direction-err
         "periodic-interference": ["amplitude_sin_v", "amplitude_cos_v"],
         "impulse-noise": ["amplitude_v"], "offset-step": ["step_sin_v", "step_cos_v"],
         "angle-slip": ["step_deg"], "offset-temperature-drift": ["tc_sin", "tc_cos"],
+        "reference-harmonic": ["e_deg"], "offset-wander": ["rms_sin_v", "rms_cos_v"],
         "offset-temperature-curvature": ["c_sin", "c_cos"],
         "temperature-lag": [], "clipping": []}
 LABEL = {"temperature-lag": "share of the usual drift under it", "clipping": "depth over peak"}
+POWER = {"flicker-noise": 2}  # its scale is one of the noise's power, all others are of the size
 LADDER = 9
+
+
+class Effect(typing.NamedTuple):
+    name: str
+    category: str  # of the truth engine
 
 
 class Look(typing.NamedTuple):
@@ -50,11 +59,12 @@ class Look(typing.NamedTuple):
 
 def look(arguments, effect, scale, seed):
     """One capture."""
+    effect, category = effect
     with tempfile.TemporaryDirectory() as folder:
         capture, truth = os.path.join(folder, "c.csv"), os.path.join(folder, "t.json")
-        subprocess.run([arguments.truth_capture, "--category", "single", "--effect", effect,
-                        "--scale", str(scale), "--seed", str(seed), "-o", capture,
-                        "--truth", truth], check=True, capture_output=True)
+        subprocess.run([arguments.truth_capture, "--category", category, "--effect", effect,
+                        "--scale", str(scale ** POWER.get(effect, 1)), "--seed", str(seed),
+                        "-o", capture, "--truth", truth], check=True, capture_output=True)
         answer = subprocess.run([arguments.iio_angle, "diagnose", "--json", capture],
                                 capture_output=True, text=True)
         with open(truth) as file:
@@ -90,7 +100,7 @@ def limit_of(looks):
 
 def measure(arguments, effect, pool):
     """One line of the table."""
-    rng = random.Random(f"{arguments.seed} {effect}")
+    rng = random.Random(f"{arguments.seed} {effect.name}")
     seeds = (rng.randrange(10**9) for _ in range(10**6))
     ladder = [2.0**-k for k in range(LADDER) for _ in range(2)]
     looks = list(pool.map(lambda x: look(arguments, effect, *x), zip(ladder, seeds)))
@@ -106,10 +116,10 @@ def measure(arguments, effect, pool):
                 "and half of them", "", "", "")
     errors = [l.error for l in looks if l.error and limit / 2 <= l.size <= 2 * limit]
     near = [l for l in looks if limit / 3 <= l.size <= 3 * limit]
-    value = 1.0 / limit if effect == "low-pass-rolloff" else limit
+    value = 1.0 / limit if effect.name == "low-pass-rolloff" else limit
     return (f"{value:.2g}", f"{statistics.median(errors):.2g}" if errors else "",
             f"{sum(l.found for l in near)} of {len(near)}",
-            LABEL.get(effect) or ", ".join(f"`{n}`" for n in looks[0].names))
+            LABEL.get(effect.name) or ", ".join(f"`{n}`" for n in looks[0].names))
 
 
 def main():
@@ -123,21 +133,23 @@ def main():
     arguments = parser.parse_args()
     listing = subprocess.run([arguments.truth_capture, "--list"], capture_output=True, text=True,
                              check=True).stdout.splitlines()
-    first = next(i for i, line in enumerate(listing) if line.startswith("effects of single"))
-    effects = []
-    for line in listing[first + 1:]:
+    effects, category = [], None
+    for line in listing:
         if not line.startswith("  "):
-            break
-        effects.append(line.strip())
+            category = next((c for c in ("single", "bench") if line.startswith(f"effects of {c}")),
+                            None)
+        elif category:
+            effects.append(Effect(line.strip(), category))
     print(f"seed {arguments.seed}, {arguments.runs} captures an effect")
     print("| effect | parameter | 95 % found from | Cramer-Rao bound there | found near it |")
     print("|---|---|---|---|---|")
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         for effect in effects:
-            if effect in SIZELESS or (arguments.effect and effect not in arguments.effect):
+            if effect.name in SIZELESS or (arguments.effect
+                                           and effect.name not in arguments.effect):
                 continue
             limit, error, share, names = measure(arguments, effect, pool)
-            print(f"| `{effect}` | {names} | {limit} | {error} | {share} |", flush=True)
+            print(f"| `{effect.name}` | {names} | {limit} | {error} | {share} |", flush=True)
 
 
 if __name__ == "__main__":

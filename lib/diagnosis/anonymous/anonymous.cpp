@@ -73,14 +73,20 @@ int most_orders(const Scene &scene, std::size_t samples, int wanted) {
   return std::clamp(by_samples / (scene.stops ? 10 : 1), 1, wanted);
 }
 
-Anonymous fitted(const Scene &scene, const Halves &halves, double zero_rad, int orders,
+Anonymous with_basis(const Scene &scene, const Halves &halves, double zero_rad, int orders,
                  const std::vector<SpectralLine> &lines, Asked asked) {
   Anonymous out;
   out.basis = generic_basis(scene, halves.train, zero_rad,
                             most_orders(scene, halves.train.size(), orders), lines, asked);
   out.from = products(out.basis, halves.train, halves.train_left, halves.heldout, halves.heldout_left);
-  out.selection = select(out.basis, out.from);
+  out.lines = lines;
+  out.orders = orders;
   return out;
+}
+
+Anonymous chosen(Anonymous from) {
+  from.selection = select(from.basis, from.from);
+  return from;
 }
 
 /// The strongest lines of what the selection leaves.
@@ -107,7 +113,7 @@ Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &mode
   const Halves halves = halves_of(parts, model);
   const bool over_time = !parts.second_capture;
   const auto with = [&](int orders, const std::vector<SpectralLine> &lines) {
-    return fitted(scene, halves, zero_of(model), orders, lines, {over_time, conditions});
+    return chosen(with_basis(scene, halves, zero_of(model), orders, lines, {over_time, conditions}));
   };
   const int unit = in_turns(scene) ? scene.periods : 1;
   Anonymous out = with(std::max(criteria::kMostOrders, criteria::kMostPeriods * unit), {});
@@ -123,6 +129,34 @@ Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &mode
     out = with(std::max(2, out.selection.orders[0]), lines);
   }
   return out;
+}
+
+Anonymous anonymous_alike(const Scene &scene, const Parts &parts, const Model &model,
+                          const Anonymous &other) {
+  Anonymous out = with_basis(scene, halves_of(parts, model), zero_of(model), other.orders,
+                             other.lines, {!parts.second_capture, true});
+  out.selection = select(out.basis, out.from, other.selection.columns);
+  return out;
+}
+
+double left_beside_angle(const Parts &parts, const Model &model, const Anonymous &other) {
+  const Halves halves = halves_of(parts, model);
+  Basis basis(other.basis.periods(), zero_of(model));
+  basis.scale_to(halves.train);
+  basis.add(Axis::angle, kOfBaseline, 0);
+  basis.add(Axis::angle, kOfBaseline, other.basis.periods());
+  const auto &groups = other.basis.groups();
+  for (std::size_t k = 0; k < groups.size(); ++k)
+    if (groups[k].axis == Axis::angle && groups[k].order != kOfBaseline &&
+        std::find(other.selection.columns.begin(), other.selection.columns.end(),
+                  static_cast<Eigen::Index>(groups[k].first)) != other.selection.columns.end())
+      basis.add(groups[k].axis, groups[k].order, other.basis.terms()[k].exponent,
+                other.basis.terms()[k].modulation);
+  const Products from =
+      products(basis, halves.train, halves.train_left, halves.heldout, halves.heldout_left);
+  std::vector<Eigen::Index> all(static_cast<std::size_t>(from.train.rows() - 1));
+  std::iota(all.begin(), all.end(), Eigen::Index{0});
+  return select(basis, from, std::move(all)).noise_v2;
 }
 
 Quality quality_with(const Anonymous &left, const Parts &parts, const Model &model) {
@@ -194,8 +228,10 @@ NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &m
 Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data,
                      Model model) {
   const int orders = left.selection.orders[static_cast<std::size_t>(Axis::angle)];
-  // Where the angle is the pair's own, nothing tells the part of it along the circle.
-  if (orders == 0 || scene.radius_only)
+  // Without a reference nothing tells a ripple of the shaft from one of the sensor, but where it comes
+  // with the poles of a ring: what may be the shaft's is not corrected, as with the causes that have a
+  // name.
+  if (orders == 0 || (!scene.has_reference && (scene.radius_only || scene.periods <= 2)))
     return model;
   Observations some = some_of(data, criteria::kRemainderSamples);
   const ResidualColumns r = residual_columns(some, model);
@@ -205,14 +241,14 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
   const int p = scene.periods;
   Basis basis(p, zero_of(model));
   basis.scale_to(some);
-  basis.add(Axis::angle, 0, 0);
-  basis.add(Axis::angle, 0, p);
+  basis.add(Axis::angle, kOfBaseline, 0);
+  basis.add(Axis::angle, kOfBaseline, p);
   const auto &groups = left.basis.groups();
   for (std::size_t k = 0; k < groups.size(); ++k) {
     const bool in = std::find(left.selection.columns.begin(), left.selection.columns.end(),
                               static_cast<Eigen::Index>(groups[k].first)) !=
                     left.selection.columns.end();
-    if (in)
+    if (in && groups[k].order != kOfBaseline)
       basis.add(groups[k].axis, groups[k].order, left.basis.terms()[k].exponent,
                 left.basis.terms()[k].modulation);
   }

@@ -16,6 +16,8 @@ struct Anonymous {
   Basis basis;
   Products from;
   Selection selection;
+  std::vector<SpectralLine> lines; ///< that the basis has
+  int orders = 0;                  ///< that it was asked for
   bool any() const { return !selection.columns.empty(); }
 };
 
@@ -25,6 +27,14 @@ struct Anonymous {
 /// would have it.
 Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model,
                        bool conditions = true);
+
+/// The same with the columns that were chosen for another model, in place of its own choice.
+Anonymous anonymous_alike(const Scene &scene, const Parts &parts, const Model &model,
+                          const Anonymous &other);
+
+/// Held-out mean square, V^2 of a channel, that a model leaves beside what repeats with the angle,
+/// of the orders that `other` has. The baseline is fitted along: it does not wait for those orders.
+double left_beside_angle(const Parts &parts, const Model &model, const Anonymous &other);
 
 /// How well a model does together with its anonymous part.
 Quality quality_with(const Anonymous &left, const Parts &parts, const Model &model);

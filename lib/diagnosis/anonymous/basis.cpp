@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <numeric>
 
 #include "base/angle.h"
 #include "base/robust.h"
@@ -15,8 +16,8 @@
 namespace ada {
 
 std::string_view axis_name(Axis axis) {
-  constexpr std::array<std::string_view, kAxes> kNames{"angle", "speed",     "temperature", "supply",
-                                                       "time",  "frequency", "noise"};
+  constexpr std::array<std::string_view, kAxes> kNames{
+      "angle", "speed", "temperature", "supply", "time", "frequency", "noise"};
   return kNames[static_cast<std::size_t>(axis)];
 }
 
@@ -80,24 +81,34 @@ double Basis::function(const Modulation &g, const Observations &data, std::size_
   return 1.0;
 }
 
+int Basis::unit() const {
+  int out = 0;
+  for (const Term &t : terms_)
+    out = std::gcd(out, std::gcd(t.exponent, t.modulation.of_angle() ? t.modulation.order : 0));
+  return std::max(out, 1);
+}
+
 void Basis::evaluate(const Observations &data, std::size_t first, std::size_t n,
                      Eigen::Ref<Eigen::MatrixXd> out) const {
+  const int step = unit();
   int top = 0;
   for (const Term &t : terms_)
     top = std::max({top, std::abs(t.exponent), t.modulation.of_angle() ? t.modulation.order : 0});
-  std::vector<std::complex<double>> power(static_cast<std::size_t>(top) + 1);
+  std::vector<std::complex<double>> power(static_cast<std::size_t>(top / step) + 1);
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t i = first + k;
     power[0] = 1.0;
-    const std::complex<double> unit = std::polar(1.0, angle(data, i));
+    const std::complex<double> unit = std::polar(1.0, step * angle(data, i));
     for (std::size_t m = 1; m < power.size(); ++m)
       power[m] = power[m - 1] * unit;
     const auto s = static_cast<Eigen::Index>(2 * k), c = s + 1;
     for (std::size_t q = 0; q < terms_.size(); ++q) {
       const Term &term = terms_[q];
       const Modulation &by = term.modulation;
-      const std::complex<double> p = power[static_cast<std::size_t>(std::abs(term.exponent))];
-      const std::complex<double> of_angle = power[static_cast<std::size_t>(by.of_angle() ? by.order : 0)];
+      const std::complex<double> p =
+          power[static_cast<std::size_t>(std::abs(term.exponent) / step)];
+      const std::complex<double> of_angle =
+          power[static_cast<std::size_t>(by.of_angle() ? by.order / step : 0)];
       const double g = by.kind == Modulation::angle_cos   ? of_angle.real()
                        : by.kind == Modulation::angle_sin ? of_angle.imag()
                                                           : function(by, data, i);
@@ -112,8 +123,8 @@ void Basis::evaluate(const Observations &data, std::size_t first, std::size_t n,
 }
 
 bool in_turns(const Scene &scene) {
-  return scene.has_reference || scene.periods == 1 ||
-         (scene.periods <= criteria::kMostPeriodsInTurns &&
+  return scene.periods <= criteria::kMostPeriodsInTurns &&
+         (scene.has_reference || scene.periods == 1 ||
           scene.turns >= criteria::kFewestTurnsToRepeat);
 }
 
@@ -122,8 +133,11 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
   const int p = scene.periods;
   Basis out(p, zero_rad);
   out.scale_to(data);
-  // What turns with the angle: orders of the turn, or of the electrical period where turns cannot be
-  // compared. The terms of m = 0 and m = p are the baseline's own offsets, amplitude and zero.
+  // The baseline's own offsets, amplitude and zero: beside what has no name they are others.
+  out.add(Axis::angle, kOfBaseline, 0);
+  out.add(Axis::angle, kOfBaseline, p);
+  // What turns with the angle: orders of the turn, or of the electrical period where turns cannot
+  // be compared.
   const int step = in_turns(scene) ? 1 : p;
   // An order n is a modulation of the vector e^(jpx): along it (real coefficients) and across it
   // (imaginary ones). At n = p one side is the offset, and only the other is left.
@@ -154,11 +168,12 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
     for (int m : pair)
       out.add(Axis::supply, 1, m, {Modulation::supply});
   // Slow in time: half waves that each last two electrical periods or more, so that none of them
-  // follows the shaft, and half of what repeats with the angle. Where no angle comes twice, time and
-  // angle are one.
+  // follows the shaft, and half of what repeats with the angle. Where no angle comes twice, time
+  // and angle are one.
   const double rounds = scene.turns * step;
-  const double waves = std::min({criteria::kMostTrends, scene.turns * p / criteria::kPeriodsPerTrend,
-                                 criteria::kTrendsPerRound * rounds});
+  const double waves =
+      std::min({criteria::kMostTrends, scene.turns * p / criteria::kPeriodsPerTrend,
+                criteria::kTrendsPerRound * rounds});
   asked.over_time = asked.over_time && rounds >= criteria::kFewestTurnsToRepeat;
   for (int order = 1; asked.over_time && order <= static_cast<int>(waves); ++order)
     for (int m : pair)

@@ -38,6 +38,10 @@ struct Modulation {
   bool operator==(const Modulation &) const = default;
 };
 
+/// Order of the groups of the baseline's own numbers: they are fitted along with whatever else
+/// takes part, and count as none of it.
+inline constexpr int kOfBaseline = 0;
+
 /// Coefficients that stand or fall together: real and imaginary part of one complex coefficient, or
 /// of those of one function family.
 struct Group {
@@ -55,6 +59,10 @@ public:
 
   /// Adds the two columns of one complex coefficient.
   void add(Axis axis, int order, int exponent, Modulation modulation = {});
+
+  /// What all exponents and orders of the angle are multiples of: where turns cannot be compared the
+  /// periods of a turn, which are thousands on a sine encoder.
+  int unit() const;
 
   std::size_t columns() const { return 2 * terms_.size(); }
   const std::vector<Group> &groups() const { return groups_; }
@@ -106,7 +114,7 @@ struct Asked {
 
 /// Whether what repeats with the angle is told in orders of the turn: with a reference, and without
 /// one where whole turns follow one another, though nobody knows where the turn begins. A ring of
-/// many poles has no two alike.
+/// many poles has no two alike, and a scale of many lines is told by the line.
 bool in_turns(const Scene &scene);
 
 /// What the capture lets each axis show. `orders`: highest order of the turn on the angle axis;

@@ -37,6 +37,8 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   for (std::size_t k = 0; k < selection.columns.size(); ++k) {
     const Group &g = basis.groups()[static_cast<std::size_t>(selection.columns[k] / 2)];
     const double value = selection.values[static_cast<Eigen::Index>(k)];
+    if (g.order == kOfBaseline)
+      continue; // no discrepancy: it is fitted
     if (g.axis == Axis::angle && g.order > named)
       above += 0.5 * value * value;
     else

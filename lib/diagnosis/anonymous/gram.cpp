@@ -3,8 +3,8 @@
 //
 // Normal equations of the generic basis. A term is a sum of h e^(j k x) with h one of few functions
 // of the conditions, so that the product of two terms is the sum over all samples of
-// h h' e^(j (k' - k) x): a table by h, h' and k' - k holds them all. That takes the samples times the
-// orders, where the products of all columns would take the samples times their square.
+// h h' e^(j (k' - k) x): a table by h, h' and k' - k holds them all. That takes the samples times
+// the orders, where the products of all columns would take the samples times their square.
 
 #include <algorithm>
 #include <complex>
@@ -64,13 +64,17 @@ private:
   void take_apart() {
     int highest_mixed = 0;
     std::vector<int> exponents; // of the terms with a function
-    for (const Basis::Term &t : basis_.terms()) {
-      const Modulation &by = t.modulation;
+    for (Basis::Term t : basis_.terms()) {
+      t.exponent /= unit_;
+      Modulation by = t.modulation;
+      if (by.of_angle())
+        by.order /= unit_;
       const Complex half_j(0.0, 0.5);
       if (by.kind == Modulation::angle_cos)
         pieces_.push_back({{t.exponent + by.order, 0.5, -1}, {t.exponent - by.order, 0.5, -1}});
       else if (by.kind == Modulation::angle_sin)
-        pieces_.push_back({{t.exponent + by.order, -half_j, -1}, {t.exponent - by.order, half_j, -1}});
+        pieces_.push_back(
+            {{t.exponent + by.order, -half_j, -1}, {t.exponent - by.order, half_j, -1}});
       else if (by.kind == Modulation::none)
         pieces_.push_back({{t.exponent, 1.0, -1}});
       else {
@@ -96,17 +100,18 @@ private:
     span_mixed_ = highest_plain_ + highest_mixed;
   }
 
-  void add(const Observations &data, const ResidualColumns &left, std::size_t first, std::size_t n) {
+  void add(const Observations &data, const ResidualColumns &left, std::size_t first,
+           std::size_t n) {
     const auto samples = static_cast<Eigen::Index>(n);
-    const int span = std::max({span_plain_, span_mixed_,
-                               between_.empty() ? 0 : between_.rbegin()->first});
+    const int span =
+        std::max({span_plain_, span_mixed_, between_.empty() ? 0 : between_.rbegin()->first});
     Eigen::MatrixXd cosine(samples, span + 1), sine(samples, span + 1);
     Eigen::VectorXcd residual(samples);
     Eigen::MatrixXd function(samples, static_cast<Eigen::Index>(functions_.size()));
     Eigen::VectorXcd unit(samples), power = Eigen::VectorXcd::Ones(samples);
     for (Eigen::Index i = 0; i < samples; ++i) {
       const std::size_t at = first + static_cast<std::size_t>(i);
-      unit[i] = std::polar(1.0, basis_.angle(data, at));
+      unit[i] = std::polar(1.0, unit_ * basis_.angle(data, at));
       residual[i] = {left.cos[at], left.sin[at]};
       for (std::size_t f = 0; f < functions_.size(); ++f)
         function(i, static_cast<Eigen::Index>(f)) = basis_.function(functions_[f], data, at);
@@ -140,7 +145,8 @@ private:
     Complex sum = 0.0;
     for (const Piece &a : pieces_[static_cast<std::size_t>(q)])
       for (const Piece &b : pieces_[static_cast<std::size_t>(r)])
-        sum += std::conj(a.factor) * b.factor * between(a.function, b.function, b.exponent - a.exponent);
+        sum += std::conj(a.factor) * b.factor *
+               between(a.function, b.function, b.exponent - a.exponent);
     return sum;
   }
 
@@ -162,13 +168,14 @@ private:
   }
 
   const Basis &basis_;
+  const int unit_ = basis_.unit(); ///< of the exponents of the pieces
   std::vector<std::vector<Piece>> pieces_; ///< of each term
   std::vector<Modulation> functions_;
   int highest_plain_ = 0, span_plain_ = 0, span_mixed_ = 0;
-  Eigen::VectorXcd plain_;                    ///< sums of e^(j k x), by k
-  Eigen::MatrixXcd mixed_;                    ///< the same with each function, by function and k
-  std::map<int, Eigen::MatrixXcd> between_;   ///< with each pair of functions, by k
-  Eigen::VectorXcd of_plain_;                 ///< of the residual times e^(-j k x)
+  Eigen::VectorXcd plain_;                      ///< sums of e^(j k x), by k
+  Eigen::MatrixXcd mixed_;                      ///< the same with each function, by function and k
+  std::map<int, Eigen::MatrixXcd> between_;     ///< with each pair of functions, by k
+  Eigen::VectorXcd of_plain_;                   ///< of the residual times e^(-j k x)
   std::map<int, Eigen::VectorXcd> of_function_; ///< and with each function
   double squares_ = 0.0;
 };

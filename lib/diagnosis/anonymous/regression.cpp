@@ -101,16 +101,28 @@ Selection select(const Basis &basis, const Products &from) {
     return 0.5 * from.n_heldout *
            std::log((less / from.n_heldout + least) / (more / from.n_heldout + least));
   };
+  std::vector<Eigen::Index> of_baseline;
+  for (const Group &g : basis.groups())
+    for (std::size_t k = 0; g.order == kOfBaseline && k < g.count; ++k)
+      of_baseline.push_back(static_cast<Eigen::Index>(g.first + k));
+  // What the baseline gains by itself is no gain of an axis.
+  const Nested alone(from, of_baseline, stiffness);
+  const double with_baseline = alone.heldout(alone.values(of_baseline.size()));
   for (std::size_t axis = 0; axis + 1 < kAxes; ++axis) {
     std::vector<const Group *> groups;
     for (const Group &g : basis.groups())
-      if (static_cast<std::size_t>(g.axis) == axis)
+      if (static_cast<std::size_t>(g.axis) == axis && g.order != kOfBaseline)
         groups.push_back(&g);
     if (groups.empty())
       continue;
     std::stable_sort(groups.begin(), groups.end(),
                      [](const Group *a, const Group *b) { return a->order < b->order; });
     std::vector<Eigen::Index> columns = out.columns;
+    double before = now;
+    if (columns.empty()) { // the first axis brings it along
+      columns = of_baseline;
+      before = std::min(now, with_baseline);
+    }
     std::vector<std::pair<int, std::size_t>> ends; // order, columns up to and with it
     for (const Group *g : groups) {
       if (static_cast<double>(columns.size() + g->count) > criteria::kMostColumns * from.n_train)
@@ -124,7 +136,7 @@ Selection select(const Basis &basis, const Products &from) {
     const Nested nested(from, std::move(columns), stiffness);
     std::size_t best = 0;
     int best_order = 0;
-    double best_gain = 0.0, best_heldout = now;
+    double best_gain = 0.0, best_heldout = before;
     Eigen::VectorXd best_values;
     for (const auto &[order, end] : ends) {
       // Every order up to eight, then in steps of an eighth: finer makes no difference.
@@ -132,7 +144,7 @@ Selection select(const Basis &basis, const Products &from) {
         continue;
       Eigen::VectorXd values = nested.values(end);
       const double heldout = nested.heldout(values);
-      const double gain = nats(now, heldout);
+      const double gain = nats(before, heldout);
       if (gain > best_gain + criteria::kNatsPerOrder * (best_order > 0 ? 1.0 : 0.0)) {
         best_gain = gain;
         best = end;
@@ -143,7 +155,7 @@ Selection select(const Basis &basis, const Products &from) {
     }
     if (best_gain < criteria::kAdmittedNats)
       continue;
-    out.share_v2[axis] = (now - best_heldout) / from.n_heldout;
+    out.share_v2[axis] = (before - best_heldout) / from.n_heldout;
     out.gain_nats[axis] = best_gain;
     out.orders[axis] = best_order;
     out.columns = nested.first(best);
@@ -154,6 +166,18 @@ Selection select(const Basis &basis, const Products &from) {
   }
   out.noise_v2 = now / std::max(1.0, from.n_heldout);
   out.train_v2 /= std::max(1.0, from.n_train - static_cast<double>(out.columns.size()));
+  return out;
+}
+
+Selection select(const Basis &basis, const Products &from, std::vector<Eigen::Index> columns) {
+  Selection out;
+  const Nested nested(from, columns, basis.stiffness());
+  out.values = nested.values(columns.size());
+  out.ridge = nested.ridge();
+  out.noise_v2 = nested.heldout(out.values) / std::max(1.0, from.n_heldout);
+  out.train_v2 = nested.train(columns.size()) /
+                 std::max(1.0, from.n_train - static_cast<double>(columns.size()));
+  out.columns = std::move(columns);
   return out;
 }
 

@@ -45,6 +45,9 @@ struct Selection {
 /// Axes in their order, on each the highest order that held-out data confirm most.
 Selection select(const Basis &basis, const Products &from);
 
+/// The same with columns that were chosen elsewhere; no orders or shares.
+Selection select(const Basis &basis, const Products &from, std::vector<Eigen::Index> columns);
+
 /// Takes the selection out of a residual.
 void subtract(const Basis &basis, const Selection &selection, const Observations &data,
               ResidualColumns &residual);

@@ -7,12 +7,13 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "base/angle.h"
+#include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/first_model.h"
 #include "diagnosis/fit.h"
 #include "motion/surroundings.h"
 #include "recording/join.h"
@@ -20,20 +21,6 @@
 namespace ada {
 
 namespace {
-
-/// Zero angle of a record, rad: of a fit with all that every pair has, so that uneven stretches of the
-/// circle do not bend it.
-double zero_of(const Scene &record) {
-  Model model = first_model(record, nullptr);
-  for (const Effect *effect : catalogue())
-    if (effect->info().prior_rank == 0)
-      model.effects.push_back(
-          {effect, std::vector<double>(effect->info().parameters.size(), 0.0), {}});
-  std::vector<std::uint32_t> every(record.all.size());
-  std::iota(every.begin(), every.end(), 0u);
-  const Observations some = record.all.select(thin(every, criteria::kAnonymousHeldout, 50));
-  return fit(some, model, 10).model.baseline.angle_zero_deg * kRadPerDeg;
-}
 
 /// Appends the columns that belong to the motion; those of temperature and supply come from the whole.
 void append(Observations &to, const Observations &from) {
@@ -90,11 +77,19 @@ void append(std::vector<std::uint32_t> &to, const std::vector<std::uint32_t> &fr
 
 } // namespace
 
+void move_angle(Scene &scene, double by_rad) {
+  for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
+    for (double &a : o->alpha)
+      a += by_rad;
+}
+
 Scene prepare_several(const Capture &joined, bool needs_split, const Model *known) {
   Scene out;
   const std::size_t records = joined.starts.size();
   const bool whole_records = needs_split && records >= criteria::kFewestRecords;
-  double zero = 0.0, noise2 = 0.0;
+  std::optional<ReferenceZero> first;
+  double noise2 = 0.0;
+  bool steady = records > 1;
   for (std::size_t k = 0; k < records; ++k) {
     const Capture record = record_of(joined, k);
     Scene scene = prepare_record(record, needs_split && !whole_records, known);
@@ -103,14 +98,13 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
       return scene;
     }
     if (scene.has_reference) {
-      const double own = zero_of(scene);
-      const double move = k == 0 ? 0.0 : own - zero;
-      if (k == 0)
-        zero = own;
-      for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
-        for (double &a : o->alpha)
-          a += move;
+      ReferenceZero zero(scene);
+      if (first)
+        move_angle(scene, first->move_of(zero));
+      else
+        first = std::move(zero);
     }
+    steady = steady && scene.has_reference && !scene.several_speeds && !scene.both_directions;
     const std::size_t start = joined.starts[k], before = out.all.size();
     move_by(scene.index, start);
     move_by(scene.spiked_index, start);
@@ -136,6 +130,7 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
     append(out.train, scene.train);
     append(out.heldout, scene.heldout);
     out.wrong_rows += scene.wrong_rows;
+    out.episodes += scene.episodes;
     out.coarse_step_v = std::max(out.coarse_step_v, scene.coarse_step_v);
     for (ScreenFinding &f : scene.screened) // what several records show is said once
       if (std::none_of(out.screened.begin(), out.screened.end(),
@@ -145,6 +140,7 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
       judge_radius_only(out);
   }
   out.capture = &joined;
+  out.lag_in_zeros = steady;
   out.stops = {};
   out.white_noise_v = std::sqrt(noise2);
   take_surroundings(joined, out);

@@ -12,4 +12,7 @@ namespace ada {
 /// whole; of two each is split by itself.
 Scene prepare_several(const Capture &joined, bool needs_split, const Model *known);
 
+/// Moves the angle of everything that a scene holds.
+void move_angle(Scene &scene, double by_rad);
+
 } // namespace ada

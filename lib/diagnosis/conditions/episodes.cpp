@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/conditions/episodes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <optional>
+
+#include "base/angle.h"
+#include "base/error.h"
+#include "base/robust.h"
+#include "calibration/ellipse_fit.h"
+#include "conversion/ellipse.h"
+#include "diagnosis/criteria.h"
+#include "health/criteria.h"
+
+namespace ada {
+
+namespace {
+
+constexpr double kOffCurve = 8.0; ///< robust standard deviations, as a spike is
+
+/// The ellipse that the bulk of the samples draws.
+std::optional<EllipseParameters> curve_of(const Capture &c, std::span<const char> usable) {
+  constexpr std::size_t kMost = 20000;
+  std::vector<double> vsin, vcos;
+  for (std::size_t i = 0; i < c.size(); i += c.size() / kMost + 1)
+    if (usable[i]) {
+      vsin.push_back(c.vsin_v[i]);
+      vcos.push_back(c.vcos_v[i]);
+    }
+  try {
+    return fit_ellipse(vsin, vcos).value;
+  } catch (const Error &) {
+    return std::nullopt;
+  }
+}
+
+/// How far the pair is off: along the radius, relative to it, and beside a reference in angle, rad.
+struct Off {
+  std::vector<double> psi, along, across;
+};
+
+Off off_curve(const Capture &c, const EllipseParameters &curve, std::span<const char> usable) {
+  const EllipseInverse inverse = invert(curve);
+  const std::size_t n = c.size();
+  Off out{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
+  for (std::size_t i = 0; i < n; ++i) {
+    const double sine = inverse.sine(c.vsin_v[i], c.vcos_v[i]);
+    const double cosine = inverse.cosine(c.vsin_v[i], c.vcos_v[i]);
+    if (!usable[i] || !std::isfinite(sine) || !std::isfinite(cosine))
+      continue;
+    out.psi[i] = std::atan2(sine, cosine);
+    out.along[i] = std::hypot(sine, cosine) - 1.0;
+  }
+  if (!c.has_reference())
+    return out;
+  // In either sense: a swapped pair turns against its reference.
+  std::complex<double> with, against;
+  const auto reference = [&](std::size_t i) {
+    return c.meta.periods_per_turn * c.reference_deg[i] * kRadPerDeg;
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    with += std::polar(1.0, out.psi[i] - reference(i));
+    against += std::polar(1.0, out.psi[i] + reference(i));
+  }
+  const double sense = std::abs(with) >= std::abs(against) ? 1.0 : -1.0;
+  const double zero = std::arg(sense > 0.0 ? with : against);
+  for (std::size_t i = 0; i < n; ++i)
+    out.across[i] =
+        usable[i] ? wrap_centred(out.psi[i] - sense * reference(i) - zero, kTwoPi) : 0.0;
+  const double middle = quantile(out.across, 0.5);
+  for (double &by : out.across)
+    by -= middle;
+  return out;
+}
+
+struct Row {
+  std::size_t first, end;
+};
+
+/// Rows in which a column is off by more than a limit, and which are no single outliers: each with
+/// what still belongs to it on either side.
+std::vector<Row> rows_of(const std::vector<double> &by, double spread) {
+  constexpr std::size_t kBeside = 2, kFewest = health::kMaxFaultyRow + 1;
+  constexpr double kBack = 3.0; // standard deviations
+  const double limit = std::max(health::kFarOff, kOffCurve * spread);
+  const auto off = [&](std::size_t i) { return std::abs(by[i]) > limit; };
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < by.size(); ++i) {
+    if (!off(i))
+      continue;
+    if (!rows.empty() && i <= rows.back().end + kBeside)
+      rows.back().end = i + 1;
+    else
+      rows.push_back({i, i + 1});
+  }
+  std::erase_if(rows, [&](const Row &r) {
+    std::size_t count = 0;
+    for (std::size_t i = r.first; i < r.end; ++i)
+      count += off(i) ? 1 : 0;
+    return count < kFewest;
+  });
+  for (Row &r : rows) {
+    while (r.first > 0 && std::abs(by[r.first - 1]) > kBack * spread)
+      --r.first;
+    while (r.end < by.size() && std::abs(by[r.end]) > kBack * spread)
+      ++r.end;
+    r.first -= std::min(r.first, kBeside);
+    r.end = std::min(r.end + kBeside, by.size());
+  }
+  return rows;
+}
+
+/// Whether a row begins or ends at once: what follows the speed or the load does neither.
+bool is_abrupt(const std::vector<double> &by, const Row &r) {
+  constexpr std::size_t kSteps = 3;
+  constexpr double kOfWorst = 0.5;
+  double worst = 0.0, step = 0.0;
+  for (std::size_t i = r.first; i < r.end; ++i) {
+    worst = std::max(worst, std::abs(by[i]));
+    if (i >= r.first + kSteps)
+      step = std::max(step, std::abs(by[i] - by[i - kSteps]));
+  }
+  return step > kOfWorst * worst;
+}
+
+/// In their order; what overlaps is one row.
+std::vector<Row> joined(std::vector<Row> rows, const std::vector<Row> &more) {
+  rows.insert(rows.end(), more.begin(), more.end());
+  std::sort(rows.begin(), rows.end(), [](const Row &a, const Row &b) { return a.first < b.first; });
+  std::vector<Row> out;
+  for (const Row &r : rows)
+    if (!out.empty() && r.first <= out.back().end)
+      out.back().end = std::max(out.back().end, r.end);
+    else
+      out.push_back(r);
+  return out;
+}
+
+/// Whether the rows come wherever the vector points. `psi` within a row is taken on the line
+/// between its ends. Where the signal itself leaves the ellipse at an angle, it does so whenever it
+/// passes.
+bool come_at_any_angle(const std::vector<Row> &rows, const std::vector<double> &psi) {
+  constexpr std::size_t kSectors = 36;
+  constexpr double kOften = 0.25; // of the samples of a sector
+  std::array<double, kSectors> off{}, all{};
+  const auto sector = [](double angle) {
+    return std::min(kSectors - 1,
+                    static_cast<std::size_t>(wrap(angle, kTwoPi) / kTwoPi * kSectors));
+  };
+  for (double angle : psi)
+    all[sector(angle)] += 1.0;
+  for (const Row &r : rows) {
+    const double from = psi[r.first - 1], way = wrap_centred(psi[r.end] - from, kTwoPi);
+    for (std::size_t i = r.first; i < r.end; ++i) {
+      const double part =
+          static_cast<double>(i - r.first + 1) / static_cast<double>(r.end - r.first + 1);
+      all[sector(psi[i])] -= 1.0;
+      off[sector(from + part * way)] += 1.0;
+    }
+  }
+  for (std::size_t k = 0; k < kSectors; ++k)
+    if (off[k] > kOften * (off[k] + std::max(all[k], 0.0)))
+      return false;
+  return true;
+}
+
+} // namespace
+
+Episodes &Episodes::operator+=(const Episodes &more) {
+  if (more.count != 0 && (count == 0 || more.first_s < first_s))
+    first_s = more.first_s;
+  count += more.count;
+  samples += more.samples;
+  longest_s = std::max(longest_s, more.longest_s);
+  squares_v2 += more.squares_v2;
+  worst_v = std::max(worst_v, more.worst_v);
+  return *this;
+}
+
+Episodes leave_out_episodes(const Capture &capture, std::span<char> usable) {
+  const std::size_t n = capture.size();
+  const std::optional<EllipseParameters> curve = curve_of(capture, usable);
+  if (!curve)
+    return {};
+  const Off off = off_curve(capture, *curve, usable);
+  std::vector<Row> apart;
+  if (capture.has_reference())
+    apart = rows_of(off.across, robust_spread(off.across));
+  std::erase_if(apart, [&](const Row &r) { return !is_abrupt(off.across, r); });
+  const std::vector<Row> rows = joined(rows_of(off.along, robust_spread(off.along)), apart);
+  if (rows.empty() || rows.front().first == 0 || rows.back().end == n)
+    return {};
+  Episodes out;
+  for (const Row &r : rows) {
+    out.samples += r.end - r.first;
+    out.longest_s = std::max(out.longest_s, capture.time_s[r.end - 1] - capture.time_s[r.first]);
+    for (std::size_t i = r.first; i < r.end; ++i) {
+      const double by_v =
+          curve->amplitude_v * std::hypot(off.along[i], 2.0 * std::sin(0.5 * off.across[i]));
+      out.squares_v2 += by_v * by_v;
+      out.worst_v = std::max(out.worst_v, by_v);
+    }
+  }
+  out.count = rows.size();
+  out.first_s = capture.time_s[rows.front().first];
+  if (static_cast<double>(out.samples) > criteria::kMostOfEpisodes * static_cast<double>(n) ||
+      !come_at_any_angle(rows, off.psi))
+    return {};
+  for (const Row &r : rows)
+    std::fill(usable.begin() + static_cast<std::ptrdiff_t>(r.first),
+              usable.begin() + static_cast<std::ptrdiff_t>(r.end), char{0});
+  return out;
+}
+
+} // namespace ada

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// A pair on a bench that the catalogue does not describe. Its signals are made here, and not by the
+// model that is fitted to them.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <random>
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest-spi.h>
+#include <gtest/gtest.h>
+
+#include "base/angle.h"
+#include "diagnosis/diagnose.h"
+#include "support/seed.h"
+
+namespace ada::test {
+
+/// What the tests look for: mismatch and quadrature that every pair has.
+struct Pair {
+  double amplitude_v, k, delta_rad, zero_rad, noise_v;
+};
+
+class Bench {
+public:
+  Bench() : rng_(fresh_seed()) {
+    const auto either = [&](double low, double high) {
+      return within(low, high) * (within(-1.0, 1.0) < 0.0 ? -1.0 : 1.0);
+    };
+    pair = {within(0.6, 1.5), either(0.02, 0.1), either(1.0, 5.0) * kRadPerDeg, within(0.0, kTwoPi),
+            within(3e-4, 1e-3)};
+  }
+  double within(double low, double high) {
+    return std::uniform_real_distribution<>(low, high)(rng_);
+  }
+
+  /// `n` samples at `rate_hz` of a shaft at angle(t), mechanical rad, with `periods` a turn.
+  Capture capture(std::size_t n, double rate_hz, int periods,
+                  const std::function<double(double)> &angle) {
+    std::normal_distribution<> noise(0.0, pair.noise_v);
+    Capture c;
+    c.meta.supply_v = 5.0;
+    c.meta.periods_per_turn = periods;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double t = static_cast<double>(i) / rate_hz, psi = periods * angle(t) + pair.zero_rad;
+      c.time_s.push_back(t);
+      c.vsin_v.push_back(2.5 + noise(rng_) +
+                         pair.amplitude_v * (1.0 + 0.5 * pair.k) *
+                             std::sin(psi + 0.5 * pair.delta_rad));
+      c.vcos_v.push_back(2.5 + noise(rng_) +
+                         pair.amplitude_v * (1.0 - 0.5 * pair.k) *
+                             std::cos(psi - 0.5 * pair.delta_rad));
+      c.reference_deg.push_back(wrap(angle(t) * kDegPerRad, 360.0));
+    }
+    return c;
+  }
+
+  Pair pair;
+
+private:
+  std::mt19937_64 rng_;
+};
+
+/// A kind of bench is read rightly in all but a few of a hundred draws. Every draw is a fresh one:
+/// a wrong one is printed with its seed, and fails the test where one of two more is wrong as well.
+inline void hold_in_most_draws(void (*kind)()) {
+  const auto failures = [&] {
+    testing::TestPartResultArray results;
+    {
+      testing::ScopedFakeTestPartResultReporter held(
+          testing::ScopedFakeTestPartResultReporter::INTERCEPT_ONLY_CURRENT_THREAD, &results);
+      kind();
+    }
+    std::string said;
+    for (int k = 0; k < results.size(); ++k)
+      if (results.GetTestPartResult(k).failed())
+        said += std::string(results.GetTestPartResult(k).message()) + "\n";
+    return said;
+  };
+  const std::string first = failures();
+  if (first.empty())
+    return;
+  std::printf("a wrong draw: %s\n", first.c_str());
+  for (int more = 0; more < 2; ++more)
+    if (const std::string again = failures(); !again.empty())
+      ADD_FAILURE() << "two wrong draws of three at most:\n" << first << again;
+}
+
+#define KIND(name)                                                                                 \
+  void name();                                                                                     \
+  TEST(BenchKinds, name) {                                                                         \
+    hold_in_most_draws(name);                                                                      \
+  }                                                                                                \
+  void name()
+
+inline const Finding *named(const Diagnosis &d, std::string_view id) {
+  const auto f = std::find_if(d.findings.begin(), d.findings.end(),
+                              [&](const Finding &x) { return x.effect->info().id == id; });
+  return f == d.findings.end() ? nullptr : &*f;
+}
+
+inline std::string names(const Diagnosis &d) {
+  std::string out;
+  for (const Finding &f : d.findings) {
+    out += std::string(f.effect->info().id);
+    for (double v : f.values)
+      out += " " + std::to_string(v);
+    out += "; ";
+  }
+  return out;
+}
+
+/// Mismatch and quadrature with their values, within a hundredth of the larger of them, or within
+/// `close_rad` of what else there is.
+inline void expect_pair(const Diagnosis &d, const Pair &pair, double close_rad = 0.0) {
+  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
+  ASSERT_TRUE(k && delta) << names(d);
+  const double close =
+      std::max(close_rad, 0.01 * std::max(std::abs(pair.k), std::abs(pair.delta_rad)));
+  EXPECT_NEAR(k->values[0], pair.k, close);
+  EXPECT_NEAR(delta->values[0] * kRadPerDeg, pair.delta_rad, close);
+}
+
+/// A speed about `hz` turns a second that wanders slowly, by a part of itself: the shaft's angle.
+inline std::function<double(double)> wandering(Bench &bench, double hz, double by, double slow_hz) {
+  const double start = bench.within(0.0, kTwoPi), w = kTwoPi * slow_hz;
+  return [=](double t) { return kTwoPi * hz * (t - by / w * std::cos(w * t + start)); };
+}
+
+} // namespace ada::test

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Benches on which a cause shows by the speed, the time or the temperature, beside much that
+// repeats with the angle.
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "diagnosis/bench.h"
+
+namespace ada::test {
+namespace {
+
+using Shaft = std::function<double(double)>;
+
+/// A shaft that turns at several speeds, in turns a second, for as long each.
+Shaft at_speeds(std::vector<double> hz, double each_s) {
+  return [=](double t) {
+    double turns = 0.0;
+    for (double speed : hz) {
+      turns += speed * std::min(std::max(t, 0.0), each_s);
+      t -= each_s;
+    }
+    return kTwoPi * turns;
+  };
+}
+
+/// VCOS as it is so much later.
+void sample_later(Capture &c, const Pair &pair, const Shaft &magnet, double late_s) {
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const auto cosine = [&](double t) {
+      return pair.amplitude_v * (1.0 - 0.5 * pair.k) *
+             std::cos(c.meta.periods_per_turn * magnet(t) + pair.zero_rad - 0.5 * pair.delta_rad);
+    };
+    c.vcos_v[i] += cosine(c.time_s[i] + late_s) - cosine(c.time_s[i]);
+  }
+}
+
+/// Speeds in one direction or both, as a test bench drives them.
+std::vector<double> some_speeds(Bench &bench) {
+  const double slow = bench.within(3.0, 6.0), fast = bench.within(10.0, 14.0);
+  switch (static_cast<int>(bench.within(0.0, 3.0))) {
+  case 0:
+    return {slow, fast};
+  case 1:
+    return {fast, slow};
+  default:
+    return {slow, fast, -0.8 * fast};
+  }
+}
+
+KIND(a_skew_beside_a_large_quadrature_error_and_a_stray_field_is_named) {
+  Bench bench;
+  const double late_s = bench.within(8e-6, 16e-6), stray = bench.within(0.005, 0.015),
+               direction = bench.within(0.0, kTwoPi);
+  const std::vector<double> speeds = some_speeds(bench);
+  const Shaft shaft = at_speeds(speeds, 3.0 / static_cast<double>(speeds.size()));
+  const Shaft field = [&](double t) {
+    const double a = shaft(t);
+    return a + std::atan2(stray * std::sin(direction - a), 1.0 + stray * std::cos(direction - a));
+  };
+  Capture c = bench.capture(15000, 5000.0, 2, field);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+  sample_later(c, bench.pair, field, late_s);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *f = named(d, "channel-skew");
+  ASSERT_TRUE(f && named(d, "stray-field")) << names(d);
+  EXPECT_NEAR(f->values[0], late_s, 0.1 * late_s);
+  EXPECT_EQ(d.verdict, Verdict::explained) << names(d);
+}
+
+KIND(a_chipped_magnet_hides_no_skew) {
+  Bench bench;
+  const double late_s = bench.within(6e-6, 12e-6), chip = bench.within(0.0, kTwoPi),
+               width = bench.within(0.1, 0.2), depth = bench.within(0.01, 0.03);
+  const Shaft shaft = at_speeds({bench.within(1.0, 2.0), 10.0, -10.0}, 2.0);
+  Capture c = bench.capture(60000, 10000.0, 2, shaft);
+  sample_later(c, bench.pair, shaft, late_s);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double off = wrap_centred(shaft(c.time_s[i]) - chip, kTwoPi) / width;
+    const double length = 1.0 - depth * std::exp(-0.5 * off * off);
+    c.vsin_v[i] = 2.5 + length * (c.vsin_v[i] - 2.5);
+    c.vcos_v[i] = 2.5 + length * (c.vcos_v[i] - 2.5);
+  }
+  const Diagnosis d = diagnose(c, {});
+  // What a chip holds of a mismatch and of a quadrature error.
+  expect_pair(d, bench.pair, depth * width);
+  const Finding *f = named(d, "channel-skew");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_NEAR(f->values[0], late_s, 0.1 * late_s);
+  EXPECT_FALSE(named(d, "flicker-noise")) << names(d);
+  EXPECT_EQ(d.verdict, Verdict::partly_explained);
+}
+
+KIND(a_hysteresis_is_seen_with_long_rests_and_a_noisy_reference) {
+  Bench bench;
+  const double width = bench.within(0.15, 0.4) * kRadPerDeg, rest_s = bench.within(0.2, 0.5);
+  // Some turns there and back, with a rest after each way.
+  const double way_s = 1.0, hz = bench.within(2.0, 4.0);
+  const auto way_at = [=](double t) { return static_cast<int>(t / (way_s + rest_s)); };
+  const Shaft shaft = [=](double t) {
+    const int way = way_at(t);
+    const double moved = std::min(t - way * (way_s + rest_s), way_s) * hz * kTwoPi;
+    return way % 2 == 0 ? moved : way_s * hz * kTwoPi - moved;
+  };
+  const Shaft field = [&](double t) {
+    return shaft(t) - 0.5 * width * (way_at(t) % 2 == 0 ? 1.0 : -1.0);
+  };
+  Capture c = bench.capture(24000, 4000.0, 2, field);
+  std::mt19937_64 rng(fresh_seed());
+  std::normal_distribution<> noise(0.0, 0.002);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad + noise(rng), 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *f = named(d, "hysteresis");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_NEAR(f->values[0] * kRadPerDeg, width, 0.05 * width);
+  EXPECT_FALSE(named(d, "propagation-delay")) << names(d);
+}
+
+KIND(two_temperatures_in_one_record_are_a_drift_and_no_step) {
+  Bench bench;
+  const double tc_sin = bench.within(0.01, 0.03), tc_cos = -bench.within(0.01, 0.03);
+  const double cold_v = bench.within(1.0, 1.3), hot_v = cold_v + bench.within(0.15, 0.4);
+  Capture c = bench.capture(8000, 400.0, 2, wandering(bench, 1.5, 0.3, 0.11));
+  if (bench.within(0.0, 1.0) < 0.5)
+    c.reference_deg.clear();
+  std::mt19937_64 rng(fresh_seed());
+  std::normal_distribution<> noise(0.0, 3e-4);
+  const double mean = 0.5 * (cold_v + hot_v);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double v = i < c.size() / 2 ? cold_v : hot_v;
+    c.vtemp_v.push_back(v + noise(rng));
+    c.vsin_v[i] += tc_sin * (v - mean);
+    c.vcos_v[i] += tc_cos * (v - mean);
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *f = named(d, "offset-temperature-drift");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_NEAR(f->values[0], tc_sin, 0.05 * tc_sin);
+  EXPECT_NEAR(f->values[1], tc_cos, 0.05 * std::abs(tc_cos));
+  EXPECT_FALSE(named(d, "offset-step")) << names(d);
+}
+
+KIND(an_amplitude_that_droops_leaves_the_axes_of_the_ellipse) {
+  Bench bench;
+  const double droop = bench.within(0.05, 0.15);
+  const Shaft shaft = at_speeds({bench.within(3.0, 6.0), bench.within(7.0, 10.0)}, 5.0);
+  Capture c = bench.capture(20000, 2000.0, 1, shaft);
+  c.reference_deg.clear();
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double length = 1.0 - droop * c.time_s[i] / c.time_s.back();
+    c.vsin_v[i] = 2.5 + length * (c.vsin_v[i] - 2.5);
+    c.vcos_v[i] = 2.5 + length * (c.vcos_v[i] - 2.5);
+  }
+  // Without the droop both are known to a thousandth of a radian.
+  expect_pair(diagnose(c, {}), bench.pair, 1e-3);
+}
+
+KIND(the_lines_of_a_disc_are_its_own_error_at_an_even_spin) {
+  Bench bench;
+  const double order = std::floor(bench.within(24.0, 60.0)), e_deg = bench.within(0.02, 0.06);
+  const double hz = bench.within(3.0, 6.0), phase = bench.within(0.0, kTwoPi);
+  Capture c = bench.capture(40000, 10000.0, 2, [&](double t) { return kTwoPi * hz * t; });
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double a = kTwoPi * hz * c.time_s[i];
+    c.reference_deg[i] = wrap(a * kDegPerRad + e_deg * std::sin(order * a + phase), 360.0);
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *f = named(d, "reference-harmonic");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_EQ(f->values[0], order);
+  EXPECT_NEAR(f->values[1], e_deg, 0.05 * e_deg);
+  EXPECT_FALSE(named(d, "field-direction-error")) << names(d);
+}
+
+KIND(a_sensor_that_vibrates_is_not_explained_by_flicker_noise) {
+  Bench bench;
+  const double hz = bench.within(60.0, 110.0), a_rad = bench.within(0.06, 0.12) * kRadPerDeg;
+  const Shaft shaft = at_speeds({bench.within(4.0, 8.0), bench.within(9.0, 13.0)}, 2.0);
+  Capture c = bench.capture(24000, 6000.0, 2,
+                            [&](double t) { return shaft(t) + a_rad * std::sin(kTwoPi * hz * t); });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  EXPECT_NE(d.verdict, Verdict::explained) << names(d);
+}
+
+} // namespace
+} // namespace ada::test
