@@ -8,6 +8,7 @@
 
 #include "capi/to_fit.h"
 #include "health/health.h"
+#include "motion/followed_gaps.h"
 #include "recording/spread_sample.h"
 
 namespace ada::capi {
@@ -27,12 +28,18 @@ std::string explanation(const Health &health, std::string_view id) {
 
 std::shared_ptr<const Capture> LookedAt::part_of(const ada4571_recording &handle) {
   const Recording &recording = *handle.impl;
-  if (recording.size() > kMost) {
-    const Health health = check_health(to_fit(handle), nullptr);
-    long_.push_back({kMost, recording.size(), kMost / kStretch, explanation(health, "spikes"),
-                     explanation(health, "gaps")});
-  }
-  return spread_sample(recording, kMost, kStretch, true);
+  if (recording.size() <= kMost)
+    return recording.whole();
+  const Health health = check_health(to_fit(handle), nullptr);
+  long_.push_back({kMost, recording.size(), kMost / kStretch, explanation(health, "spikes"),
+                   explanation(health, "gaps")});
+  const auto part = std::make_shared<Capture>(*spread_sample(recording, kMost, kStretch, true));
+  std::vector<LeftOut> left_out;
+  for (std::size_t gap : part->gaps)
+    left_out.push_back({sample_place(recording.size(), kMost, kStretch, gap - 1),
+                        sample_place(recording.size(), kMost, kStretch, gap)});
+  part->turned_rad = turned_in(recording, RoughCircle(*part), left_out);
+  return part;
 }
 
 std::string LookedAt::text() const {

@@ -16,9 +16,21 @@
 using namespace ada;
 using namespace ada::capi;
 
+namespace {
+
+/// What a study says, and of which state of the database.
+struct Reading {
+  std::pair<std::int64_t, std::int64_t> version;
+  study::Fleet fleet;
+  study::Summary summary;
+};
+
+} // namespace
+
 struct ada4571_study {
   study::Database database;
   bool writable;
+  std::unique_ptr<Reading> reading{};
   std::vector<std::string> waiting{};
   std::string json{}, text{}, missing{};
 };
@@ -37,6 +49,19 @@ void require_writable(const ada4571_study *study) {
   require(study, "study");
   if (!study->writable)
     throw Error(ADA4571_ERROR_STATE, study->database.path() + ": opened to be read only");
+}
+
+/// Text and page of one study are one reading: of many captures it takes minutes.
+const Reading &read(ada4571_study *study) {
+  const auto version = study->database.version();
+  if (study->reading == nullptr || study->reading->version != version) {
+    study->reading.reset();
+    study::Fleet fleet = study::read_fleet(study->database);
+    study::Summary summary = study::summarise(fleet);
+    study->reading =
+        std::make_unique<Reading>(Reading{version, std::move(fleet), std::move(summary)});
+  }
+  return *study->reading;
 }
 
 study::Setup setup_of(const ada4571_study_options &options) {
@@ -166,7 +191,7 @@ ada4571_status ada4571_study_json(ada4571_study *study, const char **json) {
   return guard([&] {
     require(study, "study");
     require(json, "json");
-    study->json = study::to_json(study::summarise(study::read_fleet(study->database)));
+    study->json = study::to_json(read(study).summary);
     *json = study->json.c_str();
   });
 }
@@ -175,7 +200,7 @@ ada4571_status ada4571_study_text(ada4571_study *study, const char **text) {
   return guard([&] {
     require(study, "study");
     require(text, "text");
-    study->text = study::to_text(study::summarise(study::read_fleet(study->database)));
+    study->text = study::to_text(read(study).summary);
     *text = study->text.c_str();
   });
 }
@@ -184,8 +209,8 @@ ada4571_status ada4571_study_report(ada4571_study *study, const char *path) {
   return guard([&] {
     require(study, "study");
     require(path, "path");
-    const study::Fleet fleet = study::read_fleet(study->database);
-    study::write_page(study::summarise(fleet), fleet, path);
+    const Reading &r = read(study);
+    study::write_page(r.summary, r.fleet, path);
   });
 }
 

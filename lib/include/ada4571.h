@@ -128,7 +128,7 @@ typedef struct ada4571_source_options {
   const char *temp_channel; /* ... vtemp, absent allowed */
   const char *vdd_channel;  /* ... vdd, absent allowed */
   const char *trigger;      /* trigger to use; NULL: leave what is set */
-  double sample_rate_hz;    /* 0: leave what is set */
+  double sample_rate_hz;    /* 0: leave what is set; a source that never starts sets it back */
   double supply_v;          /* 5.0 */
   int periods_per_turn;     /* 2 */
   size_t buffer_frames;     /* frames a buffer; 0: as many as latency_s allows */
@@ -783,7 +783,7 @@ typedef struct ada4571_study_row ada4571_study_row;
 
 typedef struct ada4571_study_options {
   size_t struct_size;
-  int diagnose;              /* 1; 0: check and calibrate only, a hundred times as fast */
+  int diagnose;              /* 1; 0: check and calibrate only, 20 to 500 times as fast */
   int shard, shards;         /* 1 of 1: this study takes every capture, K of N those whose name falls to K */
   const char *report_folder; /* a page for each capture there; NULL: none */
 } ada4571_study_options;

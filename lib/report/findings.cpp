@@ -185,6 +185,14 @@ std::string instead(const Finding &f, const View &view, Gallery &gallery) {
          why;
 }
 
+const char *in_the_angle(const Finding &f) {
+  Baseline left;
+  return f.correctable ? "corrected in the angle"
+         : f.effect->leaves_behind(f.values, left)
+             ? "the angle is corrected for what it left behind"
+             : "not corrected in the angle: it is no property of the sensor";
+}
+
 std::string finding(const Diagnosis &d, const View &view, std::size_t i, Gallery &gallery) {
   const Finding &f = d.findings[i];
   const EffectInfo &info = f.effect->info();
@@ -193,8 +201,7 @@ std::string finding(const Diagnosis &d, const View &view, std::size_t i, Gallery
                   "data-cause=\"{1}\"><h3><span>{0}.</span> {1} <span "
                   "class=\"tag\">{2}</span></h3><div class=\"two\"><div><p>{3}</p>{4}",
                   i + 1, html_escape(info.id),
-                  f.correctable ? "corrected in the angle"
-                                : "not corrected in the angle: it is no property of the sensor",
+                  in_the_angle(f),
                   html_escape(info.cause), parameter_table(f));
   if (i < view.causes.size() && view.causes[i].drawn)
     out += gain_table(f) + "</div><div>" + curves(d, view, i, gallery);

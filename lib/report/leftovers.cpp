@@ -108,7 +108,7 @@ std::string left_section(const Diagnosis &d, const View &view, Gallery &gallery)
       cells.push_back(figure(gallery.add(leftover_picture(view, a, 0)), ""));
     return out +
            "<p>Nothing but noise: along every axis that this capture has, the extended model "
-           "leaves nothing that comes again.</p>\n" +
+           "leaves nothing that repeats.</p>\n" +
            row(std::move(cells), "<p class=\"note\">Means of what the extended model leaves, with "
                                  "bars of two standard "
                                  "errors. Noise alone leaves one bar in twenty off zero.</p>");
@@ -141,7 +141,7 @@ std::string remainder_section(const Diagnosis &d, const View &view, Gallery &gal
     return {};
   std::string out = "<h2 id=\"remainder\">periodic-remainder: unnamed</h2>\n<div class=\"two\"><p>";
   out +=
-      fmt::format("{} rms, or {} rms of the angle, come again with the angle, up to order {} of "
+      fmt::format("{} rms, or {} rms of the angle, repeat with the angle, up to order {} of "
                   "the {}, and no known cause "
                   "explains them. The extended model carries them as a table would, and corrects "
                   "them in the angle; they count as no explanation. ",

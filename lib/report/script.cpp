@@ -37,6 +37,10 @@ double round_step(double rough) {
   return 10.0 * decade;
 }
 
+double tics_between(double from, double to, double step) {
+  return std::floor(to / step) - std::ceil(from / step) + 1.0;
+}
+
 /// Whether the numbers at that step stand apart. A place of one in `count` has room for six
 /// characters, and gnuplot gives all numbers of an axis the same decimals.
 bool has_room(double from, double to, double step, int count) {
@@ -48,8 +52,7 @@ bool has_room(double from, double to, double step, int count) {
   std::size_t characters = fmt::format("{:.{}f}", largest, decimals).size();
   if (largest < 1e-5 || largest >= 1e6) // written with an exponent
     characters = 6;
-  const double numbers = std::floor(to / step) - std::ceil(from / step) + 1.0;
-  return numbers * static_cast<double>(characters + 1) <= 6.0 * count;
+  return tics_between(from, to, step) * static_cast<double>(characters + 1) <= 6.0 * count;
 }
 
 /// From the densest to the thinnest.
@@ -102,6 +105,9 @@ std::string range_with_tics(const char *axis, double from, double to, int count)
   if (*axis == 'x')
     for (int fewer = count; fewer > 2 && !has_room(from, to, step, count); --fewer)
       step = round_step((to - from) / (fewer - 1));
+  // One number alone, a zero say, gives no scale.
+  for (int more = count; *axis == 'y' && tics_between(from, to, step) < 2.0 && more < 9; ++more)
+    step = round_step((to - from) / (more + 1));
   return range(axis, from, to) + fmt::format("set {}tics {:g}\n", axis, step);
 }
 

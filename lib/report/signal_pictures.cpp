@@ -63,11 +63,13 @@ Picture stretch_residual_picture(const View &view, bool sin) {
   const std::vector<double> &base = sin ? t.base_sin : t.base_cos;
   const std::vector<double> &extended = sin ? t.extended_sin : t.extended_cos;
   std::string rows;
-  double limit = 0.0;
+  double limit = 0.0; // of both channels, so that their pictures compare
   for (std::size_t i = 0; i < t.key.size(); ++i) {
     const double before = 1e3 * (measured[i] - base[i]);
     const double after = 1e3 * (measured[i] - extended[i]);
-    limit = std::max({limit, std::abs(before), std::abs(after)});
+    for (const double v : {t.vsin[i] - t.base_sin[i], t.vsin[i] - t.extended_sin[i],
+                           t.vcos[i] - t.base_cos[i], t.vcos[i] - t.extended_cos[i]})
+      limit = std::max(limit, 1e3 * std::abs(v));
     rows += fmt::format("{}{:.10g} {:.4g} {:.4g}\n", gap_before(t, i) ? "\n" : "", t.key[i], before,
                         after);
   }

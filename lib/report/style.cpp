@@ -125,7 +125,7 @@ font-size:13px}
 @page{size:A4;margin:13mm 13mm}
 @media print{body{font-size:9.5pt;line-height:1.4;background:#fff}main{max-width:none;padding:0}
 h1{font-size:16pt}h2{font-size:12pt;margin-top:14pt;break-after:avoid}
-h3{break-after:avoid}
+h3,h2+.note,h2+.note+.legend{break-after:avoid}
 .n3,.n4{gap:6pt 8pt}
 .two{grid-template-columns:minmax(0,5fr) minmax(0,6fr);gap:4px 16px}
 .last{grid-template-columns:minmax(0,1fr)}

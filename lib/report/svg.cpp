@@ -50,7 +50,7 @@ std::string width_of(const std::string &view) {
   std::istringstream numbers(view.substr(view.find('"') + 1));
   int x = 0, y = 0, width = 0;
   if (!(numbers >> x >> y >> width))
-    throw Error(ADA4571_ERROR_IO, "gnuplot drew something that is no picture");
+    throw Error(ADA4571_ERROR_IO, "gnuplot's output is no picture");
   return std::to_string(width);
 }
 
@@ -106,7 +106,7 @@ std::string inline_svg(std::string_view drawing, std::string_view label) {
   const std::size_t head = drawing.find('>');
   const std::size_t box = drawing.find("viewBox=\"");
   if (head == drawing.npos || box == drawing.npos || drawing.find('"', box + 9) == drawing.npos)
-    throw Error(ADA4571_ERROR_IO, "gnuplot drew something that is no picture");
+    throw Error(ADA4571_ERROR_IO, "gnuplot's output is no picture");
   const std::string view(drawing.substr(box, drawing.find('"', box + 9) + 1 - box));
   std::string body(drawing.substr(head + 1));
   cut(body, "<defs>", "</defs>");

@@ -189,6 +189,13 @@ Scene scene_of(const Diagnosis &d, const Capture &capture) {
   };
   Model named = d.extended;
   named.remainder.reset();
+  if (d.radius_only) {
+    if (!out.radius_only) {
+      out.all = at_own_angle(std::move(out.all), named);
+      judge_radius_only(out);
+    }
+    return out;
+  }
   Scene other = prepare(capture, false, &named);
   return misfit(other) < misfit(out) ? std::move(other) : std::move(out);
 }

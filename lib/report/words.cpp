@@ -79,8 +79,8 @@ std::string baseline_words(const Diagnosis &d) {
 std::string meaning(Axis axis, bool has_reference) {
   switch (axis) {
   case Axis::angle:
-    return has_reference ? "comes again at the same angle of the shaft"
-                         : "comes again at the same angle, of the shaft or of the electrical period";
+    return has_reference ? "repeats at the same angle of the shaft"
+                         : "repeats at the same angle, of the shaft or of the electrical period";
   case Axis::speed:
     return "changes with the speed or the sense of rotation";
   case Axis::temperature:

@@ -32,8 +32,8 @@ struct Seen {
 std::map<std::string, Seen> seen_causes(const Fleet &f) {
   std::map<std::string, Seen> out;
   for (const std::size_t row : f.done)
-    for (const FoundCause &found : f.rows[row].findings) {
-      Seen &s = out[found.cause];
+    for (const MemberFinding &found : f.rows[row].findings) {
+      Seen &s = out[f.names[found.cause]];
       s.captures.insert(row);
       s.sensors.insert(f.sensor[row]);
       if (std::isfinite(found.angle_rms_deg))

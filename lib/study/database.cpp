@@ -4,6 +4,7 @@
 #include "study/database.h"
 
 #include <charconv>
+#include <cstdio>
 
 #include <fmt/format.h>
 
@@ -93,6 +94,8 @@ Database::~Database() {
       sqlite_.run("PRAGMA busy_timeout = 0; PRAGMA journal_mode = DELETE");
   } catch (...) { // somebody is reading: then it stays as it is, which is as good
   }
+  if (unwanted_)
+    std::remove(path_.c_str());
 }
 
 void Database::make_tables() {
@@ -110,6 +113,7 @@ void Database::make_tables() {
   if (setup_.shard > 0)
     Statement(sqlite_, "INSERT INTO shards VALUES(?)").bind(1, std::int64_t{setup_.shard}).run();
   all.commit();
+  made_ = true;
 }
 
 void Database::read_setup() {
@@ -162,16 +166,19 @@ void Database::add_shards(const std::vector<int> &shards) {
 
 void Database::list(const std::vector<std::string> &captures) {
   for (const std::string &capture : captures)
-    if (!is_utf8(capture))
+    if (!is_utf8(capture)) {
+      unwanted_ = made_;
       throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
                   capture +
                       ": a study keeps names as text, and this one is not UTF-8: rename the file");
+    }
   Transaction all(sqlite_);
   Statement put(sqlite_, "INSERT OR IGNORE INTO captures(capture, state) VALUES(?, 'waiting')");
   for (const std::string &capture : captures)
     if (shard_of(capture, setup_.shards) == setup_.shard)
       put.bind(1, std::string_view(capture)).run();
   all.commit();
+  made_ = unwanted_ = false;
 }
 
 std::vector<std::string> Database::waiting(bool again) const {
@@ -265,6 +272,13 @@ void Database::put(const Row &row) {
         .run();
   }
   all.commit();
+  unwanted_ = false;
+}
+
+std::pair<std::int64_t, std::int64_t> Database::version() const {
+  Statement get(sqlite_, "SELECT data_version, total_changes() FROM pragma_data_version");
+  get.step();
+  return {get.integer(0), get.integer(1)};
 }
 
 void Database::each(const std::function<void(const Row &)> &visit) const {

@@ -42,12 +42,15 @@ public:
   std::vector<int> shards() const;
   void add_shards(const std::vector<int> &shards);
 
-  /// New names become rows that wait; names of other shards are left out.
+  /// New names become rows that wait; names of other shards are left out. Where one is refused a
+  /// database that was made for them is no longer wanted.
   void list(const std::vector<std::string> &captures);
   /// Names to be done: waiting, or changed since; `again`: failed or done by another version, too.
   std::vector<std::string> waiting(bool again) const;
   /// Replaces the row of this capture.
   void put(const Row &row);
+  /// Another one after any change, by whomever.
+  std::pair<std::int64_t, std::int64_t> version() const;
   /// All rows, by name.
   void each(const std::function<void(const Row &)> &visit) const;
 
@@ -60,6 +63,7 @@ private:
   mutable Sqlite sqlite_;
   Setup setup_;
   bool shared_ = false;
+  bool made_ = false, unwanted_ = false;
 };
 
 /// Rows of a study one by one, by name.

@@ -19,12 +19,11 @@ constexpr std::size_t kLeastUnits = 8, kLeastOfLevel = 4, kLeastWithin = 8, kMos
 constexpr std::size_t kFewLevels = 12; ///< whole numbers of so few values may be names
 /// Chance that a study in which nothing goes with anything lists something all the same.
 constexpr double kChanceOfAny = 0.01;
-constexpr double kCommon = 0.05; ///< rarer, or rarer absent, "found" says nothing
 
 /// A number and a factor, one a unit.
 struct Pairs {
   std::vector<double> value, number;
-  std::vector<std::string> word;
+  std::vector<std::uint32_t> word;
   bool within = false;
   std::size_t lost = 0; ///< degrees of freedom that the sensors' means took
 };
@@ -38,10 +37,10 @@ double mean(const std::vector<double> &x) {
 
 struct OfSensor {
   std::vector<double> value, number;
-  std::vector<std::string> word;
+  std::vector<std::uint32_t> word;
   bool varies() const {
     return std::any_of(word.begin(), word.end(),
-                       [this](const std::string &w) { return w != word.front(); });
+                       [this](std::uint32_t w) { return w != word.front(); });
   }
 };
 
@@ -49,7 +48,7 @@ Pairs pairs_of(const Fleet &f, const Column &column, const Factor &factor) {
   std::map<std::size_t, OfSensor> sensors;
   for (std::size_t k = 0; k < column.capture.size(); ++k) {
     const std::size_t row = column.capture[k];
-    if (factor.word[row].empty())
+    if (factor.word[row] == 0)
       continue;
     OfSensor &s = sensors[f.sensor[row]];
     s.value.push_back(column.value[k]);
@@ -92,13 +91,16 @@ bool test_trend(const Pairs &p, bool ranks_only, Dependence &d) {
   return true;
 }
 
-bool test_levels(const Pairs &p, Dependence &d) {
-  std::map<std::string, std::vector<double>> levels;
+bool test_levels(const Pairs &p, const Words &words, Dependence &d) {
+  std::map<std::uint32_t, std::vector<double>> common;
   for (std::size_t k = 0; k < p.word.size(); ++k)
-    levels[p.word[k]].push_back(p.value[k]);
-  std::erase_if(levels, [](const auto &level) { return level.second.size() < kLeastOfLevel; });
-  if (levels.size() < 2 || levels.size() > kMostLevels)
+    common[p.word[k]].push_back(p.value[k]);
+  std::erase_if(common, [](const auto &level) { return level.second.size() < kLeastOfLevel; });
+  if (common.size() < 2 || common.size() > kMostLevels)
     return false;
+  std::map<std::string, std::vector<double>> levels;
+  for (auto &[word, values] : common)
+    levels.emplace(words[word], std::move(values));
   std::vector<double> value;
   std::vector<std::size_t> group;
   for (const auto &[word, values] : levels) {
@@ -136,8 +138,8 @@ std::optional<Dependence> test(const Fleet &f, std::size_t column, std::size_t f
   const Pairs p = pairs_of(f, c, k);
   d.within_sensors = p.within;
   Dependence as_words = d;
-  const bool words =
-      (!k.numeric || (!p.within && few_whole_numbers(p))) && test_levels(p, as_words);
+  const bool named = k.words.size() > 1 && (!k.numeric || (!p.within && few_whole_numbers(p)));
+  const bool words = named && test_levels(p, k.words, as_words);
   if (!k.numeric)
     return words ? std::optional(as_words) : std::nullopt;
   d.numeric = true;
@@ -152,21 +154,13 @@ std::optional<Dependence> test(const Fleet &f, std::size_t column, std::size_t f
   return better;
 }
 
-/// Whether a column can depend on something at all.
-bool testable(const Column &c) {
-  if (c.parameter != "found")
-    return c.measured;
-  const double share = mean(c.value);
-  return share >= kCommon && share <= 1.0 - kCommon;
-}
-
 } // namespace
 
 std::vector<Dependence> find_dependences(const Fleet &f, std::size_t &tests) {
   std::vector<Dependence> all;
   std::vector<double> p;
   for (std::size_t column = 0; column < f.columns.size(); ++column)
-    for (std::size_t factor = 0; testable(f.columns[column]) && factor < f.factors.size(); ++factor)
+    for (std::size_t factor = 0; f.columns[column].measured && factor < f.factors.size(); ++factor)
       if (std::optional<Dependence> d = test(f, column, factor)) {
         p.push_back(d->p);
         all.push_back(std::move(*d));

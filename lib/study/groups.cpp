@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "model/effect.h"
 #include "study/summary.h"
 
 namespace ada::study {
@@ -26,6 +25,7 @@ constexpr double kMatters = 3.0; ///< a rare cause costs so many times what is l
 /// A number and its capture that lies nearest, one a sensor.
 struct OfSensors {
   std::vector<double> value;
+  std::vector<double> std_error; ///< 0 where unknown
   std::vector<std::size_t> row;
 };
 
@@ -35,10 +35,14 @@ OfSensors by_sensor(const Fleet &f, const Column &c) {
     places[f.sensor[c.capture[k]]].push_back(k);
   OfSensors out;
   for (const auto &[sensor, of] : places) {
-    std::vector<double> values;
-    for (const std::size_t k : of)
+    std::vector<double> values, errors;
+    for (const std::size_t k : of) {
       values.push_back(c.value[k]);
+      if (std::isfinite(c.std_error[k]))
+        errors.push_back(c.std_error[k]);
+    }
     out.value.push_back(median(values));
+    out.std_error.push_back(errors.empty() ? 0.0 : median(errors));
     out.row.push_back(c.capture[*std::min_element(of.begin(), of.end(), [&](auto a, auto b) {
       return std::abs(c.value[a] - out.value.back()) < std::abs(c.value[b] - out.value.back());
     })]);
@@ -51,12 +55,14 @@ Significance goes_with(const Factor &factor, const std::vector<std::size_t> &row
                        const std::vector<std::size_t> &group, std::size_t groups) {
   std::vector<double> number;
   std::vector<std::size_t> of;
-  std::map<std::string, std::vector<double>> table;
+  std::map<std::uint32_t, std::vector<double>> table;
   for (std::size_t k = 0; k < row.size(); ++k) {
-    if (factor.word[row[k]].empty())
+    if (factor.word[row[k]] == 0)
       continue;
     number.push_back(factor.numeric ? factor.number[row[k]] : 0.0);
     of.push_back(group[k]);
+    if (factor.numeric)
+      continue;
     std::vector<double> &counts = table[factor.word[row[k]]];
     counts.resize(groups, 0.0);
     counts[group[k]] += 1.0;
@@ -79,7 +85,7 @@ Significance goes_with(const Factor &factor, const std::vector<std::size_t> &row
   return contingency(counts);
 }
 
-std::string serial_of(const Row &row) {
+std::string serial_of(const Member &row) {
   return row.serial.empty() ? "the sensor of " + row.capture : "sensor " + row.serial;
 }
 
@@ -92,22 +98,6 @@ double left_over_deg(const Fleet &f) {
   return left.empty() ? 0.0 : median(left);
 }
 
-/// The fitted parameter that is best known.
-const Quantity *leading(const Row &row, const std::string &cause) {
-  const Quantity *best = nullptr;
-  for (const Quantity &q : row.quantities) {
-    const Effect *effect = q.cause == cause ? find_effect(cause) : nullptr;
-    if (effect == nullptr || !(q.std_error > 0.0))
-      continue;
-    for (const ParameterInfo &p : effect->info().parameters)
-      if (p.name == q.parameter && p.role == Role::fitted &&
-          (best == nullptr ||
-           std::abs(q.value / q.std_error) > std::abs(best->value / best->std_error)))
-        best = &q;
-  }
-  return best;
-}
-
 /// A cause that hardly any other sensor has, and that matters.
 void find_rare(const Fleet &f, const std::vector<CauseSummary> &causes, std::vector<Outlier> &out) {
   const double matters = kMatters * left_over_deg(f);
@@ -116,23 +106,18 @@ void find_rare(const Fleet &f, const std::vector<CauseSummary> &causes, std::vec
         static_cast<double>(c.sensors) > std::max(1.0, kRare * static_cast<double>(f.sensors)))
       continue;
     for (const std::size_t row : f.done)
-      for (const FoundCause &found : f.rows[row].findings) {
-        const Quantity *q = found.cause == c.cause ? leading(f.rows[row], c.cause) : nullptr;
-        if (q == nullptr || !(found.angle_rms_deg > matters) || !(matters > 0.0))
+      for (const MemberFinding &found : f.rows[row].findings) {
+        if (f.names[found.cause] != c.cause || found.parameter == 0 ||
+            !(found.angle_rms_deg > matters) || !(matters > 0.0))
           continue;
-        Outlier o{row,
-                  f.rows[row].capture,
-                  f.rows[row].serial,
-                  c.cause,
-                  q->parameter,
-                  "",
-                  q->value / q->std_error,
-                  q->value};
+        const std::string &parameter = f.names[found.parameter], &unit = f.names[found.unit];
+        Outlier o{row, f.rows[row].capture,           f.rows[row].serial, c.cause, parameter,
+                  "",  found.value / found.std_error, found.value};
         o.sentence = fmt::format(
             "{} has {} ({} = {}{}), which costs {} deg rms in angle and which {} of {} sensors "
             "has.",
-            serial_of(f.rows[row]), c.cause, q->parameter, digits(q->value),
-            q->unit == "1" ? "" : " " + q->unit, digits(found.angle_rms_deg),
+            serial_of(f.rows[row]), c.cause, parameter, digits(found.value),
+            unit == "1" ? "" : " " + unit, digits(found.angle_rms_deg),
             c.sensors == 1 ? "none other" : std::to_string(c.sensors - 1) + " other", f.sensors);
         out.push_back(std::move(o));
       }
@@ -176,30 +161,41 @@ std::vector<Grouping> find_groups(const Fleet &f) {
 }
 
 std::vector<Outlier> find_outliers(const Fleet &f, const std::vector<CauseSummary> &causes) {
-  std::vector<Outlier> all, out;
+  struct Far {
+    std::size_t column, row;
+    double z, value;
+  };
+  std::vector<Far> all;
   std::vector<double> p;
-  for (const Column &c : f.columns) {
+  std::map<std::size_t, std::string> middles; // of a column: "the median 0.01 of 60 sensors"
+  for (std::size_t column = 0; column < f.columns.size(); ++column) {
+    const Column &c = f.columns[column];
     if (!c.measured || c.parameter == "found")
       continue;
     const OfSensors s = by_sensor(f, c);
-    const std::vector<Distance> far = distances(s.value);
+    const std::vector<Distance> far = distances(s.value, s.std_error);
     for (std::size_t k = 0; k < far.size(); ++k) {
-      const Row &row = f.rows[s.row[k]];
       p.push_back(far[k].p);
-      all.push_back(
-          {s.row[k], row.capture, row.serial, c.cause, c.parameter, "", far[k].z, s.value[k]});
-      if (far[k].p < kChance)
-        all.back().sentence = fmt::format(
-            "{}: {} is {}{}, {:.1f} robust standard deviations {} the median {} of {} sensors.",
-            serial_of(row), quantity_words(c.cause, c.parameter), digits(s.value[k]),
-            c.unit == "1" ? "" : " " + c.unit, std::abs(far[k].z), far[k].z > 0 ? "above" : "below",
-            digits(median(s.value)), s.value.size());
+      all.push_back({column, s.row[k], far[k].z, s.value[k]});
     }
+    middles[column] =
+        fmt::format("the median {} of {} sensors", digits(median(s.value)), s.value.size());
   }
+  std::vector<Outlier> out;
   const std::vector<double> adjusted = holm(p);
-  for (std::size_t k = 0; k < all.size(); ++k)
-    if (adjusted[k] < kChance)
-      out.push_back(std::move(all[k]));
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (!(adjusted[k] < kChance))
+      continue;
+    const Far &far = all[k];
+    const Column &c = f.columns[far.column];
+    const Member &row = f.rows[far.row];
+    out.push_back({far.row, row.capture, row.serial, c.cause, c.parameter,
+                   fmt::format("{}: {} is {}{}, {:.1f} robust standard deviations {} {}.",
+                               serial_of(row), quantity_words(c.cause, c.parameter),
+                               digits(far.value), c.unit == "1" ? "" : " " + c.unit,
+                               std::abs(far.z), far.z > 0 ? "above" : "below", middles[far.column]),
+                   far.z, far.value});
+  }
   find_rare(f, causes, out);
   std::stable_sort(out.begin(), out.end(), [](const Outlier &a, const Outlier &b) {
     return std::abs(a.z) > std::abs(b.z);

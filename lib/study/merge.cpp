@@ -143,7 +143,7 @@ void merge(const std::vector<std::string> &parts, const std::string &path) {
 std::string missing(const Database &study) {
   std::string out;
   const std::vector<int> shards = study.shards();
-  for (int shard = 1; study.setup().shard == 0 && shard <= study.setup().shards; ++shard)
+  for (int shard = 1; shard <= study.setup().shards; ++shard)
     if (!std::binary_search(shards.begin(), shards.end(), shard))
       out += fmt::format("shard {} of {} is missing\n", shard, study.setup().shards);
   study.each([&out](const Row &row) {

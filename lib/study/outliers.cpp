@@ -55,30 +55,43 @@ double lopsided(const std::vector<double> &x) {
 }
 
 /// Sizes of one sign are often skewed: then their logarithms, where these are more even.
-std::vector<double> evened(std::span<const double> x) {
-  std::vector<double> as_is(x.begin(), x.end()), logs;
-  for (double v : x)
-    if (v > 0.0)
-      logs.push_back(std::log(v));
-  return logs.size() == as_is.size() && lopsided(logs) < lopsided(as_is) ? logs : as_is;
+struct Evened {
+  std::vector<double> x, std_error;
+};
+
+Evened evened(std::span<const double> x, std::span<const double> std_error) {
+  Evened as_is{{x.begin(), x.end()}, {std_error.begin(), std_error.end()}}, logs;
+  as_is.std_error.resize(x.size(), 0.0);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (x[i] > 0.0) {
+      logs.x.push_back(std::log(x[i]));
+      logs.std_error.push_back(as_is.std_error[i] / x[i]);
+    }
+  return logs.x.size() == as_is.x.size() && lopsided(logs.x) < lopsided(as_is.x) ? logs : as_is;
 }
 
 } // namespace
 
-std::vector<Distance> distances(std::span<const double> values) {
+std::vector<Distance> distances(std::span<const double> values,
+                                std::span<const double> std_errors) {
   std::vector<Distance> out(values.size());
   if (values.size() < 10)
     return out;
-  const std::vector<double> x = evened(values);
+  const auto [x, std_error] = evened(values, std_errors);
+  const double typical_error = median(std_error); // a part of the spread already
   const double middle = median(x), whole = median_deviation(x);
   const Side low = side_of(x, middle, -1.0), high = side_of(x, middle, 1.0);
   const boost::math::students_t t(
       std::max(1.0, 0.5 * kEfficiency * static_cast<double>(x.size() - 1)));
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Side &s = x[i] < middle ? low : high;
-    const double scale = std::max(s.scale, 0.5 * whole), reach = std::abs(x[i] - middle);
-    if (!(scale > 0.0))
+    const double spread = std::max(s.scale, 0.5 * whole);
+    if (!(spread > 0.0))
       continue;
+    const double more2 =
+        std::max(0.0, std_error[i] * std_error[i] - typical_error * typical_error);
+    const double scale = std::hypot(spread, std::sqrt(more2));
+    const double reach = std::abs(x[i] - middle) * spread / scale;
     out[i].z = (x[i] - middle) / scale;
     const double by_t = 2.0 * boost::math::cdf(boost::math::complement(t, std::abs(out[i].z)));
     out[i].p = std::max(by_t, tail_p(s, reach));

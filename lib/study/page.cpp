@@ -128,7 +128,8 @@ std::string distributions(const Summary &s, const Fleet &f, Gallery &gallery) {
   out += "</tbody></table></div>\n<p class=\"note\">The spread is 1.4826 times the median absolute "
          "deviation; between and within come from the analysis of variance, where sensors were "
          "measured several times. In the pictures what lies far from the bulk stands in the "
-         "outermost bar.</p>\n"
+         "outermost bar; where there are several populations, the line is what they would give."
+         "</p>\n"
          "<div class=\"row n3\">";
   for (const std::string &cell : cells)
     out += cell;
@@ -186,7 +187,7 @@ std::string groups(const Summary &s) {
   return s.groups.empty() ? out + "<p>None: one population describes every number.</p>\n" : out;
 }
 
-std::string link_of(const Row &row, const std::string &page) {
+std::string link_of(const Member &row, const std::string &page) {
   if (row.report.empty())
     return html_escape(row.capture);
   std::error_code failed;
@@ -200,8 +201,8 @@ std::string link_of(const Row &row, const std::string &page) {
 std::map<std::string, std::size_t> faults_of_most(const Fleet &f) {
   std::map<std::string, std::size_t> out;
   for (const std::size_t row : f.done)
-    for (const CheckLine &c : f.rows[row].checks)
-      out[c.check] += c.state == "failed" ? 1 : 0;
+    for (const std::uint32_t check : f.rows[row].failed_checks)
+      ++out[f.names[check]];
   std::erase_if(out, [&f](const auto &fault) { return 2 * fault.second <= f.done.size(); });
   return out;
 }
@@ -210,23 +211,23 @@ std::map<std::string, std::size_t> faults_of_most(const Fleet &f) {
 std::string to_look_at(const Summary &s, const Fleet &f, const std::string &page) {
   std::string rows;
   std::size_t count = 0;
-  const auto add = [&](const Row &row, const std::string &why) {
+  const auto add = [&](const Member &row, const std::string &why) {
     if (++count <= kMostRows)
       rows += "<tr><td>" + html_escape(row.serial.empty() ? "\u2013" : row.serial) + "</td><td>" +
               link_of(row, page) + "</td><td>" + html_escape(why) + "</td></tr>\n";
   };
   for (const Outlier &o : s.outliers)
     add(f.rows[o.row], o.sentence);
-  for (const Row &row : f.rows)
-    if (row.state == RowState::failed)
+  for (const Member &row : f.rows)
+    if (!row.done)
       add(row, "Failed: " + row.reason);
   const std::map<std::string, std::size_t> everywhere = faults_of_most(f);
-  for (const Row &row : f.rows) {
+  for (const Member &row : f.rows) {
     std::string failed;
-    for (const CheckLine &c : row.checks)
-      if (c.state == "failed" && everywhere.count(c.check) == 0)
-        failed += (failed.empty() ? "" : ", ") + c.check;
-    if (row.state == RowState::done && !failed.empty())
+    for (const std::uint32_t check : row.failed_checks)
+      if (everywhere.count(f.names[check]) == 0)
+        failed += (failed.empty() ? "" : ", ") + f.names[check];
+    if (row.done && !failed.empty())
       add(row, "Not sound: " + failed + ".");
   }
   std::string out = "<h2 id=\"look\">Sensors to look at</h2>\n";

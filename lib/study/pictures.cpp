@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -36,9 +37,12 @@ std::pair<double, double> reach_of(std::vector<double> x) {
   return {low, high > low ? high : low + std::max(1e-12, 1e-6 * std::abs(low))};
 }
 
-double normal(double x, const Population &p) {
-  const double u = (x - p.centre) / p.spread;
-  return p.share * std::exp(-0.5 * u * u) / (p.spread * std::sqrt(2.0 * 3.14159265358979));
+/// Share of all numbers that a population has in a bar about x: it may be narrower than the bar.
+double share_in_bar(const Population &p, double x, double width) {
+  const auto below = [&p](double v) {
+    return 0.5 * std::erfc((p.centre - v) / (std::numbers::sqrt2 * p.spread));
+  };
+  return p.share * (below(x + 0.5 * width) - below(x - 0.5 * width));
 }
 
 } // namespace
@@ -70,8 +74,8 @@ Picture histogram_picture(const Fleet &fleet, const ParameterSummary &p, const s
       const double v = low + (high - low) * k / 120.0;
       double y = 0.0;
       for (const Population &of : grouping->populations)
-        y += normal(v, of);
-      y *= width * static_cast<double>(x.size());
+        y += share_in_bar(of, v, width);
+      y *= static_cast<double>(x.size());
       highest = std::max(highest, y);
       curve += fmt::format("{:.8g} {:.5g}\n", v, y);
     }
@@ -99,7 +103,7 @@ Picture dependence_picture(const Fleet &fleet, const Dependence &d) {
     const std::size_t row = c.capture[k];
     double at = d.numeric ? f.number[row] : -1.0;
     for (std::size_t l = 0; !d.numeric && l < d.levels.size() && l < kMostWords; ++l)
-      if (d.levels[l].word == f.word[row]) // side by side, so that they do not hide one another
+      if (d.levels[l].word == f.text(row)) // side by side, so that they do not hide one another
         at = static_cast<double>(l) + 0.4 * (static_cast<double>(k * 7 % 16) / 15.0 - 0.5);
     if (!std::isfinite(at) || (!d.numeric && at < -0.5))
       continue;

@@ -45,19 +45,9 @@ const std::vector<Try> &tries() {
 /// Angle errors of one kind of trial, a capture each; NaN where it was not tried.
 using Errors = std::vector<double>;
 
-/// What the noise of a sample makes of the angle, mechanical degrees rms: no calibration helps.
-double noise_deg(const Row &row) {
-  double noise = 0.0, amplitude = 0.0;
-  for (const Quantity &q : row.quantities)
-    if (q.cause == "baseline" && q.parameter == "noise_rms_v")
-      noise = q.value;
-    else if (q.cause == "baseline" && q.parameter == "amplitude_v")
-      amplitude = q.value;
-  return amplitude > 0.0 ? noise / amplitude / row.signature.periods * kDegPerRad : 0.0;
-}
-
-double judged(const Row &row, int half, const Learned &learned, Calibration use) {
-  return std::hypot(angle_rms_deg(row.signature, half, learned, use), noise_deg(row));
+double judged(const Member &row, const Signature &judge, int half, const Learned &learned,
+              Calibration use) {
+  return std::hypot(angle_rms_deg(judge, half, learned, use), row.noise_angle_deg);
 }
 
 Learned median_of(const std::vector<Learned> &all) {
@@ -81,10 +71,10 @@ struct Judges {
 Judges judges_of(const Fleet &f) {
   Judges j;
   for (const std::size_t row : f.done)
-    if (!f.rows[row].signature.empty()) {
+    if (f.rows[row].has_signature()) {
       j.of_sensor[f.sensor[row]].push_back(j.rows.size());
       j.rows.push_back(row);
-      j.learned.push_back(learn(f.rows[row].signature, 2));
+      j.learned.push_back(learn(f.rows[row].signature(), 2));
     }
   return j;
 }
@@ -92,9 +82,10 @@ Judges judges_of(const Fleet &f) {
 Errors on_other_half(const Fleet &f, const Judges &j, Calibration use) {
   Errors out;
   for (const std::size_t row : j.rows) {
-    const Row &r = f.rows[row];
-    const double a = judged(r, 1, learn(r.signature, 0), use);
-    const double b = judged(r, 0, learn(r.signature, 1), use);
+    const Member &r = f.rows[row];
+    const Signature s = r.signature();
+    const double a = judged(r, s, 1, learn(s, 0), use);
+    const double b = judged(r, s, 0, learn(s, 1), use);
     out.push_back(std::hypot(a, b) / std::numbers::sqrt2);
   }
   return out;
@@ -103,9 +94,10 @@ Errors on_other_half(const Fleet &f, const Judges &j, Calibration use) {
 Errors on_other_capture(const Fleet &f, const Judges &j, Calibration use) {
   Errors out;
   for (const auto &[sensor, places] : j.of_sensor)
-    for (std::size_t k = 0; places.size() > 1 && k < places.size(); ++k)
-      out.push_back(
-          judged(f.rows[j.rows[places[(k + 1) % places.size()]]], 2, j.learned[places[k]], use));
+    for (std::size_t k = 0; places.size() > 1 && k < places.size(); ++k) {
+      const Member &judge = f.rows[j.rows[places[(k + 1) % places.size()]]];
+      out.push_back(judged(judge, judge.signature(), 2, j.learned[places[k]], use));
+    }
   return out;
 }
 
@@ -126,8 +118,10 @@ Errors on_new_sensors(const Fleet &f, const Judges &j, Calibration use) {
           unseen.push_back(place);
     }
     const Learned mean = median_of(seen);
-    for (const std::size_t place : unseen)
-      out.push_back(judged(f.rows[j.rows[place]], 2, mean, use));
+    for (const std::size_t place : unseen) {
+      const Member &judge = f.rows[j.rows[place]];
+      out.push_back(judged(judge, judge.signature(), 2, mean, use));
+    }
   }
   return out;
 }
@@ -157,7 +151,8 @@ std::optional<std::size_t> simplest(const std::vector<Errors> &all) {
   return best;
 }
 
-/// The model of the diagnosis, each capture its own.
+/// The model of the diagnosis, each capture its own: judged on turns of the same capture that its fit
+/// has not seen.
 Candidate diagnosed(const Fleet &f, const std::vector<CauseSummary> &causes) {
   Candidate c{"diagnosis", {}, {}, {}, {}, {}};
   std::map<std::string, bool> correctable;
@@ -165,13 +160,13 @@ Candidate diagnosed(const Fleet &f, const std::vector<CauseSummary> &causes) {
   for (const std::size_t row : f.done) {
     if (std::isfinite(f.rows[row].extended_angle_rms_deg))
       e.push_back(f.rows[row].extended_angle_rms_deg);
-    for (const FoundCause &found : f.rows[row].findings)
-      correctable[found.cause] = found.correctable;
+    for (const MemberFinding &found : f.rows[row].findings)
+      correctable[f.names[found.cause]] = found.correctable;
   }
   for (const CauseSummary &cause : causes)
     if (cause.share >= kCommon && correctable[cause.cause])
       c.effects.push_back(cause.cause);
-  c.same_capture = c.heldout = typical(e);
+  c.same_capture = typical(e);
   return c;
 }
 
@@ -184,6 +179,12 @@ std::string sentence_of(const Sufficient &s) {
   const Candidate &c = s.candidates[*s.chosen];
   std::string out = fmt::format("Enough is: {}, learned for each sensor: it leaves {} deg rms.",
                                 c.name, digits(*c.heldout));
+  const Candidate &last = s.candidates.back();
+  if (!last.heldout && last.same_capture && c.same_capture &&
+      *last.same_capture < (1.0 - kAsGood) * *c.same_capture)
+    out += fmt::format(" Within one capture the model of the {} leaves {} deg rms where this leaves "
+                       "{}; it was not tried on another capture of the sensor.",
+                       last.name, digits(*last.same_capture), digits(*c.same_capture));
   if (s.chosen_new) {
     const Candidate &n = s.candidates[*s.chosen_new];
     out += fmt::format(" One calibration for all sensors ({}) leaves {} deg rms on sensors that it "
@@ -199,18 +200,25 @@ Sufficient find_sufficient(const Fleet &f, const std::vector<CauseSummary> &caus
   Sufficient out;
   const Judges j = judges_of(f);
   std::vector<Errors> own, fresh;
+  bool across = false; // judged on another capture of the sensor
   for (const Try &t : tries()) {
     const Errors half = on_other_half(f, j, t.use), capture = on_other_capture(f, j, t.use);
-    own.push_back(capture.size() >= kLeastCaptures ? capture : half);
+    across = capture.size() >= kLeastCaptures;
+    own.push_back(across ? capture : half);
     fresh.push_back(on_new_sensors(f, j, t.use));
     out.candidates.push_back({t.name, t.effects, typical(half), typical(capture),
                               typical(fresh.back()), typical(own.back())});
   }
   out.chosen = simplest(own);
   out.chosen_new = simplest(fresh);
-  const Candidate whole = diagnosed(f, causes);
-  if (f.diagnosed && whole.heldout) {
-    if (out.chosen && *whole.heldout < (1.0 - kAsGood) * *out.candidates[*out.chosen].heldout)
+  // Like is compared with like: what one capture says of itself is no match for a calibration that
+  // was carried over to another.
+  Candidate whole = diagnosed(f, causes);
+  if (f.diagnosed && whole.same_capture) {
+    if (!across)
+      whole.heldout = whole.same_capture;
+    if (out.chosen && whole.heldout &&
+        *whole.heldout < (1.0 - kAsGood) * *out.candidates[*out.chosen].heldout)
       out.chosen = out.candidates.size();
     out.candidates.push_back(whole);
   }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/text.h"
+#include "report/words.h"
 #include "study/summary.h"
 
 namespace ada::study {
@@ -19,7 +20,7 @@ std::string with_unit(double value, const std::string &unit) {
 std::string cause_lines(const CauseSummary &c, std::size_t captures) {
   std::string out = "  " + c.cause;
   if (captures > 0)
-    out += fmt::format(": in {} of {} captures", c.found_in, captures);
+    out += fmt::format(": in {} of {}", c.found_in, counted(captures, "capture"));
   if (c.angle_rms_deg)
     out += fmt::format(", costs {} deg rms", digits(*c.angle_rms_deg));
   out += "\n";
@@ -82,7 +83,7 @@ std::string quantity_words(const std::string &cause, const std::string &paramete
 
 std::string to_text(const Summary &s) {
   const std::size_t done = s.captures - s.failed;
-  std::string out = fmt::format("{} captures of {} sensors", s.captures, s.sensors);
+  std::string out = counted(s.captures, "capture") + " of " + counted(s.sensors, "sensor");
   out += s.failed > 0 ? fmt::format(", {} of them failed", s.failed) : "";
   out += s.waiting > 0 ? fmt::format(", {} not done", s.waiting) : "";
   out += s.unsound > 0 ? fmt::format("; {} not sound", s.unsound) : "";

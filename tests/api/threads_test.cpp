@@ -38,12 +38,12 @@ std::vector<double> angles_of(std::uint64_t seed) {
 }
 
 TEST(Threads, DoTheSameTogetherAsAlone) {
-  constexpr std::uint64_t threads = 4;
+  constexpr std::size_t threads = 4;
   std::vector<std::vector<double>> alone, together(threads);
-  for (std::uint64_t seed = 0; seed < threads; ++seed)
+  for (std::size_t seed = 0; seed < threads; ++seed)
     alone.push_back(angles_of(seed));
   std::vector<std::thread> running;
-  for (std::uint64_t seed = 0; seed < threads; ++seed)
+  for (std::size_t seed = 0; seed < threads; ++seed)
     running.emplace_back([&together, seed] { together[seed] = angles_of(seed); });
   for (std::thread &thread : running)
     thread.join();

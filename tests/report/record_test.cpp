@@ -24,7 +24,7 @@ Model true_model() {
 TEST(Record, ARareDisturbanceStandsOutWhereverItIs) {
   std::mt19937_64 rng(test::fresh_seed());
   Capture capture = test::capture_with({}, true, rng());
-  const std::size_t at = 100 + rng() % (capture.size() - 200);
+  const std::size_t at = 100 + test::below(rng, capture.size() - 200);
   capture.vcos_v[at] += 0.05; // a hundred times the noise, in one sample
   const Scene scene = prepare(capture, false);
   const Record r = record_of(scene, true_model());

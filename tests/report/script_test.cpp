@@ -52,5 +52,18 @@ TEST(Script, LongNumbersAlongAnAxisGetFewerTics) {
   EXPECT_EQ(number_after(range_with_tics("y", 1.449975, 1.450025, 6), "set ytics "), 1e-5);
 }
 
+TEST(Script, AnUprightAxisHasTwoNumbersAtLeast) {
+  std::random_device device;
+  const unsigned seed = device();
+  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  std::mt19937 random(seed);
+  for (int k = 0; k < 1000; ++k) {
+    const double limit = std::pow(10.0, std::uniform_real_distribution(-6.0, 3.0)(random));
+    const double step = number_after(range_with_tics("y", -limit, limit, 3), "set ytics ");
+    EXPECT_LE(step, limit);
+    EXPECT_GE(step, limit / 5.0);
+  }
+}
+
 } // namespace
 } // namespace ada

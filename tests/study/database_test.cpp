@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <random>
 
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include <gtest/gtest.h>
@@ -191,6 +192,33 @@ TEST_F(DatabaseTest, ChangedFilesWaitAgain) {
   EXPECT_EQ(study.waiting(true).size(), 1u);
   test::write_file(capture, "xy");
   EXPECT_EQ(study.waiting(false).size(), 1u);
+}
+
+TEST_F(DatabaseTest, AChangeByWhomeverIsAnotherVersion) {
+  const std::vector<Row> rows = draw(3);
+  const std::string path = parts(rows, 1, "s")[0];
+  Database own(path, {}), other(path, {});
+  const auto first = own.version();
+  EXPECT_EQ(own.version(), first);
+  own.put(rows[0]);
+  const auto second = own.version();
+  EXPECT_NE(second, first);
+  other.put(rows[0]);
+  EXPECT_NE(own.version(), second);
+}
+
+TEST_F(DatabaseTest, WhatIsKeptOfACaptureIsAFractionOfItsRow) {
+  const std::vector<Row> rows = draw(1000);
+  const auto used = [] { return static_cast<double>(mallinfo2().uordblks); };
+  const double before = used();
+  const std::vector<Row> copy = rows;
+  const double whole = used() - before;
+  if (!(whole > 0.0))
+    GTEST_SKIP() << "the allocator of a sanitizer does not count";
+  const Fleet fleet = make_fleet(rows, true);
+  const double kept = used() - before - whole;
+  EXPECT_LT(kept, 0.5 * whole) << kept / 1000.0 << " bytes a capture, of " << whole / 1000.0;
+  EXPECT_EQ(fleet.rows.size(), rows.size());
 }
 
 TEST_F(DatabaseTest, RefusesWhatItIsNot) {

@@ -20,16 +20,15 @@ Fleet two_populations() {
   std::mt19937_64 random(test::fresh_seed());
   std::normal_distribution<double> noise(0.0, 0.02);
   Fleet f;
-  Column c{"quadrature-error", "delta_deg", "deg", {}, {}, true};
-  Factor batch{"batch", false, {}, {}};
+  Column c{"quadrature-error", "delta_deg", "deg", {}, {}, {}, true};
+  Factor batch{"batch"};
   for (std::size_t k = 0; k < 61; ++k) {
     c.capture.push_back(k);
     c.value.push_back(k == 60 ? 50.0 : (k < 42 ? 0.4 : 0.9) + noise(random));
-    batch.word.push_back(k < 42 || k == 60 ? "A" : "B");
-    batch.number.push_back(std::nan(""));
+    batch.word.push_back(batch.words.number_of(k < 42 || k == 60 ? "A" : "B"));
   }
   f.columns = {c};
-  f.factors = {batch};
+  f.factors.push_back(std::move(batch));
   return f;
 }
 
@@ -52,6 +51,16 @@ TEST(StudyPictures, AHistogramShowsBothPopulationsAndNotTheOutlier) {
   EXPECT_LT(low, 0.4);
   EXPECT_GT(high, 0.9);
   EXPECT_LT(high, 2.0);
+}
+
+TEST(StudyPictures, ThePopulationsReachAsHighAsTheBarsAndNotFarAbove) {
+  const Fleet f = two_populations();
+  ParameterSummary p;
+  p.parameter = "delta_deg";
+  Grouping g;
+  g.populations = {{0.4, 0.002, 0.7}, {0.9, 0.002, 0.3}}; // narrower than a bar
+  const std::string script = histogram_picture(f, p, "quadrature-error", &g).script;
+  EXPECT_LT(range_of(script, "y").second, 1.2 * static_cast<double>(f.columns[0].value.size()));
 }
 
 TEST(StudyPictures, EveryCaptureHasItsPointWithinThePicture) {

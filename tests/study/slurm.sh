@@ -92,9 +92,9 @@ start_munge() {
 until_true() {
   local what=$1 i
   shift
-  for ((i = 0; i < 600; i++)); do
+  for ((i = 0; i < 3000; i++)); do
     ! "$@" >/dev/null 2>&1 || return 0
-    sleep 0.5
+    sleep 0.1
   done
   fail "never: $what"
 }
@@ -107,7 +107,7 @@ make_captures() { # make_captures COUNT
   local k
   mkdir -p "$WORK/captures"
   for ((k = 1; k <= $1; k++)); do
-    iio-angle simulate --seed "$k" --rate 1000 --duration 3 -o "$WORK/captures/c$k.csv" || return 1
+    iio-angle simulate --seed "$k" --rate 1000 --duration 15 -o "$WORK/captures/c$k.csv" || return 1
     echo "$WORK/captures/c$k.csv"
   done >"$WORK/names"
 }

@@ -152,6 +152,13 @@ TEST(Statistics, DistancesCallNothingFarInOneDistribution) {
     v = normal(rng);
   x[17] = 25.0;
   EXPECT_LT(distances(x)[17].p, 1e-7);
+  // The same is nothing where it is known to no better than ten; and something again to one.
+  std::vector<double> error(100, 0.1);
+  error[17] = 10.0;
+  EXPECT_GT(distances(x, error)[17].p, 1e-3);
+  EXPECT_EQ(distances(x, error)[16].p, distances(x)[16].p);
+  error[17] = 1.0;
+  EXPECT_LT(distances(x, error)[17].p, 1e-5);
 }
 
 TEST(Statistics, DatesAndNamesInTheirOrder) {
