@@ -125,3 +125,17 @@ def test_the_tutorial_runs(options, tmp_path):
     assert after < before / 2
     assert {"capture.csv", "sensor.toml", "extended.toml", "report.html"} == {
         path.name for path in tmp_path.iterdir()}
+
+
+def test_what_a_notebook_shows_names_the_object(tmp_path):
+    simulation = ada4571.Simulation(seed=3, motion="constant:rpm=60")
+    assert "seed 3" in repr(simulation) and "constant:rpm=60" in repr(simulation)
+    assert "Model" in repr(ada4571.Converter(simulation.model))
+    assert "amplitude" in repr(ada4571.Tracker(simulation.model, amplitude=True))
+    assert "w.csv" in repr(ada4571.Writer(tmp_path / "w.csv"))
+    with simulation.emulate() as uri:
+        assert uri.startswith("ip:")
+    for thing in public(STUB.body).values():
+        kind = getattr(ada4571, thing.name)
+        if isinstance(kind, type) and hasattr(kind, "__enter__"):
+            assert kind.__repr__ is not object.__repr__, thing.name

@@ -16,13 +16,14 @@ from ._files import Import, Recording, Writer
 from ._models import Converter, Effect, Model, Parameter, Tracker, calibrate, catalogue
 from ._simulation import Simulation
 from ._sources import Pins, Source, devices, open, open_device, stored
+from ._study import Study
 
 __version__ = _core.version()
 __all__ = [
     "BusyError", "Converter", "DeniedError", "Diagnosis", "DisconnectedError", "Effect", "Error",
     "FormatError", "Health", "Import", "InputOutputError", "InvalidArgumentError", "LostSamplesWarning",
     "Model", "NoMemoryError", "NotFoundError", "Parameter", "Pins", "Recording", "Simulation",
-    "Source", "StateError", "Tracker", "UnsupportedError", "UnusableDataError", "Writer",
+    "Source", "StateError", "Study", "Tracker", "UnsupportedError", "UnusableDataError", "Writer",
     "angle_dtype", "calibrate", "catalogue", "check", "devices", "diagnose", "frame_dtype", "open",
     "open_device", "set_jobs", "stored", "vector_target",
 ]

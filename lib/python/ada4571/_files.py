@@ -93,7 +93,7 @@ class Import:
     refused rather than guessed. time, vsin, vcos, vtemp, vdd, reference: the column, by its name or
     by its number from 1, or (column, scale) or (column, scale, offset) with value = scale * number +
     offset in the units of a frame; None: looked for by its name; False: there is none.
-    separator, decimal, header_lines: of a text, None: found out. sample_rate_hz (Hz) takes the place
+    separator, decimal, header_lines: of a text, None: detected. sample_rate_hz (Hz) takes the place
     of the times. supply_v (V), periods_per_turn: of the sensor.
     """
 
@@ -173,6 +173,10 @@ class Writer:
         info["gain_control"] = -1 if gain_control is None else int(gain_control)
         info.update(has_vtemp=int(vtemp), has_vdd=int(vdd), has_reference=int(reference))
         self._handle = _core.Writer(os.fspath(path), info, growing, resume)
+        self._path = os.fspath(path)
+
+    def __repr__(self):
+        return f"<ada4571.Writer {self._path}>"
 
     def metadata(self, key, value):
         """A further `# key = value` line; before the first frames."""

@@ -135,6 +135,10 @@ class Converter:
 
     def __init__(self, model):
         self._handle = _core.Converter(model._handle)
+        self._of = repr(model)
+
+    def __repr__(self):
+        return f"<ada4571.Converter of {self._of}>"
 
     def __call__(self, frames):
         if isinstance(frames, Recording):
@@ -159,6 +163,10 @@ class Tracker:
 
     def __init__(self, model, *, amplitude=False, phase=False, max_offset_rate_v_per_s=0.02):
         self._handle = _core.Tracker(model._handle, amplitude, phase, max_offset_rate_v_per_s)
+        self._follows = ", ".join(["offsets"] + ["amplitude"] * amplitude + ["phase"] * phase)
+
+    def __repr__(self):
+        return f"<ada4571.Tracker of {self._follows}, now {self.model!r}>"
 
     def __call__(self, frames):
         return self._handle.frames(frames)

@@ -34,6 +34,11 @@ class Simulation:
         for name, parameters in items:
             self._model.add_effect(effect_text(name, parameters))
 
+    def __repr__(self):
+        given = ", ".join(f"{key} {self._options[key]}" for key in ("motion", "temperature")
+                          if self._options[key])
+        return f"<ada4571.Simulation seed {self._seed}{', ' + given if given else ''}: {self.model!r}>"
+
     def _new(self, duration_s):
         return _core.Simulation(self._model, dict(self._options, duration_s=duration_s), self._seed)
 
@@ -61,6 +66,9 @@ class Emulator:
     def __init__(self, handle):
         self._handle = handle
         self._thread = threading.Thread(target=self._handle.run, daemon=True)
+
+    def __repr__(self):
+        return f"<ada4571.Emulator {self.uri}>"
 
     @property
     def uri(self):

@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 
 from . import _core
-from ._errors import LostSamplesWarning
+from ._errors import Error, LostSamplesWarning
 from ._models import Model
 
 # Frames of a block where the sample rate is not known: what is read at a time, at most.
@@ -168,6 +168,14 @@ class Pins:
     def __init__(self, config=None, *, gc_line=None, pd_line=None, gc_active_low=False,
                  pd_active_low=False):
         self._handle = _core.Pins(config, gc_line, pd_line, gc_active_low, pd_active_low)
+
+    def __repr__(self):
+        def state(pin):
+            try:
+                return f"{pin} {'on' if self[pin] else 'off'}"
+            except Error:
+                return f"{pin} unknown"
+        return f"<ada4571.Pins {', '.join(map(state, self._NUMBERS))}>"
 
     def __getitem__(self, pin):
         return self._handle.get(self._NUMBERS[pin])

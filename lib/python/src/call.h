@@ -48,6 +48,7 @@ using Emulator = Handle<ada4571_emulator, ada4571_emulator_free>;
 using Diagnosis = Handle<ada4571_diagnosis, ada4571_diagnosis_free>;
 using Import = Handle<ada4571_import, ada4571_import_free>;
 using Writer = Handle<ada4571_writer, ada4571_writer_free>;
+using Study = Handle<ada4571_study, ada4571_study_free>;
 using Pins = Handle<ada4571_pins, ada4571_pins_free>;
 
 /// What a call gave, taken in the thread that made it.
@@ -114,6 +115,7 @@ void add_sources(py::module_ &module);
 void add_conversion(py::module_ &module);
 void add_simulation(py::module_ &module);
 void add_diagnosis(py::module_ &module);
+void add_studies(py::module_ &module);
 void add_pins(py::module_ &module);
 
 } // namespace binding

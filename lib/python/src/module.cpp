@@ -36,5 +36,6 @@ PYBIND11_MODULE(_core, module) {
   add_conversion(module);
   add_simulation(module);
   add_diagnosis(module);
+  add_studies(module);
   add_pins(module);
 }
