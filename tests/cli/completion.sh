@@ -50,6 +50,22 @@ in_zsh() {
     complete_it "$@"' zsh "$1" "$FOLDER/_iio-angle"
 }
 
+# The line that zsh itself makes of LINE when Tab is pressed, with its own completion system, which
+# has a will of its own: it offers what is called an option only after a dash.
+completed_by_zsh() {
+  zsh -f -c '
+    zmodload zsh/zpty
+    zpty shell zsh -f -i
+    zpty -w shell "fpath=(${(q)2} \$fpath); autoload -U compinit; compinit -u -D"
+    zpty -w shell "line() { print -r -- \"<\"\"<\$BUFFER>>\"; }; zle -N line; bindkey ^G line; print READ\"\"Y"
+    zpty -r -m shell out "*READY*"
+    zpty -w -n shell "$1"$'"'\t\a'"'
+    zpty -r -m shell out "*<<*>>*"
+    out=${out##*<<}
+    print -r -- "${out%%>>*}"
+    zpty -d shell' zsh "$1" "$FOLDER"
+}
+
 in_fish() {
   fish --no-config -c "source $FOLDER/iio-angle.fish; complete -C '$1'" | cut -f1
 }
@@ -104,6 +120,8 @@ check_verbs_and_options() {
 check_values() {
   offers "iio-angle read --format " text csv json
   offers "iio-angle read --format=c" --format=csv
+  offers "iio-angle convert --format " csv sigmf
+  offers "iio-angle import --separator " bar blank comma semicolon tab
   offers "iio-angle calibrate single --method e" extrema
   offers "iio-angle pins " gc pd
   offers "iio-angle pins gc o" on off
@@ -132,6 +150,17 @@ check_files() {
   offers "iio-angle check --calibration cap" capture.csv
   offers "iio-angle diagnose --json capture.csv cap" capture.csv
   offers "iio-angle emulate cap" # takes none
+}
+
+check_zsh_takes_what_it_is_offered() {
+  command -v zsh >/dev/null || return 0
+  local line
+  for line in "iio-angle pins g:iio-angle pins gc " "iio-angle read --form:iio-angle read --format " \
+    "iio-angle figures mis:iio-angle figures mismatch " "iio-angle diagn:iio-angle diagnose "; do
+    same "Tab after '${line%:*}'" "$(completed_by_zsh "${line%:*}")" "${line#*:}"
+  done
+  same "Tab after a parameter" "$(completed_by_zsh "iio-angle simulate --effect channel-skew:d")" \
+    "iio-angle simulate --effect channel-skew:dt_s="
 }
 
 run_checks "${3:-}"

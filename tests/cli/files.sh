@@ -31,6 +31,14 @@ check_help_teaches_every_verb() {
     says out '^Example:'
     says out "iio-angle $verb"
   done
+  # In words, not in the notes of the library that parses the command line.
+  status 0 iio-angle simulate --help
+  says out '^  --duration S +length, in s \(default 7\)$'
+  says out '^  -o,--output CAPTURE .*\(required\)$'
+  status 0 iio-angle emulate --help
+  says out '^  --duration S +length, in s, 0 for no end \(default 0\)$'
+  status 0 iio-angle list --help
+  ! grep -q 'with --save.*with --save' out || fail "list says it twice: $(grep 'with --save' out)"
   status 0 iio-angle --version
   says out '^iio-angle 1\.0\.0$'
 }
@@ -58,6 +66,26 @@ check_wrong_usage_ends_with_2_and_says_so_on_standard_error() {
   absent x.csv y.csv y.toml y.pdf y.txt y.json
 }
 
+check_help_of_what_there_is_not_is_refused() {
+  status 2 iio-angle help calibrate singel
+  says err "^iio-angle: 'singel' is no verb of iio-angle calibrate; did you mean 'single'"
+  local words
+  for words in "list bla" "list --json" "calibrate single dual" "study run x" "--bla"; do
+    # shellcheck disable=SC2086
+    status 2 iio-angle help $words
+    empty out
+    says err "^iio-angle: '${words##* }' is one argument too many; see .iio-angle .*--help.$"
+  done
+  status 2 iio-angle help clibrate single
+  says err "did you mean 'calibrate'"
+  for words in "" calibrate "calibrate single" "study run" definitions "list --help" -h; do
+    # shellcheck disable=SC2086
+    status 0 iio-angle help $words
+    says out '^Usage: iio-angle'
+    empty err
+  done
+}
+
 # suggests WORD ARGUMENTS...: wrong usage, and what was meant.
 suggests() {
   local meant=$1
@@ -69,6 +97,8 @@ suggests() {
 check_what_was_mistyped_is_guessed() {
   suggests record recrod
   suggests single calibrate sinlge
+  suggests single calibrate sinlge x.csv -o x.toml
+  suggests report study reprot --json x.db
   suggests --effect simulate --efect x -o x.csv
   suggests --duration record --duraton=10 -o x.csv
   suggests --report diagnose --raport x.html x.csv
@@ -80,9 +110,22 @@ check_what_was_mistyped_is_guessed() {
   suggests csv read --format cvs
   suggests mismatch figures mismach
   suggests hysteresis catalogue hysterisis
+  says err "^iio-angle: 'hysterisis' is no effect; did"
+  suggests from simulate --motion ramp:frm=3 -o x.csv
+  suggests transition simulate --motion steps:transtion=0.1 -o x.csv
+  suggests deg_c simulate --temperature constant:degc=3 -o x.csv
+  suggests to simulate --temperature cycle:from=1,tto=3 -o x.csv
   status 2 iio-angle qqqqqq
   grep -q 'did you mean' err && fail "'qqqqqq' was meant for nothing"
-  absent x.csv x.html
+  mkdir -p config/ada4571
+  echo '[source]' >config/ada4571/shaft.toml
+  local verb
+  for verb in read list "pins gc"; do
+    # shellcheck disable=SC2086
+    status 1 env XDG_CONFIG_HOME="$PWD/config" iio-angle $verb -s shfat
+    says err "shfat.*did you mean 'shaft'"
+  done
+  absent x.csv x.html x.toml
 }
 
 check_wrong_values_name_their_option_first() {
@@ -100,12 +143,35 @@ check_wrong_values_name_their_option_first() {
   names --rate simulate --rate 10parsec -o x.csv
   names --seed simulate --seed -1 -o x.csv
   names --bits simulate --bits 33 -o x.csv
+  names --rate simulate --rate 1GHz -o x.csv
+  names --duration simulate --duration 0 -o x.csv
+  names --duration simulate --duration 1e9 -o x.csv
+  names --duration emulate --duration 1e9
+  names --motion simulate --motion constant:600 -o x.csv
+  says err "'600' is no parameter of constant \(rpm\)"
+  names --temperature simulate --temperature ramp:rpm=3 -o x.csv
+  local verb name
+  for name in a.txt a a.csv.gz .csv csv a.sigmf /dev/null; do
+    for verb in simulate "import b.csv" record; do
+      # shellcheck disable=SC2086
+      names --output $verb -o "$name"
+      says err "'$name' is no name for a capture: let it end in .csv or .sigmf-meta$"
+    done
+  done
+  absent a.txt a a.csv.gz .csv csv a.sigmf
   names --report diagnose --report y.pdf x.csv
   names --output calibrate single x.csv -o y.txt
+  names --latency read --latency --capture x.csv
+  names --speed emulate --capture x.csv --speed 0
+  names --rate import x.csv --rate 2GHz -o y.csv
+  names --continue record --continue -o x.csv
   names --format read --format xml
+  names --format convert --format xx --calibration x.toml x.csv -o y.csv
   names --output simulate -o
   names --duration record --duration 1 --samples 2 -o x.csv
   names --sin list --sin foo
+  names --uri list --uri local: --uri local:
+  says err 'given more than once'
   ! grep -qE '[0-9]{30}' err || fail "a number of thirty digits is no help"
 }
 
@@ -334,6 +400,31 @@ check_sigmf_is_taken_wherever_text_is() {
     fail "the two forms give two angles"
 }
 
+check_convert_wants_a_name_that_says_the_form() {
+  capture a.csv
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  local name
+  for name in y.txt y.toml y.npy y y.sigmf; do
+    status 2 iio-angle convert --calibration a.toml a.csv -o "$name"
+    says err "^iio-angle: --output: '$name' is no name for a file of angles: let it end in .csv or .sigmf-meta, or"
+    absent "$name"
+    status 2 iio-angle convert --format sigmf --calibration a.toml a.csv -o "$name"
+    says err "^iio-angle: --format: sigmf does not go with the name '$name': .* in .sigmf-meta$"
+    absent "$name"
+  done
+  status 2 iio-angle convert --format sigmf --calibration a.toml a.csv -o -
+  says err "^iio-angle: --format: sigmf does not go with the name '-'"
+  status 2 iio-angle convert --format csv --calibration a.toml a.csv -o y.sigmf-meta
+  says err "^iio-angle: --format: csv does not go with the name 'y.sigmf-meta'"
+  absent y.sigmf-meta y.sigmf-data
+  status 0 iio-angle convert --calibration a.toml a.csv -o y.csv
+  status 0 iio-angle convert --format csv --calibration a.toml a.csv -o y.txt
+  cmp -s y.csv y.txt || fail "--format csv is another CSV"
+  status 0 iio-angle convert --calibration a.toml a.csv -o -
+  cmp -s y.csv out || fail "standard output is another CSV"
+  status 0 iio-angle convert --calibration a.toml a.csv -o /dev/null
+}
+
 check_convert_writes_sigmf() {
   capture a.sigmf-meta
   status 0 iio-angle calibrate single a.sigmf-meta -o a.toml
@@ -341,8 +432,11 @@ check_convert_writes_sigmf() {
   status 0 iio-angle convert --calibration a.toml a.sigmf-meta -o angles.sigmf-meta
   empty out
   [[ -s angles.sigmf-data ]] || fail "no data file"
+  # The words are in the order of the machine that wrote them, and the meta file says which.
+  local order=little
+  ! grep -q '"core:datatype": "rf32_be"' angles.sigmf-meta || order=big
   # 32-bit floats hold an angle below 180 degrees to 1e-5.
-  od -An -v -tf4 -w12 angles.sigmf-data | tr -s ' ' , | paste -d, <(sed 1d angles.csv) - |
+  od --endian=$order -An -v -tf4 -w12 angles.sigmf-data | tr -s ' ' , | paste -d, <(sed 1d angles.csv) - |
     awk -F, '{ a = $2 - $6; r = $3 - $7 }
              a * a > 4e-10 || r * r > 1e-12 || $4 != $8 || NF != 8 { exit 1 }' ||
     fail "the two forms give two angles"
@@ -427,6 +521,23 @@ check_check_tells_a_healthy_sensor_from_faults() {
   fault noise noisy.csv
   awk "$edit { \$2 = \$3 = 2.5; print }" good.csv >unpowered.csv
   fault radius unpowered.csv
+}
+
+check_diagnose_says_what_is_missing_and_ends_with_1() {
+  status 0 iio-angle simulate --motion constant:rpm=0 --duration 1 -o rest.csv
+  status 0 iio-angle simulate --duration 0.01 -o short.csv
+  local file
+  for file in rest short; do
+    status 1 iio-angle diagnose $file.csv
+    says out '^Not enough data: '
+    empty err
+    status 1 iio-angle diagnose --json --report $file.html --extend $file.toml $file.csv
+    says out '"verdict": "insufficient-data"'
+    says out '"reason"'
+    same sentences "$(lines err)" 1
+    [[ -s $file.html ]] || fail "no page"
+    absent $file.toml
+  done
 }
 
 check_diagnose_finds_names_and_models() {

@@ -26,7 +26,7 @@ check_a_scope_file_gives_the_capture_that_it_was_made_of() {
   status 0 iio-angle import --sin CH1 --cos CH2 scope.csv -o b.csv
   empty out
   says err "^rows from line 5, separator ';', decimal mark ','$"
-  says err "^vsin_v: column 2 'CH1', in mv$"
+  says err "^vsin_v: column 2 'CH1', in mV$"
   says err '^sample rate: 10000 Hz, from the times$'
   says err '^20000 samples$'
   for name in time_s vsin_v vcos_v; do
@@ -40,7 +40,7 @@ check_what_is_ambiguous_is_asked_for_and_nothing_is_written() {
   simulate
   as_scope scope.csv
   status 2 iio-angle import scope.csv -o b.csv
-  says err "^iio-angle: scope.csv:2: no column is known to be VSIN: .*2 'CH1', 3 'CH2'$"
+  says err "^iio-angle: --sin: scope.csv:2: no column is known to be VSIN: .*2 'CH1', 3 'CH2'; see"
   status 2 iio-angle import --sin 2 --cos 9 scope.csv -o b.csv
   status 2 iio-angle import --sin 2 --cos 3 --scale sin=x scope.csv -o b.csv
   says err 'sin=0.001'
@@ -50,6 +50,34 @@ check_what_is_ambiguous_is_asked_for_and_nothing_is_written() {
   says err "scope.csv:20005:3: 'x' is no number for vsin_v$"
   absent b.csv
   status 1 iio-angle import no-such-file -o b.csv
+}
+
+check_the_question_leads_to_the_options() {
+  printf 'a,b\n1,2\n2,3\n3,4\n' >unnamed.csv
+  status 2 iio-angle import unnamed.csv -o x.csv
+  says err '^iio-angle: --time: .*: give --time or --rate; .*; see .iio-angle import --help.$'
+  status 2 iio-angle import --rate 100 --cos b unnamed.csv -o x.csv
+  says err '^iio-angle: --sin: .*known to be VSIN: give --sin;'
+  status 2 iio-angle import --rate 100 --sin a unnamed.csv -o x.csv
+  says err '^iio-angle: --cos: .*known to be VCOS: give --cos;'
+  status 2 iio-angle import --rate 100 --sin a --cos c unnamed.csv -o x.csv
+  says err "^iio-angle: --cos: .*no column 'c' for --cos; there are 1 'a', 2 'b'"
+  status 2 iio-angle import --rate 100 --sin a --cos a unnamed.csv -o x.csv
+  says err '^iio-angle: --sin: .*cannot be both'
+  status 2 iio-angle import --sin a --cos b --separator x unnamed.csv -o x.csv
+  says err "^iio-angle: --separator: 'x' is not bar, blank, comma, semicolon or tab$"
+  status 2 iio-angle import --sin a --cos b --separator comm unnamed.csv -o x.csv
+  says err "did you mean 'comma'"
+  local separator
+  for separator in ',' comma; do
+    status 0 iio-angle import --rate 100 --sin a --cos b --separator $separator unnamed.csv -o y.csv
+  done
+  for separator in ';' semicolon tab blank bar; do
+    status 1 iio-angle import --rate 100 --sin a --cos b --separator "$separator" unnamed.csv -o x.csv
+  done
+  printf 'Time [s],CH1 [V],CH2 [V]\n0,1,2\n1,2,3\n2,3,4\n' >units.csv
+  status 0 iio-angle import --sin 'CH1 [V]' --cos 'CH2 [V]' units.csv -o y.csv
+  absent x.csv
 }
 
 check_explain_says_and_writes_nothing() {
@@ -84,7 +112,7 @@ check_csv_becomes_sigmf_and_csv_again() {
   status 0 iio-angle import b.sigmf-meta -o c.csv
   cmp -s a.csv c.csv || fail "the way there and back changes it: $(diff a.csv c.csv | head -3)"
   status 2 iio-angle import --sin 2 a.csv -o d.csv
-  says err 'a capture already'
+  says err '^iio-angle: --sin: a.csv is a capture already'
   status 2 iio-angle import a.csv -o ./a.csv
 }
 

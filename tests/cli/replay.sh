@@ -41,18 +41,19 @@ check_watch_prints_lines_where_there_is_no_terminal() {
   says out ' deg  radius 1\.0'
 }
 
+emulate_capture() {
+  iio-angle emulate "$@" >uri 2>emulator.log </dev/null &
+  EMULATOR=$!
+  local i
+  for ((i = 0; i < 200; i++)); do
+    [[ ! -s uri ]] || break
+    sleep 0.05
+  done
+  URI=$(head -1 uri)
+}
+
 check_emulate_makes_a_device_of_a_capture() {
   simulate
-  emulate_capture() {
-    iio-angle emulate "$@" >uri 2>emulator.log </dev/null &
-    EMULATOR=$!
-    local i
-    for ((i = 0; i < 200; i++)); do
-      [[ ! -s uri ]] || break
-      sleep 0.05
-    done
-    URI=$(head -1 uri)
-  }
   emulate_capture --capture a.csv --speed 2
   status 0 iio-angle record -u "$URI" --samples 20000 -o b.csv
   for name in vsin_v vcos_v vtemp_v; do
@@ -60,6 +61,26 @@ check_emulate_makes_a_device_of_a_capture() {
   done
   says b.csv '^# sample_rate_hz = 20000$'
   same serial "$(iio_attr -u "$URI" -C hw_serial 2>/dev/null | grep -c 'simulated-4571')" 1
+}
+
+check_a_capture_that_is_served_ends_and_does_not_begin_again() {
+  simulate
+  emulate_capture --capture a.csv --speed 4
+  status 0 iio-angle record -u "$URI" -o b.csv
+  says err '^the samples are over: the server plays a recording'
+  same samples "$(column b.csv vsin_v | md5sum)" "$(column a.csv vsin_v | md5sum)"
+  status 0 iio-angle record -u "$URI" --duration 0.5 -o c.csv
+  same "samples of all of it" "$(column c.csv vsin_v | wc -l)" 20000
+  for length in "--duration 1" "--samples 20001"; do
+    # shellcheck disable=SC2086
+    status 1 iio-angle record -u "$URI" $length -o c.csv
+    says err 'were over after 20000 of them, 0.500 s: what was asked for is not there$'
+    same "samples kept with $length" "$(column c.csv vsin_v | wc -l)" 20000
+  done
+  status 0 iio-angle read -u "$URI" --calibration a.toml --format csv
+  same "lines of read" "$(lines out)" 20001
+  status 1 iio-angle read -u "$URI" --latency --buffers 100
+  says err 'were over before the latency was measured'
 }
 
 check_the_examples_wait_for_frames_and_end_with_the_capture() {

@@ -55,6 +55,60 @@ check_no_verb_writes_over_what_it_reads() {
   says a.csv '^time_s'
 }
 
+# A redirection that empties the file has done so before the program runs; the others have not.
+check_no_redirection_writes_into_what_is_read() {
+  capture a.csv
+  capture b.sigmf-meta
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  iio-angle simulate --duration 1 -o - >odd.csv
+  local before file
+  before=$(cat a.csv b.sigmf-meta b.sigmf-data a.toml odd.csv | cksum)
+  ln -s a.csv link.csv
+  for file in a.csv link.csv b.sigmf-meta b.sigmf-data; do
+    local -a verbs=("check $file" "convert --calibration a.toml $file -o -" "diagnose $file"
+      "diagnose --heldout $file odd.csv" "calibrate single $file -o x.toml" "import $file -o -"
+      "read --capture $file" "study run $file -o x.study"
+      "calibrate dual odd.csv $file -o x.toml")
+    local verb
+    for verb in "${verbs[@]}"; do
+      # shellcheck disable=SC2086
+      iio-angle $verb >>$file 2>err
+      same "exit status of '$verb' >>$file" $? 2
+      says err "^iio-angle: .* is an input, and standard output is redirected into it"
+      # shellcheck disable=SC2086
+      iio-angle $verb 1<>$file 2>err
+      same "exit status of '$verb' 1<>$file" $? 2
+      # shellcheck disable=SC2086
+      iio-angle $verb >out 2>>$file
+      same "exit status of '$verb' 2>>$file" $? 2
+      says out "^iio-angle: .* is an input, and standard error is redirected into it"
+      # shellcheck disable=SC2086
+      iio-angle $verb >>$file 2>&1
+      same "exit status of '$verb' >>$file 2>&1" $? 2
+    done
+  done
+  local model
+  for model in "convert --calibration a.toml a.csv -o -" "check --calibration a.toml a.csv" \
+    "diagnose --model a.toml a.csv" "simulate --model a.toml -o -" \
+    "read --calibration a.toml --capture a.csv"; do
+    # shellcheck disable=SC2086
+    iio-angle $model >>a.toml 2>err
+    same "exit status of '$model' >>a.toml" $? 2
+  done
+  iio-angle check - <a.csv >>a.csv 2>err
+  same "exit status" $? 2
+  # A mistyped option does not tell what is an input.
+  iio-angle check --colour a.csv >out 2>>a.csv
+  same "exit status" $? 2
+  says out "has no such option"
+  absent x.toml x.study
+  same "what was read" "$(cat a.csv b.sigmf-meta b.sigmf-data a.toml odd.csv | cksum)" "$before"
+  # Two outputs in one file are the user's own.
+  status 0 iio-angle check a.csv
+  iio-angle check a.csv >>log 2>>log
+  same "exit status" $? 0
+}
+
 check_nothing_is_diagnosed_twice() {
   capture a.csv
   capture b.sigmf-meta
@@ -178,6 +232,34 @@ check_a_dangling_link_is_followed() {
   says err 'loop.toml'
 }
 
+# as_outsider COMMAND...: by one who may read everything and write only where all may: root would not
+# notice where a file is meant to go.
+as_outsider() {
+  if [[ $(id -u) == 0 ]]; then
+    setpriv --reuid 65534 --regid 65534 --clear-groups --inh-caps +dac_read_search \
+      --ambient-caps +dac_read_search "$@"
+  else
+    "$@"
+  fi
+}
+
+check_a_bare_name_is_a_file_of_this_folder() {
+  capture a.csv
+  mkdir open shut
+  chmod 777 open
+  chmod 555 shut
+  status 0 as_outsider env -C open iio-angle calibrate single ../a.csv -o sensor.toml
+  status 0 as_outsider env -C open iio-angle convert --calibration sensor.toml ../a.csv -o ./b.csv
+  local name
+  for name in sensor.toml ./sensor.toml ../shut/sensor.toml; do
+    status 1 as_outsider env -C shut iio-angle calibrate single ../a.csv -o $name
+    empty out
+    same "sentences" "$(lines err)" 1
+    says err "^iio-angle: $name: cannot create: Permission denied"
+  done
+  chmod 755 shut
+}
+
 check_data_is_1_and_usage_2() {
   capture a.csv
   status 0 iio-angle calibrate single a.csv -o a.toml
@@ -232,7 +314,7 @@ check_what_is_implausible_is_said_beside_a_result() {
   status 0 iio-angle calibrate single a.csv -o a.toml
   says err '^but a.csv is not sound'
   says err '^supply +failed .*4.000 V is stated'
-  status 0 iio-angle diagnose --report a.html a.csv
+  status 1 iio-angle diagnose --report a.html a.csv # what the volts cannot be proves nothing
   says out '^The capture is not sound:'
   says out '^  supply: .*4.000 V is stated'
   says a.html 'id="failed-checks".*<li><code>supply</code> .*4.000 V is stated'
@@ -246,7 +328,8 @@ check_what_is_implausible_is_no_absence_of_discrepancies() {
     sound.csv >amplitude.csv
   local check
   for check in supply amplitude; do
-    status 0 iio-angle diagnose --json $check.csv
+    status 1 iio-angle diagnose --json $check.csv
+    says out '"verdict": "insufficient-data"'
     says out "\"check\": \"$check\""
     ! grep -q '"verdict": "no-discrepancy"' out || fail "$check: $(cat out)"
   done
@@ -371,6 +454,10 @@ check_what_cannot_go_on_stays_as_it_is() {
   }
   refused_to_go_on b.sigmf-meta                 # in another form
   refused_to_go_on a.sigmf-meta --supply 3.3
+  # The device keeps the rate at which it was found.
+  refused_to_go_on a.sigmf-meta --rate 1000
+  says err 'sample rate is 10000 Hz, now it would be 1000 Hz'
+  status 0 iio-angle record -u "$URI" --samples 5 --continue -o a.sigmf-meta
   printf 'X' | dd of=a.sigmf-data bs=1 seek=100 conv=notrunc 2>/dev/null
   refused_to_go_on a.sigmf-meta                 # damaged
   status 2 iio-angle record -u "$URI" --samples 5 --continue -o c.csv
@@ -410,6 +497,45 @@ check_a_recording_takes_the_place_of_an_old_one_only_when_it_is_complete() {
   same "files" "$(find . -name '*sigmf*' | wc -l)" 2
   status 0 iio-angle calibrate single a.sigmf-meta -o a.toml
   [[ $(cat a.sigmf-meta a.sigmf-data | cksum) != "$before" ]] || fail "the new one is not there"
+}
+
+check_where_nothing_can_be_written_is_said_before_the_work() {
+  status 0 iio-angle simulate --seed 4571 --duration 30 -o a.csv
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  mkdir folder.csv folder.html folder.toml
+  refuses() { # refuses FILE COMMAND...: soon, with one sentence about it and no result
+    local file=$1 began=$SECONDS
+    shift
+    status 1 "$@"
+    says err "^iio-angle: $file: cannot (create|write): "
+    same "sentences of '$*'" "$(lines err)" 1
+    empty out
+    ((SECONDS - began < 3)) || fail "'$*' worked for $((SECONDS - began)) s first"
+  }
+  local end
+  for end in /nowhere/x $PWD/a.csv/x nowhere/x folder; do
+    refuses "$end.html" iio-angle diagnose --report "$end.html" a.csv
+    refuses "$end.toml" iio-angle diagnose --extend "$end.toml" a.csv
+    refuses "$end.toml" iio-angle diagnose --extend "$end.toml" --report y.html a.csv
+    refuses "$end.toml" iio-angle calibrate single a.csv -o "$end.toml"
+    refuses "$end.toml" iio-angle calibrate dual a.csv a.csv -o "$end.toml"
+    refuses "$end.toml" iio-angle simulate --save-model "$end.toml" -o b.csv
+    refuses "$end.csv" iio-angle simulate --duration 1000 -o "$end.csv"
+    refuses "$end.csv" iio-angle convert --calibration a.toml a.csv -o "$end.csv"
+    refuses "$end.csv" iio-angle import a.csv -o "$end.csv"
+  done
+  refuses nowhere/x.db iio-angle study run a.csv -o nowhere/x.db
+  absent y.html b.csv
+  # What is written in place, or behind a link, is none of that.
+  ln -s there.toml link.toml
+  status 0 iio-angle calibrate single a.csv -o link.toml
+  [[ -s there.toml ]] || fail "nothing behind the link"
+  status 0 iio-angle convert --calibration a.toml a.csv -o /dev/null
+  if ((EUID != 0)); then
+    mkdir closed
+    chmod a-w closed
+    refuses closed/x.html iio-angle diagnose --report closed/x.html a.csv
+  fi
 }
 
 run_checks "${2:-}"

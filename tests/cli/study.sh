@@ -82,7 +82,7 @@ check_restarted_it_does_only_what_is_left_or_changed() {
   says err '^0 captures '
   capture c2.csv 77 serial=new
   status 0 iio-angle study run --without diagnose --list names -o s.db
-  says err '^1 captures '
+  says err '^1 capture '
   same serial "$(rows s.db "serial = 'new'")" 1
   same rows "$(rows s.db 1)" 4
 }
@@ -119,10 +119,10 @@ check_a_stopped_study_says_what_waits_and_goes_on() {
   done
   kill -TERM "$study"
   wait "$study" && fail "a stopped study ends with 0"
-  says err 'stopped: 1 captures wait'
+  says err 'stopped: not done yet: 1 capture;'
   rm hang.csv && capture hang.csv 9
   status 0 iio-angle study run --without diagnose -o s.db
-  says err '^1 captures '
+  says err '^1 capture '
   same "done" "$(rows s.db "state = 'done'")" 3
 }
 
@@ -136,12 +136,26 @@ check_shards_merge_to_the_same_file_in_any_order() {
   status 0 iio-angle study run --without diagnose --jobs 1 --list names -o whole.db
   status 1 iio-angle study merge -o some.db p3.db p1.db
   says err '^shard 2 of 3 is missing$'
+  status 1 iio-angle study merge -o some.db p3.db
+  says err '^shard 1 of 3 is missing$'
   status 0 iio-angle study merge -o merged.db p3.db p1.db p2.db p1.db
   status 0 iio-angle study merge -o one.db whole.db
   cmp merged.db one.db || fail "merged parts differ from one run"
   status 0 iio-angle study report --json whole.db && mv out whole.json
   status 0 iio-angle study report --json merged.db
   cmp out whole.json || fail "their reports differ"
+}
+
+check_what_is_refused_leaves_no_study_behind() {
+  quick_captures 1
+  status 1 iio-angle study run --without diagnose -o s.db c1.csv $'sch\xf6n.csv'
+  says err 'is not UTF-8'
+  status 1 iio-angle study run --reports c1.csv/pages -o s.db c1.csv
+  says err '^iio-angle: c1.csv/pages: cannot hold reports: '
+  absent s.db s.db-wal s.db-shm
+  status 0 iio-angle study run --without diagnose -o s.db c1.csv
+  status 1 iio-angle study run --without diagnose -o s.db $'sch\xf6n.csv'
+  same "rows of the study that was there" "$(rows s.db 1)" 1
 }
 
 check_wrong_usage_and_foreign_files() {

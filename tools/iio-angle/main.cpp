@@ -10,7 +10,9 @@
 #include <fmt/format.h>
 
 #include "common/complete.h"
+#include "common/file_roles.h"
 #include "common/handles.h"
+#include "common/help_text.h"
 #include "common/print.h"
 #include "common/usage.h"
 #include "common/verb.h"
@@ -25,6 +27,7 @@ constexpr void (*kVerbs[])(CLI::App &, cli::Action &) = {
 
 void describe(CLI::App &app) {
   app.require_subcommand(1);
+  app.formatter(std::make_shared<cli::HelpText>());
   app.get_formatter()->column_width(34);
   app.set_version_flag("-V,--version", std::string("iio-angle ") + ada4571_version());
   app.footer("A first angle, without hardware:\n"
@@ -66,6 +69,7 @@ int run(int argc, char **argv) {
   } catch (const CLI::Success &e) {
     app.exit(e); // help or version, to standard output
   } catch (const CLI::ParseError &e) {
+    cli::keep_remarks_out_of({argv + 1, argv + argc});
     throw cli::Failure(cli::kWrongUsage, cli::usage_error(app, e));
   }
   cli::flush_output();

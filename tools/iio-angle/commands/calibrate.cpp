@@ -60,7 +60,7 @@ int single(const Options &options) {
   Model model;
   {
     Busy busy("reading " + options.capture);
-    capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
+    capture = open_capture(options.capture);
     FileRoles().reads(options.capture, capture).writes(options.output);
     busy.now("calibrating");
     model = make<Model>(ada4571_calibrate_single, capture.get(), method_of(options));
@@ -83,9 +83,9 @@ int dual(const Options &options) {
   double cold_v = 0, hot_v = 0;
   {
     Busy busy("reading " + options.cold);
-    cold = make<Recording>(ada4571_recording_open, options.cold.c_str());
+    cold = open_capture(options.cold);
     busy.now("reading " + options.hot);
-    hot = make<Recording>(ada4571_recording_open, options.hot.c_str());
+    hot = open_capture(options.hot);
     FileRoles().reads(options.cold, cold).reads(options.hot, hot).writes(options.output);
     busy.now("calibrating");
     model = make<Model>(ada4571_calibrate_dual, cold.get(), hot.get(), method_of(options));
@@ -93,7 +93,7 @@ int dual(const Options &options) {
     hot_v = mean_vtemp(hot, method_of(options));
   }
   if (hot_v < cold_v)
-    note("{} is the cold capture (VTEMP {:.3f} V), {} the hot one ({:.3f} V): taken so\n",
+    note("{} is the cold capture (VTEMP {:.3f} V), {} the hot one ({:.3f} V): exchanged\n",
          options.hot, hot_v, options.cold, cold_v);
   finish(model, options.output);
   warn_of_faults(cold, options.cold);

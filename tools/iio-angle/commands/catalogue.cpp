@@ -127,7 +127,7 @@ void add_catalogue(CLI::App &app, Action &action) {
       app.add_subcommand("catalogue", "the effects that a model can hold, with their parameters");
   auto options = std::make_shared<Options>();
   verb->add_option("NAME", options->names, "effects to show (default: all)")
-      ->transform(one_of(effect_names()).description(""));
+      ->transform(one_of(effect_names(), "effect").description(""));
   verb->add_flag("--json", options->json, "print JSON (ada4571-catalogue/1) instead of text");
   example(*verb, "  iio-angle catalogue | less\n"
                  "  iio-angle catalogue channel-skew\n"

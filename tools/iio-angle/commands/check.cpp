@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <memory>
 
+#include "common/file_roles.h"
 #include "common/handles.h"
 #include "common/jobs.h"
 #include "common/print.h"
@@ -17,10 +18,10 @@ struct Options {
 };
 
 int run(const Options &options) {
-  const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
+  const auto capture = open_capture(options.capture);
   Model model;
   if (!options.calibration.empty())
-    model = make<Model>(ada4571_model_load, options.calibration.c_str());
+    model = load_model(options.calibration);
   const auto health =
       make<Health>(ada4571_check, capture.get(), static_cast<const ada4571_model *>(model.get()));
   const std::string_view result =

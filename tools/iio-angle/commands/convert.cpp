@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <chrono>
-#include <map>
 #include <memory>
 #include <string>
 
@@ -10,6 +9,7 @@
 #include "common/file_roles.h"
 #include "common/jobs.h"
 #include "common/live.h"
+#include "common/option_checks.h"
 #include "common/progress.h"
 #include "common/verb.h"
 
@@ -18,8 +18,7 @@ namespace cli {
 namespace {
 
 struct Options {
-  std::string calibration, capture, output;
-  ada4571_angle_form form = ADA4571_ANGLES_BY_NAME;
+  std::string calibration, capture, output, format;
   bool dynamic = false;
 };
 
@@ -52,21 +51,46 @@ private:
   Clock::time_point began_ = Clock::now();
 };
 
+ada4571_angle_form form_of(const std::string &format) {
+  return format == "csv"     ? ADA4571_ANGLES_TEXT
+         : format == "sigmf" ? ADA4571_ANGLES_SIGMF
+                             : ADA4571_ANGLES_BY_NAME;
+}
+
+/// A name that says nothing of the form would be CSV without a word: who asked for angles.npy or
+/// angles.sigmf wants something else.
+void require_form(const Options &options) {
+  const bool sigmf =
+      options.output.ends_with(".sigmf-meta") || options.output.ends_with(".sigmf-data");
+  if (options.format.empty()) {
+    const std::string wrong =
+        sigmf ? "" : wrong_ending(options.output, {".csv", ".sigmf-meta"}, "a file of angles");
+    if (!wrong.empty())
+      throw CLI::ValidationError("--output", wrong + ", or give --format csv");
+  } else if (sigmf != (options.format == "sigmf")) {
+    throw CLI::ValidationError("--format",
+                               fmt::format("{} does not go with the name '{}': that of a "
+                                           "SigMF recording ends in .sigmf-meta",
+                                           options.format, options.output));
+  }
+}
+
 int run(const Options &options) {
-  const auto model = make<Model>(ada4571_model_load, options.calibration.c_str());
-  const auto capture = make<Recording>(ada4571_recording_open, options.capture.c_str());
+  const ada4571_angle_form form = form_of(options.format);
+  const auto model = load_model(options.calibration);
+  const auto capture = open_capture(options.capture);
   FileRoles().reads(options.capture, capture).reads(options.calibration).writes(options.output);
   mention_remainder(model);
   Speed speed(capture);
   if (options.dynamic) {
     const auto tracker = make<Tracker>(ada4571_tracker_new, model.get(),
                                        static_cast<const ada4571_tracker_options *>(nullptr));
-    check_usage(ada4571_tracker_save(tracker.get(), capture.get(), options.output.c_str(),
-                                     options.form, Speed::show, &speed));
+    check_usage(ada4571_tracker_save(tracker.get(), capture.get(), options.output.c_str(), form,
+                                     Speed::show, &speed));
   } else {
     const auto converter = make<Converter>(ada4571_converter_new, model.get());
-    check_usage(ada4571_converter_save(converter.get(), capture.get(), options.output.c_str(),
-                                       options.form, Speed::show, &speed));
+    check_usage(ada4571_converter_save(converter.get(), capture.get(), options.output.c_str(), form,
+                                       Speed::show, &speed));
   }
   return kDone;
 }
@@ -88,10 +112,8 @@ void add_convert(CLI::App &app, Action &action) {
                    ".sigmf-meta, which is smaller and faster")
       ->required()
       ->type_name("OUT.csv");
-  const std::map<std::string, ada4571_angle_form> forms{{"csv", ADA4571_ANGLES_TEXT},
-                                                        {"sigmf", ADA4571_ANGLES_SIGMF}};
-  verb->add_option("--format", options->form, "csv or sigmf (default: by the name)")
-      ->transform(CLI::Transformer(forms).description("csv|sigmf"))
+  verb->add_option("--format", options->format, "form of the output (default: by its name)")
+      ->transform(one_of({"csv", "sigmf"}))
       ->type_name("");
   add_jobs_option(*verb);
   example(*verb,
@@ -99,6 +121,7 @@ void add_convert(CLI::App &app, Action &action) {
           "Columns: angle_deg is mechanical, in [0, 360/periods); radius is relative to the\n"
           "calibrated amplitude; status is 0 for a sound sample, else the sum of 1 radius out of\n"
           "its band, 2 at a rail, 4 invalid, 8 samples lost before this one.");
+  verb->parse_complete_callback([options] { require_form(*options); });
   verb->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

@@ -33,7 +33,7 @@ struct Recordings {
   std::vector<const ada4571_recording *> bare;
   explicit Recordings(const std::vector<std::string> &paths) {
     for (const std::string &path : paths) {
-      own.push_back(make<Recording>(ada4571_recording_open, path.c_str()));
+      own.push_back(open_capture(path));
       bare.push_back(own.back().get());
     }
   }
@@ -42,7 +42,7 @@ struct Recordings {
 Diagnosis diagnose(const Options &options, const Recordings &captures, const Recordings &heldout) {
   Model baseline;
   if (!options.model.empty())
-    baseline = make<Model>(ada4571_model_load, options.model.c_str());
+    baseline = load_model(options.model);
   Progress progress;
   auto wanted = initialised(ada4571_diagnosis_options_init);
   wanted.baseline = baseline.get();
@@ -65,17 +65,24 @@ int run(const Options &options) {
     roles.reads_once(options.heldout[k], heldout.own[k]);
   roles.reads(options.model).writes(options.extend).writes(options.report);
   const Diagnosis diagnosis = diagnose(options, captures, heldout);
-  if (!options.extend.empty()) {
+  const bool told = ada4571_diagnosis_verdict(diagnosis.get()) != ADA4571_INSUFFICIENT_DATA;
+  const auto extend = [&] {
+    if (options.extend.empty())
+      return;
     const auto model = make<Model>(ada4571_diagnosis_model, diagnosis.get());
     check(ada4571_model_save(model.get(), options.extend.c_str()));
-  }
+  };
+  if (told)
+    extend();
   const std::string_view result = options.json ? ada4571_diagnosis_json(diagnosis.get())
                                                : ada4571_diagnosis_text(diagnosis.get());
   print("{}{}", result, result.ends_with('\n') ? "" : "\n");
   // Last: whatever becomes of the page, the result is out.
   if (!options.report.empty())
     check(ada4571_diagnosis_report(diagnosis.get(), options.report.c_str()));
-  return kDone;
+  if (!told)
+    extend(); // there may be no model, and the result has said why
+  return told ? kDone : kUnusable;
 }
 
 } // namespace
@@ -89,7 +96,7 @@ void add_diagnose(CLI::App &app, Action &action) {
       ->type_name("FILE");
   verb->add_option("--heldout", options->heldout,
                    "capture to measure the gain on, may be given again (default: whole turns of "
-                   "CAPTURE, or every third of several)")
+                   "CAPTURE, or every third of six or more)")
       ->type_name("CAPTURE")
       ->allow_extra_args(false);
   verb->add_option("--extend", options->extend, "write the extended model, ready for convert")
@@ -107,7 +114,9 @@ void add_diagnose(CLI::App &app, Action &action) {
   add_jobs_option(*verb);
   example(*verb, "  iio-angle diagnose --report report.html capture.csv\n"
                  "  iio-angle diagnose --json --extend sensor.toml capture.csv\n"
-                 "  iio-angle convert --calibration sensor.toml capture.csv -o angles.csv");
+                 "  iio-angle convert --calibration sensor.toml capture.csv -o angles.csv\n"
+                 "Exit status 1 also when the capture holds too little to tell by: the result says "
+                 "what is missing.");
   verb->callback([options, &action] { action = [options] { return run(*options); }; });
 }
 

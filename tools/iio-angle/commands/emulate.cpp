@@ -2,8 +2,10 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <memory>
 
+#include "common/file_roles.h"
 #include "common/option_checks.h"
 #include "common/print.h"
+#include "common/progress.h"
 #include "common/simulation_options.h"
 #include "common/source_options.h"
 #include "common/stop.h"
@@ -27,7 +29,8 @@ Emulator make_emulator(const Options &options) {
                                    static_cast<const ada4571_simulation *>(simulation.get()),
                                    options.port);
   }
-  const auto recording = make<Recording>(ada4571_recording_open, options.capture.c_str());
+  const Busy busy("reading " + options.capture);
+  const auto recording = open_capture(options.capture);
   return make_as_asked<Emulator>(ada4571_emulator_new_replay,
                                  static_cast<const ada4571_recording *>(recording.get()),
                                  options.speed, options.port);
@@ -52,7 +55,9 @@ void add_emulate(CLI::App &app, Action &action) {
   auto options = std::make_shared<Options>();
   options->simulation.numbers.duration_s = 0; // without end
   add_simulation_options(*verb, options->simulation);
+  verb->get_option("--duration")->description("length, in s, 0 for no end");
   add_replay_options(*verb, options->capture, options->speed);
+  verb->get_option("--speed")->transform(positive("1")); // a device has a pace
   verb->parse_complete_callback([verb] {
     refuse_beside_capture(*verb, {"--model", "--effect", "--seed", "--motion", "--temperature",
                                   "--rate", "--duration", "--noise", "--bits", "--adc-reference",

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "common/file_roles.h"
 #include "common/handles.h"
 #include "common/known_names.h"
 #include "common/option_checks.h"
@@ -23,6 +24,7 @@ struct Options {
 
 int run(const Options &options) {
   const std::vector<std::string> names = options.names.empty() ? figure_names() : options.names;
+  FileRoles().writes(options.directory + "/" + names.front() + ".csv");
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string &name = names[i];
     {
@@ -43,7 +45,7 @@ void add_figures(CLI::App &app, Action &action) {
   for (const std::string &name : figure_names())
     names += (names.empty() ? "" : ", ") + name;
   verb->add_option("NAME", options->names, names + " (default: all)")
-      ->transform(one_of(figure_names()).description(""));
+      ->transform(one_of(figure_names(), "figure").description(""));
   verb->add_option("-o,--output", options->directory, "folder to write to")
       ->capture_default_str()
       ->check(CLI::ExistingDirectory)

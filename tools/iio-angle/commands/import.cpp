@@ -20,6 +20,8 @@ namespace cli {
 
 namespace {
 
+constexpr double kMostRate_hz = 1e9; ///< of the library
+
 using Import = std::unique_ptr<ada4571_import, Freed<ada4571_import_free>>;
 
 /// One channel as the command line has it; a column that was not given is looked for.
@@ -52,9 +54,20 @@ const std::map<std::string, double> kAngleUnits = {
 const std::map<std::string, std::string> kSeparators = {
     {"comma", ","}, {"semicolon", ";"}, {"tab", "\t"}, {"blank", " "}, {"bar", "|"}};
 
-std::string separator_of(const std::string &text) {
-  const auto word = kSeparators.find(text);
-  return word == kSeparators.end() ? text : word->second;
+/// The words, and the marks that they stand for; the option gets the mark.
+CLI::Validator separator() {
+  std::vector<std::string> words;
+  for (const auto &[word, mark] : kSeparators)
+    words.push_back(word);
+  return {[known = one_of(words)](std::string &text) -> std::string {
+            const bool is_mark = std::any_of(kSeparators.begin(), kSeparators.end(),
+                                             [&](const auto &pair) { return pair.second == text; });
+            std::string wrong = is_mark ? "" : known(text);
+            if (!is_mark && wrong.empty())
+              text = kSeparators.at(text);
+            return wrong;
+          },
+          "{" + CLI::detail::join(words, ",") + "}"};
 }
 
 /// "sin=0.001": the factor or the offset of a channel.
@@ -76,10 +89,22 @@ void apply(const Options &options, const std::vector<std::string> &pairs, const 
   }
 }
 
-Import open_import(const Options &options) {
+/// What the library wants to know, with the option that it asks for before it: "say which" is no
+/// help to who does not know how.
+std::string option_first(const CLI::App &verb, const std::string &sentence) {
+  for (std::size_t at = sentence.find(" --"); at != sentence.npos;
+       at = sentence.find(" --", at + 1)) {
+    const std::size_t end = sentence.find_first_not_of("abcdefghijklmnopqrstuvwxyz-", at + 1);
+    const std::string name = sentence.substr(at + 1, end == sentence.npos ? end : end - at - 1);
+    if (verb.get_option_no_throw(name) != nullptr)
+      return name + ": " + sentence;
+  }
+  return sentence;
+}
+
+Import open_import(const CLI::App &verb, const Options &options) {
   auto wanted = initialised(ada4571_import_options_init);
-  const std::string separator = separator_of(options.separator);
-  wanted.separator = separator.empty() ? nullptr : separator.c_str();
+  wanted.separator = options.separator.empty() ? nullptr : options.separator.c_str();
   wanted.decimal = options.decimal.empty() ? nullptr : options.decimal.c_str();
   wanted.header_lines = options.header_lines;
   wanted.sample_rate_hz = options.rate_hz;
@@ -94,8 +119,15 @@ Import open_import(const Options &options) {
     wanted.reference.scale = kAngleUnits.at(options.reference_unit);
   apply(options, options.scales, "--scale", &ada4571_import_column::scale, wanted);
   apply(options, options.offsets, "--offset", &ada4571_import_column::offset, wanted);
-  return make_as_asked<Import>(ada4571_import_open, options.input.c_str(),
-                               static_cast<const ada4571_import_options *>(&wanted));
+  try {
+    return make_as_asked<Import>(ada4571_import_open, options.input.c_str(),
+                                 static_cast<const ada4571_import_options *>(&wanted));
+  } catch (const Failure &e) {
+    if (e.exit_status() != kWrongUsage)
+      throw;
+    throw Failure(kWrongUsage,
+                  option_first(verb, e.what()) + std::string("; see `iio-angle import --help`"));
+  }
 }
 
 /// One of this program's own recordings, in either form: only its form is to change.
@@ -114,10 +146,10 @@ bool is_capture(const std::string &path) {
 int change_form(const CLI::App &verb, const Options &options) {
   for (const CLI::Option *option : verb.get_options())
     if (option->count() > 0 && option->nonpositional() && !option->check_lname("output"))
-      throw Failure(kWrongUsage, fmt::format("{} is a capture already, which says all by itself: {} "
-                                             "is for files of other programs",
-                                             options.input, option->get_name()));
-  const auto recording = make<Recording>(ada4571_recording_open, options.input.c_str());
+      throw Failure(kWrongUsage, fmt::format("{}: {} is a capture already: this is for files of "
+                                             "other programs",
+                                             option->get_name(), options.input));
+  const auto recording = open_capture(options.input);
   FileRoles().reads(options.input, recording).writes(options.output);
   check_usage(ada4571_recording_save(recording.get(), options.output.c_str()));
   return kDone;
@@ -142,7 +174,7 @@ int run(const CLI::App &verb, const Options &options) {
   FileRoles().reads(options.input).writes(options.output);
   if (is_capture(options.input))
     return change_form(verb, options);
-  const Import import = open_import(options);
+  const Import import = open_import(verb, options);
   remark(ada4571_import_text(import.get()));
   if (options.explain)
     return kDone;
@@ -164,14 +196,13 @@ int run(const CLI::App &verb, const Options &options) {
 
 void add_text_options(CLI::App &verb, Options &options) {
   verb.add_option("--separator", options.separator,
-                  "between the columns: comma, semicolon, tab, blank, bar (default: found out)")
-      ->transform(one_of({"comma", "semicolon", "tab", "blank", "bar", ",", ";", "\t", " ", "|"})
-                      .description(""))
-      ->type_name("WORD");
-  verb.add_option("--decimal", options.decimal, "decimal mark, . or , (default: found out)")
+                  "what is between the columns (default: detected)")
+      ->transform(separator())
+      ->type_name("");
+  verb.add_option("--decimal", options.decimal, "decimal mark, . or , (default: detected)")
       ->transform(one_of({".", ","}).description(""))
       ->type_name("MARK");
-  verb.add_option("--skip", options.header_lines, "lines before the first row (default: found out)")
+  verb.add_option("--skip", options.header_lines, "lines before the first row (default: detected)")
       ->transform(whole(0, 100000))
       ->type_name("N");
 }
@@ -183,6 +214,7 @@ void add_value_options(CLI::App &verb, Options &options) {
         ->type_name("COLUMN");
   verb.add_option("--rate", options.rate_hz, "sample rate, instead of a column of times")
       ->transform(positive("Hz"))
+      ->transform(between(0.0, kMostRate_hz, "Hz"))
       ->type_name("HZ");
   verb.add_option("--time-unit", options.time_unit, "unit of the times (default: by the file, or s)")
       ->transform(one_of({"s", "ms", "us", "ns", "min"}))
@@ -196,7 +228,7 @@ void add_value_options(CLI::App &verb, Options &options) {
                   "sin=0.001; may be given again")
       ->allow_extra_args(false)
       ->type_name("CHANNEL=FACTOR");
-  verb.add_option("--offset", options.offsets, "what is added after that; may be given again")
+  verb.add_option("--offset", options.offsets, "number to add after the factor; may be given again")
       ->allow_extra_args(false)
       ->type_name("CHANNEL=VALUE");
   verb.add_option("--supply", options.supply_v, "supply of the sensor, in V")
@@ -218,11 +250,12 @@ void add_import(CLI::App &app, Action &action) {
       "import", "a capture from the CSV of an oscilloscope or DAQ, or from numpy's .npy");
   auto options = std::make_shared<Options>();
   verb->add_option("FILE", options->input,
-                   "what another program wrote, or - for standard input; a capture changes its form")
+                   "file of another program, or - for standard input; a capture gets the other form")
       ->type_name("")
       ->required();
   auto *output = verb->add_option("-o,--output", options->output,
                                   "capture file: .csv, .sigmf-meta, or - for standard output")
+                     ->transform(capture_name())
                      ->type_name("CAPTURE");
   auto *explain = verb->add_flag("--explain", options->explain,
                                  "only say how the file is understood, and write nothing");
@@ -237,7 +270,7 @@ void add_import(CLI::App &app, Action &action) {
           "  iio-angle import --sin 2 --cos 3 --rate 10000 --scale sin=0.001 --scale cos=0.001 \\\n"
           "      daq.txt -o capture.sigmf-meta\n"
           "  iio-angle import capture.csv -o capture.sigmf-meta\n"
-          "What was found out about the file is said on standard error; what cannot be found out is\n"
+          "What was detected is said on standard error; what cannot be detected is\n"
           "asked for.");
   verb->callback([options, verb, &action] { action = [options, verb] { return run(*verb, *options); }; });
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/known_names.h"
 #include "common/print.h"
 #include "common/source_options.h"
 #include "common/spelling.h"
@@ -30,7 +31,11 @@ int save(const Options &options) {
   const char *calibration = options.no_calibration        ? ""
                             : options.calibration.empty() ? nullptr
                                                           : options.calibration.c_str();
-  check_usage(ada4571_source_save_config(source.get(), options.save.c_str(), calibration));
+  const ada4571_status status =
+      ada4571_source_save_config(source.get(), options.save.c_str(), calibration);
+  if (status == ADA4571_ERROR_INVALID_ARGUMENT)
+    throw Failure(kWrongUsage, fmt::format("--save: {}", ada4571_last_error()));
+  check(status);
   const auto list = make<StoredList>(ada4571_stored_list_new, options.save.c_str());
   auto stored = initialised(ada4571_stored_init);
   check(ada4571_stored_list_get(list.get(), 0, &stored));
@@ -48,30 +53,34 @@ struct Where {
 Where where_of(const SourceOptions &source) {
   if (source.stored.empty())
     return {source.uri, source.device};
-  StoredList list;
-  ada4571_stored_list *raw = nullptr;
-  check_usage(ada4571_stored_list_new(source.stored.c_str(), &raw));
-  list.reset(raw);
+  const StoredList list = open_stored(source.stored, [&source] {
+    return make_as_asked<StoredList>(ada4571_stored_list_new, source.stored.c_str());
+  });
   auto stored = initialised(ada4571_stored_init);
   check(ada4571_stored_list_get(list.get(), 0, &stored));
   return {stored.uri, stored.device};
 }
 
-std::vector<ada4571_device> devices_of(const DeviceList &list, const std::string &wanted) {
+std::vector<ada4571_device> devices_of(const DeviceList &list, const Where &where) {
+  const std::string &wanted = where.device;
   std::vector<ada4571_device> devices;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < ada4571_device_list_count(list.get()); ++i) {
     ada4571_device device{};
     device.struct_size = sizeof device;
     check(ada4571_device_list_get(list.get(), i, &device));
-    names.insert(names.end(), {device.id, device.name});
+    names.insert(names.end(), {device.id, device.name, device.label});
     if (wanted.empty() || wanted == device.id || wanted == device.name || wanted == device.label)
       devices.push_back(device);
   }
   if (names.empty())
     throw Failure(kUnusable,
-                  "no device with a pair of buffered voltage channels: is the driver loaded, and "
-                  "may this user read /dev/iio:device* (is it in the group plugdev)?");
+                  where.uri.empty() || where.uri == "local:"
+                      ? "no device with a pair of buffered voltage channels: is the driver loaded, "
+                        "and may this user read /dev/iio:device* (is it in the group plugdev)?"
+                      : fmt::format("{} has no device with a pair of buffered voltage channels: "
+                                    "`iio_info -u {}` shows what it has",
+                                    where.uri, where.uri));
   if (devices.empty())
     throw Failure(kUnusable, fmt::format("no usable device is called '{}'{}", wanted,
                                          did_you_mean(wanted, names)));
@@ -107,7 +116,7 @@ int run(const Options &options) {
   const auto list =
       make<DeviceList>(ada4571_device_list_new, where.uri.empty() ? nullptr : where.uri.c_str());
   Json devices = Json::array();
-  for (const ada4571_device &device : devices_of(list, where.device))
+  for (const ada4571_device &device : devices_of(list, where))
     if (options.json)
       devices.push_back(to_json(device));
     else
@@ -118,6 +127,16 @@ int run(const Options &options) {
                        {"devices", devices}}
                       .dump(1));
   return kDone;
+}
+
+/// -s takes a path as well, but what is stored under a name goes to where names are looked for.
+CLI::Validator no_path() {
+  return {[](std::string &name) -> std::string {
+            return name.find('/') == name.npos
+                       ? ""
+                       : fmt::format("'{}' is a path: give a name without a slash", name);
+          },
+          ""};
 }
 
 /// What only says how a device is opened means nothing where none is.
@@ -138,14 +157,13 @@ void add_list(CLI::App &app, Action &action) {
   add_source_options(*verb, options->source);
   auto *save = verb->add_option("--save", options->save,
                                 "store how the chosen device is opened as NAME, for -s NAME");
-  save->type_name("NAME");
+  save->transform(no_path())->type_name("NAME");
   auto *calibration =
       verb->add_option("--calibration", options->calibration,
-                       "with --save: the calibration file that belongs to it (default: the one "
-                       "that NAME has)")
+                       "calibration file that belongs to it (default: the one that NAME has)")
           ->needs(save)
           ->type_name("FILE");
-  verb->add_flag("--no-calibration", options->no_calibration, "with --save: none belongs to it")
+  verb->add_flag("--no-calibration", options->no_calibration, "forget the calibration")
       ->needs(save)
       ->excludes(calibration);
   verb->add_flag("--json", options->json, "print JSON (ada4571-list/1) instead of text")

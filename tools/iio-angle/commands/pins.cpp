@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "common/handles.h"
+#include "common/known_names.h"
 #include "common/option_checks.h"
 #include "common/print.h"
 #include "common/stop.h"
@@ -28,7 +29,11 @@ Pins open_pins(const Options &options, bool gc) {
     (gc ? wanted.gc_line : wanted.pd_line) = options.line.c_str();
   if (options.active_low)
     (gc ? wanted.gc_active_low : wanted.pd_active_low) = 1;
-  return make_as_asked<Pins>(ada4571_pins_open, static_cast<const ada4571_pins_options *>(&wanted));
+  const auto open = [&wanted] {
+    return make_as_asked<Pins>(ada4571_pins_open,
+                               static_cast<const ada4571_pins_options *>(&wanted));
+  };
+  return options.stored.empty() ? open() : open_stored(options.stored, open);
 }
 
 int run(const Options &options) {

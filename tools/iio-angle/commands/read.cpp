@@ -33,8 +33,6 @@ int run(const Options &options) {
   const Model model = live_model(source, options.calibration);
   mention_remainder(model);
   LiveAngles angles(model, options.dynamic);
-  if (options.latency && options.source.replays())
-    throw Failure(kWrongUsage, "--latency measures a device: a capture has none");
   if (options.latency) {
     measure_latency(source, angles, options.buffers, options.samples, format_of(options.format));
     return kDone;
@@ -89,7 +87,11 @@ void add_read(CLI::App &app, Action &action) {
                  "  iio-angle read -s wheel --latency --buffers 1,10,100\n"
                  "  iio-angle read --capture capture.csv --speed 0 --format csv\n"
                  "Speed 0 plays a capture as fast as it is read.");
-  verb->callback([options, &action] { action = [options] { return run(*options); }; });
+  verb->callback([options, &action] {
+    if (options->latency && options->source.replays())
+      throw CLI::ExcludesError("--latency", "--capture"); // the age of a sample is a device's
+    action = [options] { return run(*options); };
+  });
 }
 
 } // namespace cli

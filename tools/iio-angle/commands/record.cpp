@@ -91,6 +91,18 @@ public:
       finish();
   }
 
+  /// Not as long as asked for, since the source has no more.
+  void require_complete() const {
+    // The last sample stands for a period, too: a second at 1 kHz ends at 0.999 s.
+    const double covered_s = (last_s_ - first_s_) * static_cast<double>(count_) /
+                             static_cast<double>(std::max<std::uint64_t>(count_ - 1, 1));
+    if (!complete_ && (options_.samples > 0 || covered_s + kRounding_s < options_.duration_s))
+      throw Failure(kUnusable,
+                    fmt::format("the samples of the device were over after {} of them, {:.3f} s: "
+                                "what was asked for is not there",
+                                count_, last_s_ - first_s_));
+  }
+
   /// Not as long as asked for, though the time for it is over by our own clock.
   void require_in_time() const {
     if (!complete_ && late())
@@ -175,6 +187,8 @@ int run(const Options &options) {
   recorder.finish();
   reader.report();
   require_times(source, reader.losses());
+  if (reader.ended())
+    recorder.require_complete();
   recorder.require_in_time();
   return kDone;
 }
@@ -185,8 +199,8 @@ void add_record(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("record", "buffered capture to a file");
   auto options = std::make_shared<Options>();
   add_source_options(*verb, options->source);
-  auto *length = verb->add_option_group(
-      "length", "how much; without, until Ctrl-C, which ends it earlier in any case");
+  auto *length =
+      verb->add_option_group("length", "default: until Ctrl-C, which also ends it earlier");
   auto *duration = length->add_option("--duration", options->duration_s, "seconds");
   duration->transform(positive("s"))->type_name("S");
   length->add_option("--samples", options->samples, "number of samples")
@@ -196,6 +210,7 @@ void add_record(CLI::App &app, Action &action) {
   verb->add_option("-o,--output", options->output,
                    "capture file: .csv, .sigmf-meta, or - for standard output")
       ->required()
+      ->transform(capture_name())
       ->type_name("CAPTURE");
   verb->add_flag("--continue", options->resume,
                  "go on in the SigMF recording of that name, after a gap, if there is one");
@@ -206,8 +221,13 @@ void add_record(CLI::App &app, Action &action) {
       "  iio-angle record -u ip:192.168.1.20 -d ad7380 --sin voltage0 --cos voltage1 \\\n"
       "      --samples 1000000 -o capture.sigmf-meta\n"
       "A .csv appears when it is complete. A SigMF recording is on the disk from its first sample\n"
-      "on, to the last second whatever happens: take it for long ones.");
-  verb->callback([options, &action] { action = [options] { return run(*options); }; });
+      "on, and a crash costs a second at most: use it for long recordings.");
+  verb->callback([options, &action] {
+    if (options->resume && !is_sigmf(options->output))
+      throw CLI::ValidationError("--continue",
+                                 "only a SigMF recording (.sigmf-meta) can be continued");
+    action = [options] { return run(*options); };
+  });
 }
 
 } // namespace cli

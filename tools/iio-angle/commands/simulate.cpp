@@ -37,9 +37,11 @@ void add_simulate(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("simulate", "a capture from the simulated sensor");
   auto options = std::make_shared<Options>();
   add_simulation_options(*verb, options->simulation);
+  verb->get_option("--duration")->transform(positive("s")); // a file has an end
   verb->add_option("-o,--output", options->output,
                    "capture file: .csv, .sigmf-meta, or - for standard output")
       ->required()
+      ->transform(capture_name())
       ->type_name("CAPTURE");
   verb->add_option("--save-model", options->save_model,
                    "also write the model in force, drawn values included")

@@ -5,6 +5,8 @@
 #include <charconv>
 #include <climits>
 #include <chrono>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -99,6 +101,19 @@ std::size_t processors() {
   return static_cast<std::size_t>(std::max(1, CPU_COUNT(&set)));
 }
 
+std::string captures_words(std::size_t count) {
+  return fmt::format("{} capture{}", count, count == 1 ? "" : "s");
+}
+
+/// Before the first analysis, whose result would be lost without it.
+void make_folder(const std::string &name) {
+  std::error_code failed;
+  std::filesystem::create_directories(name, failed);
+  if (failed || access(name.c_str(), W_OK) != 0)
+    throw Failure(kUnusable, fmt::format("{}: cannot hold reports: {}", name,
+                                         failed ? failed.message() : std::strerror(errno)));
+}
+
 std::string time_words(double s) {
   if (s < 90.0)
     return fmt::format("{:.0f} s", s);
@@ -118,16 +133,17 @@ public:
     }
     const double rate = static_cast<double>(done_) / seconds();
     progress_.show(static_cast<double>(done_) / static_cast<double>(all_),
-                   fmt::format("{} of {} captures, {:.3g} a second, {} left, {} failed", done_,
-                               all_, rate, time_words(static_cast<double>(all_ - done_) / rate),
+                   fmt::format("{} of {}, {:.3g} a second, {} left, {} failed", done_,
+                               captures_words(all_), rate, time_words(static_cast<double>(all_ - done_) / rate),
                                failed_));
   }
   void close(bool complete) {
     progress_.clear();
-    note("{} captures in {}, {:.3g} a second, {} failed\n", done_, time_words(seconds()),
+    note("{} in {}, {:.3g} a second, {} failed\n", captures_words(done_), time_words(seconds()),
          static_cast<double>(done_) / seconds(), failed_);
     if (!complete)
-      note("stopped: {} captures wait; the same command goes on with them\n", all_ - done_);
+      note("stopped: not done yet: {}; the same command goes on with them\n",
+           captures_words(all_ - done_));
   }
 
 private:
@@ -170,6 +186,10 @@ int run(const RunOptions &options) {
     roles.reads(options.captures[k]);
   roles.writes(options.output);
   const std::vector<std::string> captures = captures_of(options); // before a study is made for them
+  for (const std::string &capture : captures)
+    refuse_redirection_into(capture);
+  if (!options.reports.empty())
+    make_folder(options.reports);
   const auto study = make_as_asked<Study>(ada4571_study_open, options.output.c_str(),
                                           static_cast<const ada4571_study_options *>(&wanted));
   list_captures(captures, study);
@@ -244,29 +264,29 @@ int report(const ReportOptions &options) {
 
 void add_run(CLI::App &study, Action &action) {
   auto *verb = study.add_subcommand(
-      "run", "check, calibrate and diagnose captures; restarted, it goes on where it was");
+      "run", "check, calibrate and diagnose captures; restarted, it goes on where it stopped");
   auto options = std::make_shared<RunOptions>();
   verb->add_option("--jobs", options->jobs, "processes at once (default: all processors)")
       ->type_name("N")
       ->transform(whole(1, 4096));
   verb->add_option("--shard", options->shard,
-                   "do only the captures whose names fall to part K of N, for one machine of N")
+                   "do only part K of N of the captures, for one machine of N")
       ->type_name("K/N");
   verb->add_option("--list", options->list, "names of captures, one a line; - for standard input")
       ->type_name("FILE");
   verb->add_option("--without", options->without,
-                   "leave the diagnosis out: a hundred times as fast, the ellipse and the tables "
+                   "leave the diagnosis out: 20 to 500 times as fast, the ellipse and the tables "
                    "remain")
       ->type_name("STEP")
       ->transform(one_of({"diagnose"}));
-  verb->add_option("--reports", options->reports, "write a page for each capture there")
+  verb->add_option("--reports", options->reports, "folder for a page of each capture")
       ->type_name("FOLDER");
   verb->add_option("--limit", options->limit_s, "longest time of one capture, in s; 0 for none")
       ->capture_default_str()
       ->type_name("S")
       ->transform(from_zero("s"));
   verb->add_flag("--again", options->again,
-                 "do those again that failed, or that another version did");
+                 "repeat captures that failed, or that another version of the program did");
   verb->add_option("-o,--output", options->output, "study, an SQLite database")
       ->type_name("STUDY.db")
       ->required();
@@ -278,7 +298,7 @@ void add_run(CLI::App &study, Action &action) {
 }
 
 void add_merge(CLI::App &study, Action &action) {
-  auto *verb = study.add_subcommand("merge", "one study of several parts, whatever their order");
+  auto *verb = study.add_subcommand("merge", "merge parts into one study, in any order");
   auto options = std::make_shared<MergeOptions>();
   verb->add_option("-o,--output", options->output, "study to write")
       ->type_name("STUDY.db")

@@ -123,9 +123,9 @@ void mention_no_picture() {
     return;
   const char *type = std::getenv("TERM");
   if (type == nullptr || *type == '\0')
-    note("TERM is not set, so there is no picture: lines follow\n");
+    note("TERM is not set: printing lines instead of the picture\n");
   else
-    note("a terminal of the kind '{}' shows no picture: lines follow\n", type);
+    note("a terminal of type '{}' cannot show the picture: printing lines\n", type);
 }
 
 /// Not a terminal, or none to draw on: the same as `read`, lines that a log can hold.

@@ -2,11 +2,16 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include "common/file_roles.h"
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "common/print.h"
 
 namespace cli {
 
@@ -23,12 +28,76 @@ std::vector<std::string> files_of(const std::string &path) {
 }
 
 /// What is left of a name when the folders on the way are known: for a file that is not there yet.
-std::string plain(const std::string &path) {
+std::string real_path(const std::string &path) {
   std::error_code ignored;
-  return std::filesystem::weakly_canonical(path, ignored).string();
+  return std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored)
+      .string();
+}
+
+/// Whether a file can come to be there, with the words that the library would have for it after an
+/// hour's work: results appear under a new name in the folder, then take the place of what was
+/// there.
+void require_room_for(const std::string &path) {
+  std::error_code error;
+  if (std::filesystem::is_symlink(path, error) && !std::filesystem::exists(path, error))
+    return; // leads to what is not there yet: the library knows where
+  const std::string folder = std::filesystem::path(real_path(path)).parent_path().string();
+  // A folder and a slash: what is no folder is refused, too. As whom it will be opened, not as whom
+  // the program was started by.
+  if (faccessat(AT_FDCWD, (folder + "/").c_str(), W_OK | X_OK, AT_EACCESS) != 0)
+    throw Failure(kUnusable, fmt::format("{}: cannot create: {}", path, std::strerror(errno)));
+}
+
+/// What stat() says of a file, of standard input for "-"; false where there is none.
+bool look_at(const std::string &path, struct stat &info) {
+  return (path == "-" ? fstat(STDIN_FILENO, &info) : stat(path.c_str(), &info)) == 0;
+}
+
+/// Whether what is written to a descriptor goes into this file.
+bool writes_into(int fd, const struct stat &file) {
+  struct stat open {};
+  return S_ISREG(file.st_mode) && fstat(fd, &open) == 0 && open.st_dev == file.st_dev &&
+         open.st_ino == file.st_ino && (fcntl(fd, F_GETFL) & O_ACCMODE) != O_RDONLY;
 }
 
 } // namespace
+
+void refuse_redirection_into(const std::string &path) {
+  for (const std::string &name : files_of(path)) {
+    struct stat info {};
+    if (!look_at(name, info))
+      continue;
+    const bool out = writes_into(STDOUT_FILENO, info), err = writes_into(STDERR_FILENO, info);
+    if (err) // this sentence may not go there either
+      remark_to(out ? -1 : STDOUT_FILENO);
+    if (out || err)
+      throw Failure(kWrongUsage, fmt::format("{} is an input, and {} is redirected into it: give "
+                                             "the output another name",
+                                             name, out ? "standard output" : "standard error"));
+  }
+}
+
+void keep_remarks_out_of(const std::vector<std::string> &words) {
+  for (const std::string &word : words)
+    for (const std::string &name : files_of(word.substr(word.find('=') + 1)))
+      if (struct stat info{}; look_at(name, info) && writes_into(STDERR_FILENO, info))
+        remark_to(writes_into(STDOUT_FILENO, info) ? -1 : STDOUT_FILENO);
+}
+
+Recording open_capture(const std::string &path) {
+  refuse_redirection_into(path);
+  auto recording = make<Recording>(ada4571_recording_open, path.c_str());
+  auto info = initialised(ada4571_recording_info_init);
+  check(ada4571_recording_get_info(recording.get(), &info));
+  if (const std::string data = info.data_file; !data.empty()) // as a meta file may name it
+    refuse_redirection_into(data);
+  return recording;
+}
+
+Model load_model(const std::string &path) {
+  refuse_redirection_into(path);
+  return make<Model>(ada4571_model_load, path.c_str());
+}
 
 bool FileRoles::Known::is(const Known &other) const {
   return inode == 0 || other.inode == 0 ? inode == other.inode && path == other.path
@@ -40,25 +109,30 @@ void FileRoles::add(const std::string &path, bool written) {
   const bool is_standard = path == "-";
   if (is_standard && written)
     return; // whatever it is, it is not replaced
-  const int failed = is_standard ? fstat(STDIN_FILENO, &info) : stat(path.c_str(), &info);
-  if (failed == 0 && !S_ISREG(info.st_mode))
+  const bool there = look_at(path, info);
+  if (there && written && S_ISDIR(info.st_mode))
+    throw Failure(kUnusable, fmt::format("{}: cannot write: {}", path, std::strerror(EISDIR)));
+  if (there && !S_ISREG(info.st_mode))
     return; // a pipe, a terminal, /dev/null: written in place
-  const Known file{failed == 0 ? path : plain(path), info.st_dev, failed == 0 ? info.st_ino : 0,
-                   written};
+  const Known file{there ? path : real_path(path), info.st_dev, there ? info.st_ino : 0, written};
   for (const Known &other : known_) {
     if (written && file.is(other))
       throw Failure(kWrongUsage,
                     fmt::format("{} is {}: give another name", path,
                                 other.written ? "to be written twice"
-                                              : "what is read, and would be written over"));
+                                              : "an input, which would be overwritten"));
   }
+  if (written)
+    require_room_for(path);
   known_.push_back(file);
 }
 
 FileRoles &FileRoles::reads(const std::string &path) {
-  if (!path.empty())
-    for (const std::string &file : files_of(path))
-      add(file, false);
+  if (path.empty())
+    return *this;
+  refuse_redirection_into(path);
+  for (const std::string &file : files_of(path))
+    add(file, false);
   return *this;
 }
 

@@ -14,6 +14,16 @@
 
 namespace cli {
 
+/// A capture, a model or another file to read. Throws Failure(kWrongUsage), before anything is
+/// read or said, where the shell has opened it for standard output or standard error, which would
+/// write into it (`>>FILE`, `1<>FILE`).
+Recording open_capture(const std::string &path);
+Model load_model(const std::string &path);
+void refuse_redirection_into(const std::string &path);
+/// For a command line that is wrong, of which nobody knows what its words are: what is said of it
+/// does not go into a file that one of them names.
+void keep_remarks_out_of(const std::vector<std::string> &words);
+
 class FileRoles {
 public:
   /// "-" is standard input; an empty path, of an option that was not given, is nothing. A SigMF
@@ -24,7 +34,8 @@ public:
   /// Throws Failure(kWrongUsage) for one that is read already: the same samples again are no
   /// further evidence, and none at all where they are to judge what was fitted to them.
   FileRoles &reads_once(const std::string &path, const Recording &recording);
-  /// Throws Failure(kWrongUsage) when that would write over a file that is read or written already.
+  /// Throws Failure(kWrongUsage) when that would write over a file that is read or written already,
+  /// Failure(kUnusable) when no file can be written there: before the work, not after it.
   FileRoles &writes(const std::string &path);
 
 private:

@@ -83,6 +83,17 @@ std::string_view kind_of(std::string_view text) {
   return text.substr(0, text.find(':'));
 }
 
+std::vector<std::string> keys_of(const std::vector<std::string> &texts, std::string_view kind) {
+  std::vector<std::string> keys;
+  for (const std::string &text : texts)
+    if (kind_of(text) == kind)
+      for (std::size_t end = text.find('='); end != text.npos; end = text.find('=', end + 1)) {
+        const std::size_t begin = text.find_last_of(":,", end) + 1;
+        keys.push_back(text.substr(begin, end - begin));
+      }
+  return keys;
+}
+
 std::vector<std::string> kinds_of(const std::vector<std::string> &texts) {
   std::vector<std::string> kinds;
   for (const std::string &text : texts)

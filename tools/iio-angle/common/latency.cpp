@@ -99,6 +99,9 @@ Measurement measure(const Source &source, LiveAngles &angles, std::size_t frames
     seen += block.size();
     return seen < start + samples;
   });
+  if (reader.ended())
+    throw Failure(kUnusable, "the samples of the device were over before the latency was measured: "
+                             "fewer --samples may do");
   const double elapsed_s = now_s(CLOCK_MONOTONIC) - began_s;
   m.wake_ups_per_s = static_cast<double>(wake_ups) / elapsed_s;
   m.processor_share = (now_s(CLOCK_PROCESS_CPUTIME_ID) - began_cpu_s) / elapsed_s;

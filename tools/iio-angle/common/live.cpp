@@ -6,6 +6,7 @@
 #include <string>
 #include <thread>
 
+#include "common/file_roles.h"
 #include "common/print.h"
 
 namespace cli {
@@ -109,11 +110,14 @@ void LiveReader::run(const Take &take) {
       continue;
     }
     check(status);
-    if (outcome == ADA4571_READ_END || outcome == ADA4571_READ_CANCELLED)
+    ended_ = outcome == ADA4571_READ_END;
+    if (ended_ || outcome == ADA4571_READ_CANCELLED)
       break;
     if (silent)
-      throw Failure(kUnusable, "no sample came for 10 s: is the trigger set and running "
-                               "(--trigger), and the sample rate not zero (--rate)?");
+      throw Failure(kUnusable, any_ ? "no more samples came for 10 s: has the trigger stopped, or "
+                                      "does the server play a recording with a gap?"
+                                    : "no sample came for 10 s: is the trigger set and running "
+                                      "(--trigger), and the sample rate not zero (--rate)?");
     if (count > 0)
       heard = Clock::now();
     if (!hand_over({frames.data(), count}, take))
@@ -138,6 +142,10 @@ Losses LiveReader::losses() const {
 
 void LiveReader::report() const {
   const Losses all = losses();
+  // A capture that was named ends as a file does. Of a device nobody expects it.
+  if (ended_ && source_info(source_).buffer_frames > 0)
+    note("the samples are over: the server plays a recording, or a simulation of limited "
+         "duration\n");
   if (all.bad_times > 0)
     note("{} of {} samples came with timestamps that make no sense (standing still, going back, or "
          "leaping ahead): their times are from the sample rate\n",
@@ -155,7 +163,7 @@ std::chrono::seconds patience(const SourceOptions &source) {
 
 void add_reconnect_option(CLI::App &verb, bool &reconnect) {
   auto *wait = verb.add_flag("--reconnect", reconnect,
-                             std::string("when device or server are lost, wait for their return") +
+                             std::string("when the device or server is lost, wait until it is back") +
                                  (reconnect ? " (default)" : ""));
   verb.add_flag_callback(
           "--no-reconnect", [&reconnect] { reconnect = false; },
@@ -165,7 +173,7 @@ void add_reconnect_option(CLI::App &verb, bool &reconnect) {
 
 Model live_model(const Source &source, const std::string &path) {
   if (!path.empty())
-    return make<Model>(ada4571_model_load, path.c_str());
+    return load_model(path);
   ada4571_model *model = nullptr;
   const ada4571_status status = ada4571_source_read_calibration(source.get(), &model);
   if (status == ADA4571_OK)

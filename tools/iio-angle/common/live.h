@@ -46,6 +46,8 @@ public:
 
   /// Between the loss of the source and the first frame after its return.
   bool away() const { return away_; }
+  /// The source has no more: a recording, or one that a server plays, is over.
+  bool ended() const { return ended_; }
   Losses losses() const;
   /// Standard error: what was lost, when anything was.
   void report() const;
@@ -69,6 +71,7 @@ private:
   double last_s_ = 0;        ///< time of the last frame, shifted
   bool away_ = false;
   bool any_ = false; ///< a frame has come
+  bool ended_ = false;
   StopSignal stop_;  ///< last: it ends before what it touches
 };
 

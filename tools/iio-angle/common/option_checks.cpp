@@ -37,6 +37,20 @@ std::string listed(const std::vector<std::string> &words, const char *last) {
   return text;
 }
 
+const std::vector<std::string> kCaptures = {".csv", ".sigmf-meta"};
+
+bool is_named(const std::string &path, const std::vector<std::string> &endings) {
+  return std::any_of(endings.begin(), endings.end(), [&](const std::string &ending) {
+    return path.size() > ending.size() && path.ends_with(ending);
+  });
+}
+
+std::string no_name_for(const std::string &path, const std::vector<std::string> &endings,
+                        const char *what) {
+  return fmt::format("'{}' is no name for {}: let it end in {}", path, what,
+                     listed(endings, " or "));
+}
+
 } // namespace
 
 CLI::Validator positive(const char *unit) {
@@ -81,35 +95,42 @@ CLI::Validator whole(std::uint64_t low, std::uint64_t high) {
                     : "NONNEGATIVE"};
 }
 
-CLI::Validator one_of(std::vector<std::string> words) {
+CLI::Validator one_of(std::vector<std::string> words, const char *what) {
   const std::string description = "{" + CLI::detail::join(words, ",") + "}";
-  return {[words = std::move(words)](std::string &text) -> std::string {
+  return {[words = std::move(words), what](std::string &text) -> std::string {
             if (std::find(words.begin(), words.end(), text) != words.end())
               return {};
-            constexpr std::size_t kMostListed = 8;
-            const std::string what = words.size() > kMostListed
-                                         ? fmt::format("none of the {} known names", words.size())
-                                         : "not " + listed(words, " or ");
-            return fmt::format("'{}' is {}{}", text, what, did_you_mean(text, words));
+            return fmt::format("'{}' is {}{}", text,
+                               *what ? fmt::format("no {}", what) : "not " + listed(words, " or "),
+                               did_you_mean(text, words));
           },
           description};
 }
 
 CLI::Validator ends_in(std::vector<std::string> endings, const char *what) {
   return {[endings = std::move(endings), what](std::string &path) -> std::string {
-            std::error_code ignored;
-            const auto kind = std::filesystem::status(path, ignored).type();
-            const bool in_place = path == "-" || (kind != std::filesystem::file_type::regular &&
-                                                  kind != std::filesystem::file_type::not_found);
-            const bool ends = std::any_of(endings.begin(), endings.end(), [&](const auto &ending) {
-              return path.size() > ending.size() && path.ends_with(ending);
-            });
-            if (ends || in_place)
-              return {};
-            return fmt::format("'{}' is no name for {}: let it end in {}", path, what,
-                               listed(endings, " or "));
+            return wrong_ending(path, endings, what);
           },
           ""};
+}
+
+CLI::Validator capture_name() {
+  // What is written in place is not replaced, but a capture must still say which form it has.
+  return {[](std::string &path) -> std::string {
+            if (path == "-" || path.ends_with(".sigmf-data") || is_named(path, kCaptures))
+              return {};
+            return no_name_for(path, kCaptures, "a capture");
+          },
+          ""};
+}
+
+std::string wrong_ending(const std::string &path, const std::vector<std::string> &endings,
+                         const char *what) {
+  std::error_code ignored;
+  const auto kind = std::filesystem::status(path, ignored).type();
+  const bool in_place = path == "-" || (kind != std::filesystem::file_type::regular &&
+                                        kind != std::filesystem::file_type::not_found);
+  return in_place || is_named(path, endings) ? "" : no_name_for(path, endings, what);
 }
 
 } // namespace cli

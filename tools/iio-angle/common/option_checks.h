@@ -24,10 +24,15 @@ CLI::Validator between(double low, double high, const char *unit = "1");
 /// Whole numbers, "10k" among them.
 CLI::Validator whole(std::uint64_t low,
                      std::uint64_t high = std::numeric_limits<std::uint64_t>::max());
-/// One of these words, as it stands.
-CLI::Validator one_of(std::vector<std::string> words);
+/// One of these words, as it stands. `what`: "effect", where they are too many to be listed.
+CLI::Validator one_of(std::vector<std::string> words, const char *what = "");
 /// The name of a file to be written with one of these endings; "-" and what is no regular file (a
 /// pipe, /dev/null) do without. `what`: "a calibration", for the sentence.
 CLI::Validator ends_in(std::vector<std::string> endings, const char *what);
+/// The name of a capture to be written, or "-".
+CLI::Validator capture_name();
+/// What ends_in() says, as a sentence; empty where nothing is wrong with the name.
+std::string wrong_ending(const std::string &path, const std::vector<std::string> &endings,
+                         const char *what);
 
 } // namespace cli

@@ -20,6 +20,8 @@ namespace {
 
 bool pipe_was_ignored = false; ///< by whoever started the program: then it is no way to end
 
+int remarks_fd = STDERR_FILENO;
+
 [[noreturn]] void fail(int reason) {
   if (reason == EPIPE && !pipe_was_ignored)
     throw ClosedPipe();
@@ -90,8 +92,13 @@ int end_by_closed_pipe() {
   return kUnusable;
 }
 
+void remark_to(int fd) noexcept {
+  remarks_fd = fd;
+}
+
 void remark(std::string_view text) noexcept {
-  [[maybe_unused]] const bool said = write_all(STDERR_FILENO, text);
+  if (remarks_fd >= 0) [[maybe_unused]]
+    const bool said = write_all(remarks_fd, text);
 }
 
 } // namespace cli

@@ -31,6 +31,9 @@ void flush_output();
 /// Ends the program as a closed pipe ends one, by SIGPIPE; the exit status where that is ignored.
 int end_by_closed_pipe();
 
+/// Where remarks go from now on, instead of to standard error; nowhere for -1.
+void remark_to(int fd) noexcept;
+
 /// Standard error; a failure is not said, for there is no place left to say it.
 void remark(std::string_view text) noexcept;
 

@@ -7,7 +7,9 @@
 #include <string_view>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "common/file_roles.h"
 #include "common/known_names.h"
 #include "common/option_checks.h"
 #include "common/quantity.h"
@@ -59,7 +61,25 @@ void require_known(const char *option, std::string_view what, std::string_view n
                                            did_you_mean(name, known, see)));
 }
 
+constexpr double kMostRate_hz = 1e8; ///< of the library
 constexpr const char *kSeeManual = "man iio-angle-simulate";
+
+/// A motion or a course of the temperature, likewise (see below); `examples` are one a kind.
+std::string in_plain_numbers(const char *option, std::string_view what, const std::string &text,
+                             const std::vector<std::string> &examples,
+                             const char *(*unit_of)(std::string_view key)) {
+  if (text.empty())
+    return text;
+  const std::string kind(kind_of(text));
+  require_known(option, what, kind, kinds_of(examples), kSeeManual);
+  const std::vector<std::string> keys = keys_of(examples, kind);
+  return with_plain_numbers(text, [&](std::string_view key) {
+    if (!key.empty()) // "constant:" is all that is not given
+      require_known(option, fmt::format("parameter of {} ({})", kind, fmt::join(keys, ", ")), key,
+                    keys, kSeeManual);
+    return std::string(unit_of(key));
+  });
+}
 
 /// Names are checked, and 4us, 10% and 600rpm turned into the plain numbers that the library takes.
 SimulationOptions in_plain_numbers(SimulationOptions options) {
@@ -72,16 +92,12 @@ SimulationOptions in_plain_numbers(SimulationOptions options) {
       return parameter_unit(name, key);
     });
   }
-  if (!options.motion.empty())
-    require_known("--motion", "motion", kind_of(options.motion), kinds_of(motion_examples()),
-                  kSeeManual);
-  if (!options.temperature.empty())
-    require_known("--temperature", "course of the temperature", kind_of(options.temperature),
-                  kinds_of(temperature_examples()), kSeeManual);
-  options.motion = with_plain_numbers(options.motion, [](std::string_view key) {
-    return std::string(key == "transition" ? "1" : "rpm");
-  });
-  options.temperature = with_plain_numbers(options.temperature, [](auto) { return "C"; });
+  options.motion =
+      in_plain_numbers("--motion", "motion", options.motion, motion_examples(),
+                       [](std::string_view key) { return key == "transition" ? "1" : "rpm"; });
+  options.temperature =
+      in_plain_numbers("--temperature", "course of the temperature", options.temperature,
+                       temperature_examples(), [](std::string_view) { return "C"; });
   return options;
 }
 
@@ -96,7 +112,7 @@ void add_effect(const Model &model, const std::string &text) {
   require_option("--effect", ada4571_model_add_effect(model.get(), text.c_str()));
 }
 
-/// Tries the texts one by one, so that what is refused has an option's name.
+/// Tries them one by one, so that what is refused has an option's name.
 void require_profiles(const ada4571_simulation_options &numbers) {
   const auto attempt = [](const char *option, const char *ada4571_simulation_options::*member,
                           const char *text) {
@@ -106,6 +122,12 @@ void require_profiles(const ada4571_simulation_options &numbers) {
     require_option(option, ada4571_simulation_new(nullptr, &only, 0, &simulation));
     ada4571_simulation_free(simulation);
   };
+  auto length = initialised(ada4571_simulation_options_init);
+  length.sample_rate_hz = numbers.sample_rate_hz;
+  length.duration_s = numbers.duration_s;
+  ada4571_simulation *simulation = nullptr;
+  require_option("--duration", ada4571_simulation_new(nullptr, &length, 0, &simulation));
+  ada4571_simulation_free(simulation);
   attempt("--motion", &ada4571_simulation_options::motion, numbers.motion);
   attempt("--temperature", &ada4571_simulation_options::temperature, numbers.temperature);
 }
@@ -151,6 +173,7 @@ void add_simulation_options(CLI::App &verb, SimulationOptions &options) {
   verb.add_option("--rate", n.sample_rate_hz, "sample rate, in Hz")
       ->capture_default_str()
       ->transform(positive("Hz"))
+      ->transform(between(0.0, kMostRate_hz, "Hz"))
       ->type_name("HZ");
   verb.add_option("--duration", n.duration_s, "length, in s")
       ->capture_default_str()
@@ -179,7 +202,7 @@ Simulation make_simulation(const SimulationOptions &as_written) {
   require_profiles(numbers);
   Model model;
   if (!options.model.empty())
-    model = make<Model>(ada4571_model_load, options.model.c_str());
+    model = load_model(options.model);
   else if (!options.effects.empty())
     model = drawn_model(options, numbers);
   for (const std::string &effect : options.effects)

@@ -2,7 +2,15 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include "common/source_options.h"
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "common/file_roles.h"
+#include "common/known_names.h"
 #include "common/option_checks.h"
+#include "common/progress.h"
+#include "common/spelling.h"
 
 namespace cli {
 
@@ -28,11 +36,31 @@ void refuse_both_ways(const CLI::App &verb) {
 }
 
 Source open_replay(const SourceOptions &options) {
-  const auto recording = make<Recording>(ada4571_recording_open, options.capture.c_str());
+  const Busy busy("reading " + options.capture); // all of it: a long one takes its time
+  const auto recording = open_capture(options.capture);
   const auto *played = static_cast<const ada4571_recording *>(recording.get());
   if (options.speed == 0)
     return make<Source>(ada4571_source_open_recording, played);
   return make_as_asked<Source>(ada4571_source_open_replay, played, options.speed);
+}
+
+/// "; did you mean 'ada4571-sim'?" where the device that was named is none of those that are there.
+std::string device_meant(const SourceOptions &options) {
+  ada4571_device_list *list = nullptr;
+  if (options.device.empty() || ada4571_device_list_new(given(options.uri), &list) != ADA4571_OK)
+    return {};
+  const DeviceList devices(list);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < ada4571_device_list_count(list); ++i) {
+    ada4571_device device{};
+    device.struct_size = sizeof device;
+    check(ada4571_device_list_get(list, i, &device));
+    for (const char *name : {device.id, device.name, device.label})
+      if (*name)
+        names.emplace_back(name);
+  }
+  const bool there = std::find(names.begin(), names.end(), options.device) != names.end();
+  return there ? "" : did_you_mean(options.device, names);
 }
 
 } // namespace
@@ -100,7 +128,9 @@ Source open_source(const SourceOptions &options) {
   if (options.replays())
     return open_replay(options);
   if (!options.stored.empty())
-    return make_as_asked<Source>(ada4571_open, options.stored.c_str());
+    return open_stored(options.stored, [&options] {
+      return make_as_asked<Source>(ada4571_open, options.stored.c_str());
+    });
   auto wanted = initialised(ada4571_source_options_init);
   wanted.uri = given(options.uri);
   wanted.device = given(options.device);
@@ -113,7 +143,12 @@ Source open_source(const SourceOptions &options) {
   wanted.supply_v = options.supply_v;
   wanted.periods_per_turn = options.periods_per_turn;
   wanted.latency_s = options.latency_s;
-  return make_as_asked<Source>(ada4571_source_open, &wanted);
+  const Busy busy("opening " + (options.uri.empty() ? "the device" : options.uri));
+  try {
+    return make_as_asked<Source>(ada4571_source_open, &wanted);
+  } catch (const Failure &e) {
+    throw Failure(e.exit_status(), e.what() + device_meant(options));
+  }
 }
 
 ada4571_source_info source_info(const Source &source) {

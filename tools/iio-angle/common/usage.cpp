@@ -44,6 +44,10 @@ std::string missing_verb(const CLI::App &verb) {
   return fmt::format("a verb is missing: {}; see `{}`", names, help_of(verb));
 }
 
+std::string too_many(const CLI::App &verb, const std::string &word) {
+  return fmt::format("'{}' is one argument too many; see `{}`", word, help_of(verb));
+}
+
 std::string unknown_word(const CLI::App &verb, const std::string &word) {
   if (word.size() > 1 && word.front() == '-') {
     const std::string name = word.substr(0, word.find('='));
@@ -54,7 +58,20 @@ std::string unknown_word(const CLI::App &verb, const std::string &word) {
   if (!verbs.empty())
     return fmt::format("'{}' is no verb of {}{}", word, full_name(verb),
                        did_you_mean(word, verbs, help_of(verb)));
-  return fmt::format("'{}' is one argument too many; see `{}`", word, help_of(verb));
+  return too_many(verb, word);
+}
+
+/// Behind `help` stands a verb and nothing else: --help itself would pass over what it does not
+/// know.
+void require_verbs(const CLI::App &app, const std::vector<std::string> &words) {
+  const CLI::App *verb = &app;
+  for (const std::string &word : words) {
+    const CLI::App *part = find_verb(*verb, word);
+    if (part == nullptr && word != "--help" && word != "-h")
+      throw Failure(kWrongUsage,
+                    word.starts_with('-') ? too_many(*verb, word) : unknown_word(*verb, word));
+    verb = part != nullptr ? part : verb;
+  }
 }
 
 /// What was left over, options first: the value of a mistyped option is left over as well, and
@@ -102,6 +119,7 @@ std::vector<std::string> words_of(const CLI::App &app, int argc, char **argv) {
   std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
   if (!words.empty() && words.front() == "help") {
     words.erase(words.begin());
+    require_verbs(app, words);
     words.push_back("--help");
   }
   // CLI11 would only say that a verb is missing.
@@ -119,6 +137,9 @@ std::string usage_error(const CLI::App &app, const CLI::ParseError &error) {
   if (code == CLI::ExitCodes::ExtrasError || code == CLI::ExitCodes::RequiredError ||
       code == CLI::ExitCodes::RequiresError) {
     const std::vector<std::string> left = app.remaining(true);
+    // A mistyped verb takes all options behind it along.
+    if (!left.empty() && !verb_names(verb).empty())
+      return unknown_word(verb, left.front());
     if (const std::string *word = leftover(left))
       return unknown_word(verb, *word);
   }
@@ -127,7 +148,9 @@ std::string usage_error(const CLI::App &app, const CLI::ParseError &error) {
   if (code == CLI::ExitCodes::RequiredError)
     return fmt::format("{}; see `{}`", text, help_of(verb));
   if (code == CLI::ExitCodes::ArgumentMismatch && text.find(": ") != text.npos)
-    return fmt::format("{}: a value is missing; see `{}`", text.substr(0, text.find(": ")),
+    return fmt::format("{}: {}; see `{}`", text.substr(0, text.find(": ")),
+                       text.find("received") != text.npos ? "given more than once"
+                                                          : "a value is missing",
                        help_of(verb));
   if (code == CLI::ExitCodes::ExcludesError)
     if (const std::size_t at = text.find(" excludes "); at != text.npos)
@@ -135,6 +158,11 @@ std::string usage_error(const CLI::App &app, const CLI::ParseError &error) {
   if (code == CLI::ExitCodes::RequiresError)
     if (const std::size_t at = text.find(" requires "); at != text.npos)
       return fmt::format("{}: needs {}", text.substr(0, at), text.substr(at + 10));
+  // A name that is no option's says nothing: "NAME: 'x' is no effect".
+  for (const CLI::Option *option : verb.get_options())
+    if (code == CLI::ExitCodes::ValidationError && option->get_positional() &&
+        text.starts_with(option->get_name(true, false) + ": "))
+      return text.substr(text.find(": ") + 2);
   return text;
 }
 

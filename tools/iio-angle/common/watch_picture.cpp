@@ -85,7 +85,7 @@ private:
     if (periods > 1) {
       text = fmt::format("known within {:g} deg", range());
       if (periods == 2 && !history_.empty() && std::isfinite(last.angle_deg))
-        text += fmt::format(": the shaft is at {:.3f} or {:.3f} deg", shown(last.angle_deg),
+        text += fmt::format(": the shaft is at {:.3f} or {:.3f}", shown(last.angle_deg),
                             shown(last.angle_deg) + range());
     }
     if (state_.zero_deg)
@@ -103,8 +103,10 @@ private:
       circle.set(static_cast<int>(std::lround(x + x * std::cos(a))),
                  static_cast<int>(std::lround(y - y * std::sin(a))));
     }
+    constexpr int kMostHands = 8; // more fill the dial: then the first period's stands alone
+    const int hands_shown = state_.periods_per_turn <= kMostHands ? state_.periods_per_turn : 1;
     if (!history_.empty() && std::isfinite(history_.last().angle_deg))
-      for (int i = 0; i < state_.periods_per_turn; ++i) {
+      for (int i = 0; i < hands_shown; ++i) {
         const double a = (shown(history_.last().angle_deg) + i * range()) * std::numbers::pi / 180;
         hands.line(x, y, x + 0.85 * x * std::cos(a), y - 0.85 * y * std::sin(a));
       }
