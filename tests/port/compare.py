@@ -126,6 +126,8 @@ def compare_diagnosis(c, programs, capture):
     c.equal(f"{capture.stem}: verdict", here["verdict"], there["verdict"])
     causes = [[f["cause"] for f in d["findings"]] for d in (here, there)]
     c.equal(f"{capture.stem}: causes", *causes)
+    if causes[0] != causes[1]:
+        return
     for a, b in zip(here["findings"], there["findings"]):
         for name, one in a["parameters"].items():
             error = one.get("std_error")

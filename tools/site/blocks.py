@@ -45,6 +45,11 @@ class Runner:
             self.emulator.terminate()
             self.emulator.wait()
 
+    def neutral(self, said):
+        """Without the places of the machine that builds the pages."""
+        return said.replace(self.environment["XDG_CONFIG_HOME"], "~/.config") \
+            .replace(f"{self.folder}/", "")
+
     def _run(self, command, text=None, environment=None):
         done = subprocess.run(command, input=text, cwd=self.folder, text=True, check=False,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -141,10 +146,10 @@ def run_page(runner, text):
     """The page with what its blocks said. gnuplot's own text is not shown, its pictures are."""
     def replace(match):
         kind, block = match[1].strip(), match[2]
-        said = runner.block(kind, textwrap.dedent(block))
+        said = runner.neutral(runner.block(kind, textwrap.dedent(block)) or "")
         language = kind.split()[0]
         page = "" if language == "gnuplot" else f"```{language}\n{block}```\n"
-        return page + (f"\n```text\n{shown(said)}\n```\n" if said and said.strip() else "")
+        return page + (f"\n```text\n{shown(said)}\n```\n" if said.strip() else "")
     try:
         return re.sub(r"^```([^\n]*)\n(.*?)^```\n", replace, text, flags=re.M | re.S)
     finally:

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: MIT
 # SPDX-FileCopyrightText: The libada4571 authors
 """build.py --source TREE --build BUILD --out FOLDER: the documentation as a site. Every code block
-is run and every picture drawn while it is built, so that neither can be stale; a block that fails, a
-picture that is missing and a link that leads nowhere end it."""
+is run and every picture drawn while it is built, so that neither can be stale; the pictures of
+README.md, which lie in the tree, are compared with a report of today. A block that fails, a picture
+that is missing or stale, a link that leads nowhere and a place of this machine on a page end it."""
 import argparse
 import inspect
 import os
@@ -16,6 +17,7 @@ import sys
 import blocks
 import catalogue
 import links
+import pictures
 
 # Title and file of the pages of lib/docs, in the order in which data flows.
 METHODS = {"acquisition": "Acquisition", "recordings": "Recordings", "effects": "Effects",
@@ -184,6 +186,10 @@ def main():
         sys.exit(str(failure))
     print("catalogue", flush=True)
     effects = catalogue.build(tree, pages / "catalogue", scratch / "catalogue")
+    stale = pictures.stale(tree, scratch / "pictures")
+    if stale:
+        sys.exit(f"{', '.join(stale)} in lib/docs/pictures: not what a report shows; draw them anew with "
+                 f"tools/site/pictures.py --source . --build {os.path.relpath(tree.build, tree.source)}")
     manual_pages(tree, pages)
     python_page(tree, pages)
     method_pages(tree, pages)
@@ -196,6 +202,10 @@ def main():
              for path, link in links.broken(out / "site")]
     if found:
         sys.exit("links that lead nowhere:\n" + "\n".join(found))
+    here = [path for path in sorted((out / "site").rglob("*.html"))
+            if str(out) in path.read_text("utf-8", "replace")]
+    if here:
+        sys.exit(f"pages that show {out}: {', '.join(str(path.relative_to(out)) for path in here)}")
     shutil.rmtree(scratch)
     print(f"{out / 'site' / 'index.html'}")
 

@@ -13,6 +13,19 @@ int main() {
   const auto number = [](double value) {
     return Json(value).dump() == "null" ? Json("none") : Json(value);
   };
+  const auto evidence = [](ada::Evidence seen) {
+    switch (seen) {
+    case ada::Evidence::signal:
+      return "signal";
+    case ada::Evidence::screening:
+      return "screening";
+    case ada::Evidence::noise:
+      return "noise";
+    case ada::Evidence::process:
+      return "process";
+    }
+    return "";
+  };
   Json facts = Json::array();
   for (const ada::Effect *effect : ada::catalogue()) {
     const ada::EffectInfo &info = effect->info();
@@ -29,6 +42,7 @@ int main() {
                      {"cause", info.cause},
                      {"stage", ada::stage_name(info.stage)},
                      {"correctable", info.correctable},
+                     {"evidence", evidence(info.evidence)},
                      {"parameters", parameters},
                      {"separations", separations}});
   }
