@@ -3,7 +3,14 @@
 
 #include "calibration/circle_start.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <optional>
+#include <vector>
+
+#include "base/robust.h"
 
 namespace ada {
 
@@ -43,7 +50,91 @@ Moments moments(std::span<const double> x, std::span<const double> y,
   return m;
 }
 
+struct Place {
+  double vsin, vcos;
+};
+
+/// One sample of each cell that holds any.
+std::vector<Place> places_of(std::span<const double> vsin, std::span<const double> vcos) {
+  constexpr std::size_t kCells = 64;
+  constexpr double kTail = 0.1;
+  const auto reach = [](std::span<const double> x) {
+    std::vector<double> finite;
+    std::copy_if(x.begin(), x.end(), std::back_inserter(finite),
+                 [](double e) { return std::isfinite(e); });
+    const Reach middle{quantile(finite, kTail), quantile(finite, 1.0 - kTail)};
+    return Reach{middle.low - middle.width(), middle.high + middle.width()};
+  };
+  const Reach sin = reach(vsin), cos = reach(vcos);
+  std::vector<Place> out;
+  if (!(sin.width() > 0.0) || !(cos.width() > 0.0))
+    return out;
+  const auto cell = [](const Reach &r, double v) {
+    return std::min(kCells - 1, static_cast<std::size_t>((v - r.low) / r.width() * kCells));
+  };
+  std::vector<char> taken(kCells * kCells);
+  for (std::size_t i = 0; i < vsin.size(); ++i)
+    if (sin.holds(vsin[i]) && cos.holds(vcos[i])) {
+      char &here = taken[cell(sin, vsin[i]) * kCells + cell(cos, vcos[i])];
+      if (!here)
+        out.push_back({vsin[i], vcos[i]});
+      here = 1;
+    }
+  return out;
+}
+
+std::optional<EllipseParameters> circle_through(const Place &a, const Place &b, const Place &c) {
+  const double bx = b.vsin - a.vsin, by = b.vcos - a.vcos;
+  const double cx = c.vsin - a.vsin, cy = c.vcos - a.vcos;
+  const double area = 2.0 * (bx * cy - by * cx), bb = bx * bx + by * by, cc = cx * cx + cy * cy;
+  if (!(std::abs(area) > 1e-6 * (bb + cc)))
+    return std::nullopt;
+  const double x = (cy * bb - by * cc) / area, y = (bx * cc - cx * bb) / area;
+  EllipseParameters out;
+  out.amplitude_v = std::hypot(x, y);
+  out.centre_sin_v = a.vsin + x;
+  out.centre_cos_v = a.vcos + y;
+  return out;
+}
+
 } // namespace
+
+EllipseParameters circle_of_most_places(std::span<const double> vsin,
+                                        std::span<const double> vcos) {
+  constexpr std::size_t kFewest = 12;
+  // Of three places all are right in an eighth of the draws where half of them are wrong: the
+  // chance that none of so many draws is right then is 1e-12.
+  constexpr std::size_t kDraws = 200;
+  EllipseParameters best;
+  best.amplitude_v = 0.0;
+  const std::vector<Place> places = places_of(vsin, vcos);
+  const std::size_t n = places.size();
+  if (n < kFewest)
+    return best;
+  double least = INFINITY;
+  // Weyl's sequences: the same draws for the same samples, and no two places alike.
+  const auto drawn = [n](std::size_t draw, double step) {
+    const double u = static_cast<double>(draw + 1) * step;
+    return static_cast<std::size_t>((u - std::floor(u)) * static_cast<double>(n));
+  };
+  std::vector<double> off(n);
+  for (std::size_t draw = 0; draw < kDraws; ++draw) {
+    const std::optional<EllipseParameters> circle =
+        circle_through(places[drawn(draw, std::sqrt(2.0))], places[drawn(draw, std::sqrt(3.0))],
+                       places[drawn(draw, std::sqrt(5.0))]);
+    if (!circle)
+      continue;
+    for (std::size_t i = 0; i < n; ++i)
+      off[i] = std::abs(
+          std::hypot(places[i].vsin - circle->centre_sin_v, places[i].vcos - circle->centre_cos_v) -
+          circle->amplitude_v);
+    if (const double median = quantile(off, 0.5); median < least) {
+      least = median;
+      best = *circle;
+    }
+  }
+  return best;
+}
 
 EllipseParameters circle_start(std::span<const double> vsin, std::span<const double> vcos,
                                std::span<const unsigned char> use) {

@@ -17,4 +17,11 @@ namespace ada {
 EllipseParameters circle_start(std::span<const double> vsin, std::span<const double> vcos,
                                std::span<const unsigned char> use = {});
 
+/// A start that up to half of the places may be wrong for, however many samples stand at one of
+/// them: least median of squares (P. J. Rousseeuw, JASA 79, 1984) over circles through three
+/// places. A place is a cell of a grid over what the 10 % quantiles of both channels bound and as
+/// much again to either side; it counts once. Amplitude 0 where fewer than twelve cells hold
+/// samples.
+EllipseParameters circle_of_most_places(std::span<const double> vsin, std::span<const double> vcos);
+
 } // namespace ada

@@ -6,8 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "base/angle.h"
+#include "base/error.h"
 #include "base/robust.h"
 #include "calibration/circle_start.h"
 #include "calibration/ellipse_curve.h"
@@ -31,7 +35,9 @@ public:
     bin_weight_.fill(1.0);
   }
 
-  EllipseFit run();
+  /// From Taubin's circle through what the fences hold, or from the circle of most places.
+  enum class Start { fences, places };
+  EllipseFit run(Start from);
 
 private:
   struct Normal {
@@ -41,7 +47,8 @@ private:
   };
 
   std::size_t free_parameters() const { return options_.circle ? 3 : 5; }
-  void start();
+  void start_within_fences();
+  void start_at_places();
   Normal accumulate(const EllipseParameters &e) const;
   double cost(const EllipseParameters &e) const;
   bool descend();
@@ -64,7 +71,7 @@ private:
   EllipseParameters value_;
 };
 
-void Fitter::start() {
+void Fitter::start_within_fences() {
   const Reach sin_fence = fence(vsin_), cos_fence = fence(vcos_);
   for (std::size_t i = 0; i < vsin_.size(); ++i)
     use_[i] = sin_fence.holds(vsin_[i]) && cos_fence.holds(vcos_[i]);
@@ -73,6 +80,15 @@ void Fitter::start() {
   value_ = circle_start(vsin_, vcos_, use_);
   if (!(value_.amplitude_v > 0))
     no_ellipse("VSIN and VCOS stand still or move along one line");
+}
+
+void Fitter::start_at_places() {
+  value_ = circle_of_most_places(vsin_, vcos_);
+  if (!(value_.amplitude_v > 0))
+    no_ellipse("VSIN and VCOS stand still or move along one line");
+  reject();
+  if (used() < 3 * free_parameters())
+    no_ellipse("the samples do not lie on one curve");
 }
 
 Fitter::Normal Fitter::accumulate(const EllipseParameters &e) const {
@@ -226,8 +242,11 @@ void Fitter::report(EllipseFit &fit) const {
   describe_coverage(fit, seen());
 }
 
-EllipseFit Fitter::run() {
-  start();
+EllipseFit Fitter::run(Start from) {
+  if (from == Start::fences)
+    start_within_fences();
+  else
+    start_at_places();
   bool converged = false;
   for (int round = 0; round < 20; ++round) {
     converged = descend();
@@ -243,6 +262,26 @@ EllipseFit Fitter::run() {
   report(fit);
   fit.accepted = std::move(use_);
   return fit;
+}
+
+/// Whether the start may have been none. More than one in a hundred wild values at one end lie
+/// within the fences, which then hold nothing back: many are off the curve in the end, or far off
+/// it, or at some angles all are.
+bool is_doubtful(const EllipseFit &fit, std::size_t samples) {
+  constexpr double kFew = 0.01;       // of the samples
+  constexpr double kFar = 0.05;       // of the amplitude
+  constexpr double kOfResidual = 0.5; // of its variance
+  const double structure = fit.structure_rms_v / fit.residual_rms_v;
+  return static_cast<double>(fit.rejected) > kFew * static_cast<double>(samples) ||
+         fit.residual_rms_v > kFar * fit.value.amplitude_v || structure * structure > kOfResidual;
+}
+
+/// Whether most samples lie on a curve that is much finer. A magnet that rests lies on any curve
+/// through its place: what a fit sees of the circle may not become less.
+bool is_far_better(const EllipseFit &a, const EllipseFit &b) {
+  constexpr double kFiner = 0.5;
+  return a.limit_v < kFiner * b.limit_v && 2 * a.used > a.used + a.rejected &&
+         a.coverage_deg >= b.coverage_deg;
 }
 
 } // namespace
@@ -273,7 +312,26 @@ double EllipseFit::predicted_error_rad() const {
 
 EllipseFit fit_ellipse(std::span<const double> vsin, std::span<const double> vcos,
                        const EllipseFitOptions &options) {
-  return Fitter(vsin, vcos, options).run();
+  const auto from = [&](Fitter::Start start) { return Fitter(vsin, vcos, options).run(start); };
+  std::optional<EllipseFit> plain;
+  std::string why;
+  try {
+    plain = from(Fitter::Start::fences);
+  } catch (const Error &e) {
+    why = e.what();
+  }
+  if (plain && !is_doubtful(*plain, vsin.size()))
+    return *std::move(plain);
+  try {
+    EllipseFit robust = from(Fitter::Start::places);
+    if (!plain || is_far_better(robust, *plain))
+      return robust;
+  } catch (const Error &) {
+    // Then the samples lie on no curve, and the first fit says so best.
+  }
+  if (plain)
+    return *std::move(plain);
+  throw Error(ADA4571_ERROR_UNUSABLE_DATA, why);
 }
 
 } // namespace ada

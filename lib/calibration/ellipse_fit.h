@@ -63,7 +63,8 @@ struct EllipseFit {
 };
 
 /// Fits. Starts from a circle by Taubin's method through what the fences of both channels hold
-/// (base/robust.h), rejects outliers, and where the residual shows
+/// (base/robust.h), and where much is off the curve then, from the circle that most places lie on
+/// (calibration/circle_start.h); rejects outliers, and where the residual shows
 /// structure along psi beyond the noise (a distortion that is no ellipse) weighs angles rather
 /// than samples, so that a dwell at one angle does not bend the curve there.
 /// Throws ADA4571_ERROR_UNUSABLE_DATA when there are too few samples or no ellipse is found.

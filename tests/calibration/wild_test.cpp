@@ -14,6 +14,7 @@
 #include "base/angle.h"
 #include "base/error.h"
 #include "calibration/dual.h"
+#include "calibration/ellipse_fit.h"
 #include "calibration/pair_estimate.h"
 #include "model/effect.h"
 #include "support/seed.h"
@@ -111,6 +112,50 @@ TEST(WildOnTheEllipse, samples_do_not_move_a_calibration_by_a_standard_error) {
       for (std::size_t i = 0; i < kEllipseSize; ++i)
         EXPECT_LE(std::abs(values(after)[i] - values(before)[i]), before.std_error[i])
             << method_name(method) << " at " << rpm << " rpm, parameter " << i;
+    }
+  }
+}
+
+/// A contact that opens leaves rows of samples at one place, far from the circle. More of them than
+/// any fence cuts off, and they pull a fit of all samples to where it finds no way back.
+TEST(WildRows, at_a_rail_do_not_move_a_calibration) {
+  const std::uint64_t seed = fresh_seed();
+  Sampler sampler(plain_pair(), seed);
+  for (int draw = 0; draw < 12; ++draw) {
+    const Capture clean = sampler.capture(kRate, 2, turning(300.0));
+    const EllipseFit before = fit_ellipse(clean.vsin_v, clean.vcos_v);
+    Capture struck = clean;
+    const double share = sampler.uniform(0.005, 0.25); // of the record, in rows of 100 samples
+    const bool both = sampler.uniform(0, 1) < 0.6;
+    const double cos_v = sampler.uniform(-1, 6);
+    double sin_v = sampler.uniform(-1, 6);
+    // A place within the noise of the curve belongs to it, and pulls: not nearer than 0.1 V.
+    const EllipseParameters &e = before.value;
+    const auto near = [&] {
+      const double x = sin_v - e.centre_sin_v, y = both ? cos_v - e.centre_cos_v : 0.0;
+      return std::abs(std::hypot(x, y) - e.amplitude_v) < 0.1;
+    };
+    while (near())
+      sin_v = sampler.uniform(-1, 6);
+    std::size_t wrong = 0;
+    for (std::size_t row = 0; row + 100 < clean.size(); row += 100)
+      if (sampler.uniform(0, 1) < share)
+        for (std::size_t i = row; i < row + 100; ++i, ++wrong) {
+          struck.vsin_v[i] = sin_v;
+          if (both)
+            struck.vcos_v[i] = cos_v;
+        }
+    const EllipseFit after = fit_ellipse(struck.vsin_v, struck.vcos_v);
+    // Of what is left in, a part of the samples is missing, and a few cross the curve.
+    for (std::size_t i = 0; i < kEllipseSize; ++i) {
+      const auto value = [&](const EllipseFit &fit) {
+        return std::array{fit.value.amplitude_v, fit.value.k, fit.value.delta_rad,
+                          fit.value.centre_sin_v, fit.value.centre_cos_v}[i];
+      };
+      EXPECT_LE(std::abs(value(after) - value(before)),
+                3.0 * before.std_error(static_cast<EllipseIndex>(i)))
+          << "parameter " << i << ", " << wrong << " rows at " << sin_v << (both ? " both " : " ")
+          << cos_v;
     }
   }
 }
