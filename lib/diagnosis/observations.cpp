@@ -504,11 +504,14 @@ std::vector<double> own_angle(const Observations &data) {
   return out;
 }
 
-/// Whether VSIN and VCOS move along one line: the variance across it, over that along it.
-bool on_one_line(const Observations &data) {
+/// Whether VSIN and VCOS move along one line: by the variance across it over that along it, or
+/// because it is no more than noise.
+bool on_one_line(const Observations &data, double noise_v) {
   // A third of a turn leaves 0.08 of an even pair, a twelfth 0.005, an ellipse of 1 to 10 leaves
   // 0.01; noise of a hundredth of the amplitude on a line leaves 0.0002.
   constexpr double kLine = 1e-3;
+  // A shaft that turns by a radian from sample to sample passes for noise, and leaves 0.2 or more.
+  constexpr double kLong = 0.1, kOfNoise = 4.0; // the latter of its variance
   const double n = static_cast<double>(data.size());
   const Eigen::Map<const Eigen::ArrayXd> s(data.vsin.data(),
                                            static_cast<Eigen::Index>(data.size()));
@@ -519,7 +522,8 @@ bool on_one_line(const Observations &data) {
   covariance << (x * x).sum() / n, (x * y).sum() / n, (x * y).sum() / n, (y * y).sum() / n;
   const Eigen::Vector2d along =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues();
-  return along[0] < kLine * along[1];
+  return along[0] < kLine * along[1] ||
+         (along[0] < kLong * along[1] && along[0] < kOfNoise * noise_v * noise_v);
 }
 
 /// How far the pair keeps step with so many periods a turn, in either sense: 1 all the time, 0
@@ -565,7 +569,7 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
     scene.insufficient = fmt::format("the record shows {:.0f} of 360 electrical degrees; at least "
                                      "{:.0f} are needed to tell centre and axes apart",
                                      360.0 * seen, 360.0 * least);
-  else if (on_one_line(all))
+  else if (on_one_line(all, scene.white_noise_v))
     scene.insufficient =
         "the shaft turns and the vector does not: VSIN and VCOS move along one line";
   if (!scene.has_reference || !scene.insufficient.empty())

@@ -118,10 +118,10 @@ std::vector<double> knots_by_travel(std::span<const double> time, std::span<cons
 }
 
 /// One fit of spline and harmonics; fills motion, cos, sin and gives the residual of each sample.
-std::vector<double> split(std::span<const double> time, std::span<const double> angle,
-                          std::span<const char> usable, std::span<const char> dense, int orders,
-                          SmoothMotion &out) {
-  CubicSpline spline(knots_by_travel(time, angle, usable, dense));
+std::vector<double> split_by(std::vector<double> knots, std::span<const double> time,
+                             std::span<const double> angle, std::span<const char> usable,
+                             int orders, SmoothMotion &out) {
+  CubicSpline spline(std::move(knots));
   const auto harmonics = [&](std::size_t i, double *t) {
     const double c1 = std::cos(angle[i]), s1 = std::sin(angle[i]);
     double c = 1.0, s = 0.0;
@@ -163,6 +163,34 @@ std::vector<double> split(std::span<const double> time, std::span<const double> 
     residual[i] = angle[i] - m.alpha[i] - periodic;
   }
   return residual;
+}
+
+/// The same by the plainest motion that does: one cubic over the whole record, as of a steady spin
+/// or an even run-up, where knots take no more of the residual than they do of noise. Knots follow
+/// a ripple of order 1 in part, and what both can do neither is known to do.
+std::vector<double> split(std::span<const double> time, std::span<const double> angle,
+                          std::span<const char> usable, std::span<const char> dense, int orders,
+                          SmoothMotion &out) {
+  constexpr double kChance = 4.0; // standard deviations of what knots take of noise
+  const std::vector<double> knots = knots_by_travel(time, angle, usable, dense);
+  const auto squares = [&](const std::vector<double> &residual) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < residual.size(); ++i)
+      sum += usable[i] ? residual[i] * residual[i] : 0.0;
+    return sum;
+  };
+  SmoothMotion plain = out;
+  std::vector<double> plain_residual =
+      split_by({time.front(), time.back()}, time, angle, usable, orders, plain);
+  std::vector<double> residual = split_by(knots, time, angle, usable, orders, out);
+  const auto used = static_cast<double>(std::count(usable.begin(), usable.end(), char{1}));
+  const double more = static_cast<double>(knots.size()) - 2.0;
+  const double freedom = std::max(1.0, used - more - 4.0 - 2.0 * orders);
+  const double by_chance = (more + kChance * std::sqrt(2.0 * more)) / freedom;
+  if (squares(plain_residual) > squares(residual) * (1.0 + by_chance))
+    return residual;
+  out = std::move(plain);
+  return plain_residual;
 }
 
 /// Widens every unusable stretch by `travel` on both sides; single bad samples stay single.

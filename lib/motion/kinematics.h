@@ -45,10 +45,11 @@ struct SmoothMotion {
   std::vector<std::uint32_t> spikes; ///< single samples that stand out of both
 };
 
-/// Splits an unwrapped angle into a smooth motion (a spline with knots every three quarters of a turn, which cannot
-/// follow a ripple of order 1) and `orders` harmonics of the turn, jointly, so that neither leaks
-/// into the other. Stretches that are no smooth motion, such as the kinks between two speeds, are
-/// marked unusable, and so are single samples that stand out.
+/// Splits an unwrapped angle into a smooth motion (a spline with knots every three quarters of a
+/// turn, which cannot follow a ripple of order 1) and `orders` harmonics of the turn, jointly, so
+/// that neither leaks into the other. Where one cubic over the whole record does as well as the
+/// knots, it is the motion. Stretches that are no smooth motion, such as the kinks between two
+/// speeds, are marked unusable, and so are single samples that stand out.
 SmoothMotion smooth_motion(std::span<const double> time, std::span<const double> angle,
                            std::span<char> usable, int orders);
 
