@@ -76,6 +76,13 @@ inline constexpr std::size_t kFewestForLines = 1000;
 /// electrical periods, so that none follows the shaft, and no more than two to a round of what repeats
 /// with the angle, as those are the angle's.
 inline constexpr double kMostTrends = 32.0, kPeriodsPerTrend = 1.5, kTrendsPerRound = 2.0;
+/// Steps in time: stretches that are compared (three on either side of a place, and enough places
+/// to know what is usual), samples in each, and steps at most. A jump counts from this many of its
+/// usual sizes on, as a spike does, and where the speed changes by less than this part of the
+/// fastest.
+inline constexpr double kMostStretches = 256.0;
+inline constexpr std::size_t kSamplesOfStretch = 24, kFewestForSteps = 24, kMostSteps = 4;
+inline constexpr double kJump = 8.0, kSameSpeed = 0.1;
 /// Held-out nats by which an axis must gain to be admitted: by chance once in e^6 = 400 axes. Each
 /// further step in its order must gain this many.
 inline constexpr double kAdmittedNats = 6.0, kNatsPerOrder = 1.0;

@@ -6,8 +6,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <complex>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/angle.h"
 
 namespace ada {
 
@@ -50,6 +56,71 @@ std::string unnamed_sentence(const BudgetLine &line, const Selection &unnamed, c
     return fmt::format("{:.3g} mV rms change with {}, and no named cause explains them", mv,
                        line.axis == Axis::supply ? "the supply" : "temperature");
   }
+}
+
+std::vector<Structure> unnamed_steps(const Anonymous &unnamed, const Model &model) {
+  constexpr double kOfLargest = 0.2; // of a step's own parts, which are worth a word
+  const Selection &all = unnamed.selection;
+  const double amplitude = std::abs(model.baseline.amplitude_v);
+  const int p = model.periods_per_turn;
+  std::map<double, std::map<int, std::complex<double>>> steps; // by moment and exponent, V
+  for (std::size_t k = 0; k + 1 < all.columns.size(); ++k) {
+    const auto term = static_cast<std::size_t>(all.columns[k] / 2);
+    const Basis::Term &t = unnamed.basis.terms()[term];
+    if (t.modulation.kind != Modulation::step || all.columns[k] % 2 != 0)
+      continue;
+    const auto at = static_cast<Eigen::Index>(k);
+    steps[t.modulation.at][t.exponent] = {all.values[at], all.values[at + 1]};
+  }
+  std::vector<Structure> out;
+  for (auto &[moment, change] : steps) {
+    const std::complex<double> offset = change[0], pair = change[p], mismatch = change[-p];
+    // Of the vector A e^(jx) a part c e^(jx) is gain and angle, c e^(-jx) mismatch and quadrature.
+    const double cos_gain = (pair.real() + mismatch.real()) / amplitude;
+    const double sin_gain = (pair.real() - mismatch.real()) / amplitude;
+    struct Part {
+      double volts;
+      std::string words;
+    };
+    std::vector<Part> parts;
+    if (std::abs(mismatch.real()) < kOfLargest * std::abs(pair.real()))
+      parts.push_back({pair.real(),
+                       fmt::format("both amplitudes by {:+.3g} %", 1e2 * pair.real() / amplitude)});
+    else {
+      parts.push_back({amplitude * sin_gain,
+                       fmt::format("the amplitude of VSIN by {:+.3g} %", 1e2 * sin_gain)});
+      parts.push_back({amplitude * cos_gain,
+                       fmt::format("the amplitude of VCOS by {:+.3g} %", 1e2 * cos_gain)});
+    }
+    parts.push_back({pair.imag(), fmt::format("the angle by {:+.3g} deg",
+                                              pair.imag() / (amplitude * p) * kDegPerRad)});
+    parts.push_back({mismatch.imag(), fmt::format("the angle between the channels by {:+.3g} deg",
+                                                  2.0 * mismatch.imag() / amplitude * kDegPerRad)});
+    parts.push_back(
+        {offset.imag(), fmt::format("the offset of VSIN by {:+.3g} mV", 1e3 * offset.imag())});
+    parts.push_back(
+        {offset.real(), fmt::format("the offset of VCOS by {:+.3g} mV", 1e3 * offset.real())});
+    double largest = 0.0, sum = 0.0;
+    for (const Part &part : parts) {
+      largest = std::max(largest, std::abs(part.volts));
+      sum += part.volts * part.volts;
+    }
+    std::erase_if(parts,
+                  [&](const Part &part) { return std::abs(part.volts) < kOfLargest * largest; });
+    std::stable_sort(parts.begin(), parts.end(), [](const Part &a, const Part &b) {
+      return std::abs(a.volts) > std::abs(b.volts);
+    });
+    std::vector<std::string> words;
+    for (const Part &part : parts)
+      words.push_back(part.words);
+    out.push_back(
+        {std::string(axis_name(Axis::time)),
+         fmt::format("at {:.6g} s the pair changes at once, and stays so: {}; no named cause "
+                     "explains it",
+                     moment, fmt::join(words, ", ")),
+         std::sqrt(sum / 8.0)}); // of plus and minus a half, in one of two channels
+  }
+  return out;
 }
 
 Provenance provenance_of(const Capture &capture, const Rung &fitted) {

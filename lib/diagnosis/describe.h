@@ -16,6 +16,9 @@ void describe_capture(const Capture &capture, const Scene &scene, Diagnosis &d);
 /// A line of the budget whose part without a name is worth a word.
 std::string unnamed_sentence(const BudgetLine &line, const Selection &unnamed, const Scene &scene);
 
+/// Each step in time that has no name, in words: what of the pair changes there, and by how much.
+std::vector<Structure> unnamed_steps(const Anonymous &unnamed, const Model &model);
+
 Provenance provenance_of(const Capture &capture, const Rung &fitted);
 
 } // namespace ada

@@ -734,12 +734,20 @@ private:
   /// word.
   void note_unnamed() {
     const double noise = std::sqrt(unnamed_.selection.noise_v2);
+    const double steps_v2 = std::max(0.0, unnamed_.selection.steps_v2);
+    for (Structure &step : unnamed_steps(unnamed_, out_.extended))
+      if (step.rms_v > criteria::kWorthAWord * noise)
+        out_.structure.push_back(std::move(step));
     const double least = std::max(criteria::kWorthAWord * noise, criteria::kOfProcess * motion_v());
-    for (const BudgetLine &line : out_.budget)
+    for (BudgetLine line : out_.budget) {
+      if (line.axis == Axis::time) // the steps have sentences of their own
+        line.unnamed_rms_v =
+            std::sqrt(std::max(0.0, line.unnamed_rms_v * line.unnamed_rms_v - steps_v2));
       if (line.axis != Axis::noise && line.unnamed_rms_v > least)
         out_.structure.push_back({std::string(axis_name(line.axis)),
                                   unnamed_sentence(line, unnamed_.selection, scene_),
                                   line.unnamed_rms_v});
+    }
   }
 
   bool supply_is_inferred() const {

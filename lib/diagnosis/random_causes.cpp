@@ -61,7 +61,7 @@ std::vector<std::complex<double>> course_of(const Anonymous &left, int exponent)
   for (std::size_t k = 0; k + 1 < all.columns.size(); k += 2) {
     const auto group = static_cast<std::size_t>(all.columns[k] / 2);
     const Basis::Term &term = left.basis.terms()[group];
-    if (left.basis.groups()[group].axis != Axis::time || term.exponent != exponent)
+    if (term.modulation.kind != Modulation::trend || term.exponent != exponent)
       continue;
     const std::complex<double> c(all.values[static_cast<Eigen::Index>(k)],
                                  all.values[static_cast<Eigen::Index>(k + 1)]);
@@ -365,7 +365,7 @@ std::string id_of(const Effect *effect) {
 
 bool is_course_of(const Anonymous &left, Eigen::Index column, Pattern pattern) {
   const auto group = static_cast<std::size_t>(column / 2);
-  if (left.basis.groups()[group].axis != Axis::time)
+  if (left.basis.terms()[group].modulation.kind != Modulation::trend)
     return false;
   const int m = left.basis.terms()[group].exponent;
   return pattern == Pattern::offset ? m == 0 : m == left.basis.periods() && column % 2 == 0;

@@ -68,7 +68,7 @@ std::vector<CauseView> cause_views(const Diagnosis &d, const Scene &scene, const
   baseline.scale_to(some);
   baseline.add(Axis::angle, 1, 0);
   baseline.add(Axis::angle, 1, scene.periods);
-  const Basis generic = generic_basis(scene, some, zero_rad, kOrders, {}, {});
+  const Basis generic = generic_basis(scene, some, zero_rad, kOrders, {}, {}, {});
   std::vector<char> taken(d.extended.effects.size(), 0);
   for (std::size_t f = 0; f < out.size(); ++f) {
     CauseView &view = out[f];

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "base/angle.h"
+#include "diagnosis/anonymous/steps.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
 
@@ -74,12 +75,14 @@ int most_orders(const Scene &scene, std::size_t samples, int wanted) {
 }
 
 Anonymous with_basis(const Scene &scene, const Halves &halves, double zero_rad, int orders,
-                 const std::vector<SpectralLine> &lines, Asked asked) {
+                     const std::vector<SpectralLine> &lines, const std::vector<double> &steps_s,
+                     Asked asked) {
   Anonymous out;
   out.basis = generic_basis(scene, halves.train, zero_rad,
-                            most_orders(scene, halves.train.size(), orders), lines, asked);
+                            most_orders(scene, halves.train.size(), orders), lines, steps_s, asked);
   out.from = products(out.basis, halves.train, halves.train_left, halves.heldout, halves.heldout_left);
   out.lines = lines;
+  out.steps_s = steps_s;
   out.orders = orders;
   return out;
 }
@@ -106,18 +109,74 @@ std::vector<SpectralLine> lines_of(const Scene &scene, const Halves &halves, con
   return out;
 }
 
+/// Takes the selection out of a residual, all but what is slow in time, which would follow a step,
+/// and the steps themselves.
+void subtract_all_but_slow(const Anonymous &left, const Observations &data, ResidualColumns &rest) {
+  Selection without;
+  std::vector<double> values;
+  for (std::size_t k = 0; k < left.selection.columns.size(); ++k) {
+    const Eigen::Index column = left.selection.columns[k];
+    const Modulation &by = left.basis.terms()[static_cast<std::size_t>(column / 2)].modulation;
+    if (by.kind == Modulation::trend || by.kind == Modulation::step)
+      continue;
+    without.columns.push_back(column);
+    values.push_back(left.selection.values[static_cast<Eigen::Index>(k)]);
+  }
+  without.values =
+      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  subtract(left.basis, without, data, rest);
+}
+
+/// Moments of steps, in all samples: an event belongs to the capture and not to a part of it.
+std::vector<double> steps_of(const Scene &scene, const Halves &halves, const Anonymous &left,
+                             const Model &model) {
+  ResidualColumns rest = halves.train_left;
+  subtract_all_but_slow(left, halves.train, rest);
+  std::vector<double> out;
+  for (const StepPlace &place :
+       find_steps(left.basis, halves.train, rest, scene.turns * scene.periods)) {
+    const auto &time = scene.all.time;
+    const auto index = [&](double t) {
+      return static_cast<std::uint32_t>(std::lower_bound(time.begin(), time.end(), t) -
+                                        time.begin());
+    };
+    std::vector<std::uint32_t> some(index(place.to_s) - index(place.from_s));
+    if (some.size() < 2)
+      continue;
+    std::iota(some.begin(), some.end(), index(place.from_s));
+    Observations near = scene.all.select(some);
+    ResidualColumns there = residual_columns(near, model);
+    near = at_shaft(model, std::move(near));
+    subtract_all_but_slow(left, near, there);
+    out.push_back(moment_of_step(left.basis, near, there));
+  }
+  return out;
+}
+
 } // namespace
 
 Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model,
                        bool conditions) {
   const Halves halves = halves_of(parts, model);
   const bool over_time = !parts.second_capture;
+  std::vector<double> steps;
   const auto with = [&](int orders, const std::vector<SpectralLine> &lines) {
-    return chosen(with_basis(scene, halves, zero_of(model), orders, lines, {over_time, conditions}));
+    return chosen(
+        with_basis(scene, halves, zero_of(model), orders, lines, steps, {over_time, conditions}));
   };
   const int unit = in_turns(scene) ? scene.periods : 1;
   Anonymous out = with(std::max(criteria::kMostOrders, criteria::kMostPeriods * unit), {});
-  if (!over_time || !conditions || halves.train.size() < criteria::kFewestForLines)
+  if (!over_time)
+    return out;
+  // A step that was not known has bent what else was fitted: with it known look once more.
+  for (int look = 0; look < 2; ++look) {
+    std::vector<double> seen = steps_of(scene, halves, out, model);
+    if (seen.size() <= steps.size())
+      break;
+    steps = std::move(seen);
+    out = with(std::max(2, out.selection.orders[0]), {});
+  }
+  if (!conditions || halves.train.size() < criteria::kFewestForLines)
     return out;
   // Tones first: in the frame that turns with the vector each of them would be two lines.
   std::vector<SpectralLine> lines;
@@ -134,7 +193,7 @@ Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &mode
 Anonymous anonymous_alike(const Scene &scene, const Parts &parts, const Model &model,
                           const Anonymous &other) {
   Anonymous out = with_basis(scene, halves_of(parts, model), zero_of(model), other.orders,
-                             other.lines, {!parts.second_capture, true});
+                             other.lines, other.steps_s, {!parts.second_capture, true});
   out.selection = select(out.basis, out.from, other.selection.columns);
   return out;
 }

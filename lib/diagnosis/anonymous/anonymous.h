@@ -17,14 +17,14 @@ struct Anonymous {
   Products from;
   Selection selection;
   std::vector<SpectralLine> lines; ///< that the basis has
+  std::vector<double> steps_s;     ///< moments of its steps, the largest first
   int orders = 0;                  ///< that it was asked for
   bool any() const { return !selection.columns.empty(); }
 };
 
-/// The anonymous model of what `model` leaves over. Lines of the spectrum are looked for in what the
-/// other axes leave.
-/// Not `conditions`: without speed, temperature and supply, as a process that follows none of them
-/// would have it.
+/// The anonymous model of what `model` leaves over. Steps in time and lines of the spectrum are
+/// looked for in what the other axes leave. Not `conditions`: without speed, temperature and
+/// supply, as a process that follows none of them would have it.
 Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model,
                        bool conditions = true);
 

@@ -22,14 +22,14 @@ std::string_view axis_name(Axis axis) {
 }
 
 void Basis::add(Axis axis, int order, int exponent, Modulation modulation) {
-  groups_.push_back({axis, order, columns()});
+  groups_.push_back({axis, order, columns(), 2, modulation.kind == Modulation::step});
   terms_.push_back({exponent, modulation});
 }
 
 Eigen::VectorXd Basis::stiffness() const {
   Eigen::VectorXd out = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(columns()));
   for (const Group &g : groups_)
-    if (g.axis == Axis::time)
+    if (g.axis == Axis::time && !g.of_step)
       out.segment(static_cast<Eigen::Index>(g.first), static_cast<Eigen::Index>(g.count))
           .setConstant(static_cast<double>(g.order) * g.order);
   return out;
@@ -71,12 +71,14 @@ double Basis::function(const Modulation &g, const Observations &data, std::size_
   }
   case Modulation::supply:
     return data.supply.empty() ? 0.0 : static_cast<double>(data.supply[i]);
+  case Modulation::step:
+    return data.time[i] < g.at ? -0.5 : 0.5;
   case Modulation::trend:
     return std::cos(0.5 * kTwoPi * g.order * (data.time[i] - time_from_) / time_span_);
   case Modulation::line_cos:
-    return std::cos(kTwoPi * g.frequency_hz * data.time[i]);
+    return std::cos(kTwoPi * g.at * data.time[i]);
   case Modulation::line_sin:
-    return std::sin(kTwoPi * g.frequency_hz * data.time[i]);
+    return std::sin(kTwoPi * g.at * data.time[i]);
   }
   return 1.0;
 }
@@ -129,7 +131,8 @@ bool in_turns(const Scene &scene) {
 }
 
 Basis generic_basis(const Scene &scene, const Observations &data, double zero_rad, int orders,
-                    const std::vector<SpectralLine> &lines, Asked asked) {
+                    const std::vector<SpectralLine> &lines, const std::vector<double> &steps_s,
+                    Asked asked) {
   const int p = scene.periods;
   Basis out(p, zero_rad);
   out.scale_to(data);
@@ -175,6 +178,10 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
       std::min({criteria::kMostTrends, scene.turns * p / criteria::kPeriodsPerTrend,
                 criteria::kTrendsPerRound * rounds});
   asked.over_time = asked.over_time && rounds >= criteria::kFewestTurnsToRepeat;
+  if (asked.over_time)
+    for (std::size_t k = 0; k < steps_s.size(); ++k)
+      for (int m : pair)
+        out.add(Axis::time, static_cast<int>(k) + 1, m, {Modulation::step, 0, steps_s[k]});
   for (int order = 1; asked.over_time && order <= static_cast<int>(waves); ++order)
     for (int m : pair)
       if (asked.conditions || m != -p) // a process moves offsets and gain

@@ -19,7 +19,7 @@ namespace ada {
 struct Modulation {
   enum Kind {
     none,
-    angle_cos,   ///< cosine of `order` times the angle of the turn
+    angle_cos, ///< cosine of `order` times the angle of the turn
     angle_sin,
     sense,       ///< sense of rotation, -1 or +1
     velocity,    ///< signed speed over the fastest
@@ -27,12 +27,13 @@ struct Modulation {
     square,      ///< its square
     temperature, ///< Legendre polynomial `order` of VTEMP over its range
     supply,      ///< VDD as a wave of rms 1
+    step,        ///< -1/2 before `at`, s, and +1/2 from then on
     trend,       ///< cosine of `order` half waves over the record
-    line_cos,    ///< of `frequency_hz`
+    line_cos,    ///< of the frequency `at`, Hz
     line_sin,
   } kind = none;
   int order = 0;
-  double frequency_hz = 0.0;
+  double at = 0.0;
 
   bool of_angle() const { return kind == angle_cos || kind == angle_sin; }
   bool operator==(const Modulation &) const = default;
@@ -49,6 +50,7 @@ struct Group {
   int order;         ///< of the angle error that it makes, |m - p|; of the function otherwise
   std::size_t first; ///< column
   std::size_t count = 2;
+  bool of_step = false; ///< on the axis of time, where a step comes before what is slow
 };
 
 class Basis {
@@ -118,8 +120,9 @@ struct Asked {
 bool in_turns(const Scene &scene);
 
 /// What the capture lets each axis show. `orders`: highest order of the turn on the angle axis;
-/// `lines`: of the spectrum.
+/// `lines`: of the spectrum; `steps_s`: moments, s.
 Basis generic_basis(const Scene &scene, const Observations &data, double zero_rad, int orders,
-                    const std::vector<SpectralLine> &lines, Asked asked);
+                    const std::vector<SpectralLine> &lines, const std::vector<double> &steps_s,
+                    Asked asked);
 
 } // namespace ada

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "diagnosis/criteria.h"
 
@@ -59,7 +60,7 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   // Angle, by order, along the vector and across it: flaws of a magnet turn the vector and leave
   // its length, so that what changes the length stands out of them.
   std::array<std::map<int, Power>, 2> of_order;
-  std::map<std::pair<Axis, int>, Power> of_function; // others, by axis and exponent
+  std::map<std::tuple<Axis, bool, int>, Power> of_function; // others, by axis and exponent
   const auto term_of = [&](Eigen::Index k) -> const Basis::Term & {
     return basis.terms()[static_cast<std::size_t>(out.columns[static_cast<std::size_t>(k)] / 2)];
   };
@@ -83,7 +84,7 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
           of_order[part][g.order + d].add(
               power(k), criteria::kNeighbourWeight[static_cast<std::size_t>(std::abs(d)) - 1]);
     } else
-      of_function[{g.axis, term_of(k).exponent}].add(power(k), 1.0);
+      of_function[{g.axis, g.of_step, term_of(k).exponent}].add(power(k), 1.0);
   }
   out.variance_v2.resize(n);
   // Orders above the highest that held-out data admit hold nothing.
@@ -100,7 +101,7 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
       for (std::size_t part : parts_of(k))
         local += of_order[part][g.order].mean() / static_cast<double>(parts_of(k).size());
     else
-      local = of_function[{g.axis, term_of(k).exponent}].mean();
+      local = of_function[{g.axis, g.of_step, term_of(k).exponent}].mean();
     out.variance_v2[k] = std::max(local, criteria::kLeastOfResolution * variance[k]);
   }
   return out;

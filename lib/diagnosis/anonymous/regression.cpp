@@ -108,10 +108,16 @@ Selection select(const Basis &basis, const Products &from) {
   // What the baseline gains by itself is no gain of an axis.
   const Nested alone(from, of_baseline, stiffness);
   const double with_baseline = alone.heldout(alone.values(of_baseline.size()));
-  for (std::size_t axis = 0; axis + 1 < kAxes; ++axis) {
+  // Steps come first: everything else would follow a step in part, and never to its end, while no
+  // angle repeats, and no speed changes, where one was found.
+  std::vector<std::pair<std::size_t, bool>> families; // axis, whether its steps
+  families.emplace_back(static_cast<std::size_t>(Axis::time), true);
+  for (std::size_t axis = 0; axis + 1 < kAxes; ++axis)
+    families.emplace_back(axis, false);
+  for (const auto &[axis, steps] : families) {
     std::vector<const Group *> groups;
     for (const Group &g : basis.groups())
-      if (static_cast<std::size_t>(g.axis) == axis && g.order != kOfBaseline)
+      if (static_cast<std::size_t>(g.axis) == axis && g.of_step == steps && g.order != kOfBaseline)
         groups.push_back(&g);
     if (groups.empty())
       continue;
@@ -155,9 +161,13 @@ Selection select(const Basis &basis, const Products &from) {
     }
     if (best_gain < criteria::kAdmittedNats)
       continue;
-    out.share_v2[axis] = (before - best_heldout) / from.n_heldout;
-    out.gain_nats[axis] = best_gain;
-    out.orders[axis] = best_order;
+    const double share_v2 = (before - best_heldout) / from.n_heldout;
+    out.share_v2[axis] += share_v2;
+    out.gain_nats[axis] += best_gain;
+    if (steps)
+      out.steps_v2 = share_v2;
+    else
+      out.orders[axis] = best_order;
     out.columns = nested.first(best);
     out.values = std::move(best_values);
     out.ridge = nested.ridge();

@@ -36,6 +36,7 @@ struct Selection {
   Eigen::VectorXd values;                  ///< of each, V
   std::array<int, kAxes> orders{};         ///< highest order that is in, by axis; 0: none
   std::array<double, kAxes> share_v2{};    ///< fall of the held-out mean square by axis, V^2
+  double steps_v2 = 0.0;                   ///< of that on the axis of time, by steps
   std::array<double, kAxes> gain_nats{};   ///< of the held-out likelihood by axis
   double ridge = 0.0;                      ///< relative, of the normal equations
   double noise_v2 = 0.0;                   ///< held-out mean square that is left

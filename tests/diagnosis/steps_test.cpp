@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Benches on which the pair becomes another one at a moment: what no cause of the catalogue does is
+// told by its moment and its size, and hides neither mismatch nor quadrature.
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "diagnosis/bench.h"
+
+namespace ada::test {
+namespace {
+
+constexpr double kSpan = 6.0; // s
+
+/// Two speeds, there and back.
+std::function<double(double)> there_and_back(Bench &bench) {
+  const double slow = kTwoPi * bench.within(2.0, 4.0), fast = kTwoPi * bench.within(5.0, 8.0);
+  return [=](double t) {
+    return t < 0.5 * kSpan ? slow * t : slow * 0.5 * kSpan - fast * (t - 0.5 * kSpan);
+  };
+}
+
+/// A moment away from the ends and from where the speed changes.
+double some_moment(Bench &bench) {
+  const double part = bench.within(0.1, 0.4);
+  return kSpan * (bench.within(0.0, 1.0) < 0.5 ? part : 0.5 + part);
+}
+
+/// Of the sentences on what is left over, the one on the step at a moment; empty: there is none.
+std::string step_at(const Diagnosis &d, double moment_s) {
+  for (const Structure &s : d.structure)
+    if (s.description.find(" s the pair changes at once") != std::string::npos &&
+        std::abs(std::stod(s.description.substr(3)) - moment_s) < 1e-3)
+      return s.description;
+  return {};
+}
+
+/// The number after some words.
+double number_after(const std::string &sentence, const std::string &words) {
+  const std::size_t at = sentence.find(words);
+  return at == std::string::npos ? std::nan("") : std::stod(sentence.substr(at + words.size()));
+}
+
+std::string all_of(const Diagnosis &d) {
+  std::string out = names(d);
+  for (const Structure &s : d.structure)
+    out += "\n" + s.description;
+  return out;
+}
+
+KIND(a_gain_that_is_switched_once_is_told_with_its_moment_and_size) {
+  Bench bench;
+  const double moment = some_moment(bench), by = bench.within(0.004, 0.03);
+  const bool both = bench.within(0.0, 1.0) < 0.5;
+  Capture c = bench.capture(18000, 18000 / kSpan, 2, there_and_back(bench));
+  for (std::size_t i = 0; i < c.size(); ++i)
+    if (c.time_s[i] >= moment) {
+      c.vsin_v[i] += by * (c.vsin_v[i] - 2.5);
+      if (both)
+        c.vcos_v[i] += by * (c.vcos_v[i] - 2.5);
+    }
+  const Diagnosis d = diagnose(c, {});
+  Pair mean = bench.pair;
+  if (!both) // of the two states, as long as each lasts
+    mean.k += by * (1.0 - moment / kSpan);
+  expect_pair(d, mean, both ? 0.0 : by);
+  for (const char *innocent : {"gain-wander", "offset-wander", "low-pass-rolloff"})
+    EXPECT_FALSE(named(d, innocent)) << all_of(d);
+  EXPECT_EQ(d.verdict, Verdict::partly_explained) << all_of(d);
+  const std::string said = step_at(d, moment);
+  ASSERT_FALSE(said.empty()) << moment << " s, " << all_of(d);
+  EXPECT_NEAR(number_after(said, both ? "both amplitudes by " : "the amplitude of VSIN by "),
+              1e2 * by, 5.0 * by)
+      << said;
+}
+
+KIND(slips_of_different_size_are_each_told) {
+  Bench bench;
+  const double first = kSpan * bench.within(0.1, 0.4), second = kSpan * bench.within(0.6, 0.9);
+  const double large = bench.within(1.0, 2.0), small = bench.within(0.3, 0.8); // deg
+  const bool large_first = bench.within(0.0, 1.0) < 0.5;
+  const auto shaft = there_and_back(bench);
+  Capture c = bench.capture(18000, 18000 / kSpan, 2, [&](double t) {
+    const double one = large_first ? large : small, other = large_first ? small : large;
+    return shaft(t) + kRadPerDeg * ((t >= first ? one : 0.0) + (t >= second ? other : 0.0));
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  // A slip that has no name turns mismatch and quadrature into one another, by its electrical
+  // angle.
+  const double larger = std::max(std::abs(bench.pair.k), std::abs(bench.pair.delta_rad));
+  expect_pair(d, bench.pair, 2.0 * small * kRadPerDeg * larger);
+  const Finding *f = named(d, "angle-slip");
+  ASSERT_TRUE(f) << all_of(d);
+  const bool is_first = std::abs(f->values[0] - first) < 1e-3;
+  EXPECT_NEAR(f->values[0], is_first ? first : second, 1e-3) << all_of(d);
+  const double other = is_first == large_first ? small : large;
+  EXPECT_NEAR(f->values[1], is_first == large_first ? large : small, 0.05 * large) << all_of(d);
+  const std::string said = step_at(d, is_first ? second : first);
+  ASSERT_FALSE(said.empty()) << all_of(d);
+  EXPECT_NEAR(number_after(said, "the angle by "), other, 0.05 * other) << said;
+}
+
+/// What moves slowly, however far, does nothing at once.
+KIND(an_amplitude_that_drifts_is_no_step) {
+  Bench bench;
+  const double by = bench.within(0.005, 0.03), hz = bench.within(0.05, 0.3),
+               start = bench.within(0.0, kTwoPi);
+  Capture c = bench.capture(18000, 18000 / kSpan, 2, there_and_back(bench));
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double gain = by * std::sin(kTwoPi * hz * c.time_s[i] + start);
+    c.vsin_v[i] += gain * (c.vsin_v[i] - 2.5);
+    c.vcos_v[i] += gain * (c.vcos_v[i] - 2.5);
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  EXPECT_EQ(all_of(d).find("the pair changes at once"), std::string::npos) << all_of(d);
+}
+
+} // namespace
+} // namespace ada::test
