@@ -851,6 +851,25 @@ private:
   bool given_seen_ = false; ///< a cause that the given model names was seen before any fit
 };
 
+bool is_of_motion(const Finding &f) {
+  return f.effect->info().stage == Stage::motion && f.effect->info().evidence == Evidence::signal;
+}
+
+/// Whether a reading that names a ripple of the shaft and leaves something over says no more of the
+/// sensor than one by the radius alone, which leaves nothing: then the shaft turns unevenly, and
+/// not by that ripple.
+bool is_the_shafts_alone(const Diagnosis &with_ripple, const Diagnosis &by_radius) {
+  if (!by_radius.structure.empty() ||
+      std::none_of(with_ripple.findings.begin(), with_ripple.findings.end(), is_of_motion))
+    return false;
+  return std::all_of(with_ripple.findings.begin(), with_ripple.findings.end(),
+                     [&](const Finding &f) {
+                       return is_of_motion(f) ||
+                              std::any_of(by_radius.findings.begin(), by_radius.findings.end(),
+                                          [&](const Finding &g) { return g.effect == f.effect; });
+                     });
+}
+
 } // namespace
 
 std::string_view verdict_name(Verdict verdict) {
@@ -899,8 +918,12 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
   // The motion gives nothing to the radius: that says which of the two readings is the better one.
   Work apart(capture, options, guess, &first.out.extended);
   Diagnosis out = apart.run();
-  const bool better = out.verdict != Verdict::insufficient_data &&
-                      criteria::kRadiusWorse * apart.radius_left().rms_v < first.left.rms_v;
+  if (out.verdict == Verdict::insufficient_data)
+    return std::move(first.out);
+  const double left_v = apart.radius_left().rms_v;
+  const bool better =
+      criteria::kRadiusWorse * left_v < first.left.rms_v ||
+      (left_v < criteria::kRadiusWorse * first.left.rms_v && is_the_shafts_alone(first.out, out));
   return better ? std::move(out) : std::move(first.out);
 }
 

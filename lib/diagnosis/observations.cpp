@@ -263,6 +263,16 @@ bool more_than_the_radius(const SmoothMotion &smooth, const Screened &look) {
   return electrical * smooth.slow_rad > 2.0 * radius_left_rad(look);
 }
 
+/// Whether what a smooth motion calls a ripple makes the speed vary by more than a half: that is no
+/// ripple but the motion itself, of which too little was smooth to tell the two apart.
+bool ripples_too_much(const SmoothMotion &smooth) {
+  constexpr double kMost = 0.5; // of the speed
+  for (std::size_t k = 0; k < smooth.cos.size(); ++k)
+    if (static_cast<double>(k + 1) * std::hypot(smooth.cos[k], smooth.sin[k]) > kMost)
+      return true;
+  return false;
+}
+
 /// A motion whose ripple is looked for at orders of the electrical period: of a ring of many poles
 /// that makes a few turns.
 Kinematics motion_by_poles(Screened &look, Scene &scene) {
@@ -295,7 +305,12 @@ Kinematics motion_by_pair(Screened &look, Scene &scene, std::vector<std::uint32_
                : motion_of_the_pair_itself(look, scene);
   const std::vector<char> before = look.usable;
   SmoothMotion smooth = smooth_motion_with_losses(look, kRippleOrders);
-  scene.radius_only = smooth.residual_rms_rad > kRoughMotion || more_than_the_radius(smooth, look);
+  scene.radius_only = smooth.residual_rms_rad > kRoughMotion || ripples_too_much(smooth) ||
+                      more_than_the_radius(smooth, look);
+  if (ripples_too_much(smooth)) {
+    look.usable = before;
+    return motion_of_the_pair_itself(look, scene);
+  }
   if (scene.radius_only)
     smooth.motion.alpha = look.angle;
   else

@@ -5,9 +5,11 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <fmt/format.h>
+#include <map>
 #include <numeric>
 
 #include "base/angle.h"
@@ -123,6 +125,31 @@ void report_bins(const Components &parts, const std::vector<int> &bin, int bins,
                    strongest.rms_v});
 }
 
+/// What two halves of a record have in common in the means of a component over ranges of a level, V
+/// rms. A converter errs alike whenever it reads a level; what goes on for a while stays in one of
+/// the halves, however finely it is cut.
+double alike_v(const std::vector<double> &level, const std::vector<double> &component, double low,
+               double width) {
+  struct Sum {
+    double sum = 0.0, count = 0.0;
+  };
+  std::map<long, std::array<Sum, 2>> of_range;
+  for (std::size_t i = 0; i < level.size(); ++i) {
+    Sum &s = of_range[std::lround(std::floor((level[i] - low) / width))][2 * i / level.size()];
+    s.sum += component[i];
+    s.count += 1.0;
+  }
+  double power = 0.0, weight = 0.0;
+  for (const auto &[range, halves] : of_range) {
+    const double w = std::min(halves[0].count, halves[1].count);
+    if (w <= 0.0)
+      continue;
+    power += w * halves[0].sum / halves[0].count * halves[1].sum / halves[1].count;
+    weight += w;
+  }
+  return weight > 0.0 ? std::sqrt(std::max(0.0, power / weight)) : 0.0;
+}
+
 /// A converter whose steps are uneven errs with the level of a channel, finer than any bin of the
 /// angle: means over narrow bins of the modelled level (the measured one carries the noise along),
 /// none so narrow that an even converter's own steps show. Against the scatter of the channel
@@ -131,6 +158,7 @@ void report_levels(const Observations &data, const ResidualColumns &residual,
                    const Components &parts, double least, std::vector<Structure> &out) {
   constexpr double kSteps = 4.0, kEach = 16.0, kFewest = 128.0, kMost = 8192.0;
   constexpr double kFiner = 1.2; ///< more than the bins of the angle show
+  constexpr double kAgree = 0.7; ///< half of the power
   const double n = static_cast<double>(data.size());
   double known = least;
   for (const Structure &s : out)
@@ -154,7 +182,8 @@ void report_levels(const Observations &data, const ResidualColumns &residual,
         width = span / count;
       }
     }
-    if (strongest.rms_v > known)
+    if (strongest.rms_v > known &&
+        kAgree * strongest.rms_v < alike_v(level, component, *low, width))
       out.push_back({"angle",
                      fmt::format("{} errs with its own level by {:.3g} mV rms, in ranges of about "
                                  "{:.2g} mV: the steps of the converter may be uneven",
@@ -250,7 +279,7 @@ void report_spectrum(const Observations &data, const Components &parts, double s
   // part of the transform, so neighbouring lines are not independent.
   const double independent = n / static_cast<double>(size);
   constexpr std::size_t kBands = 64;
-  double worst_z = 0.0, worst_excess = 0.0, worst_frequency = 0.0;
+  double worst_z = 0.0, worst_excess = 0.0, from_hz = 0.0, to_hz = 0.0;
   for (std::size_t b = 0; b < kBands; ++b) {
     const std::size_t from = std::max<std::size_t>(1, b * size / kBands);
     const std::size_t to = (b + 1) * size / kBands;
@@ -264,17 +293,18 @@ void report_spectrum(const Observations &data, const Components &parts, double s
     if (z > worst_z && excess > worst_excess) {
       worst_z = z;
       worst_excess = excess;
-      const double middle = 0.5 * static_cast<double>(from + to);
-      worst_frequency =
-          (middle < 0.5 * static_cast<double>(size) ? middle : middle - static_cast<double>(size)) *
-          bin;
+      const auto hz = [&](std::size_t k) { // whatever its sign
+        return bin * static_cast<double>(std::min(k, size - k));
+      };
+      from_hz = std::min(hz(b * size / kBands), hz(to));
+      to_hz = std::max(hz(b * size / kBands), hz(to));
     }
   }
   const double rms = sigma * std::sqrt(worst_excess);
   if (worst_z > 10.0 && rms > least)
     out.push_back({"frequency",
-                   fmt::format("{:.3g} mV rms above white noise near {:.3g} Hz", 1e3 * rms,
-                               std::abs(worst_frequency)),
+                   fmt::format("{:.3g} mV rms above white noise between {:.3g} and {:.3g} Hz",
+                               1e3 * rms, from_hz, to_hz),
                    rms});
   std::size_t peak = 1;
   for (std::size_t k = 1; k < size; ++k)

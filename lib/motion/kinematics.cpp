@@ -426,9 +426,11 @@ double slow_spread(std::span<const double> angle, std::span<const double> residu
 }
 
 /// Takes single samples out that stand far out of the residual: they would pass for rough motion.
+/// Where a shaft rests for most of the time it is the moves that stand out, and they stay.
 bool take_out_spikes(const std::vector<double> &residual, std::span<char> usable,
                      std::vector<std::uint32_t> &spikes) {
   constexpr double kFar = 8.0; // standard deviations
+  constexpr double kMost = 0.1; // of the samples; with more of them they are no exception
   std::vector<double> values;
   std::vector<std::uint32_t> places;
   for (std::size_t i = 0; i < residual.size(); ++i)
@@ -437,6 +439,8 @@ bool take_out_spikes(const std::vector<double> &residual, std::span<char> usable
       places.push_back(static_cast<std::uint32_t>(i));
     }
   const std::vector<std::size_t> found = standing_out(values, kFar, 0.0);
+  if (static_cast<double>(found.size()) > kMost * static_cast<double>(values.size()))
+    return false;
   for (std::size_t k : found) {
     usable[places[k]] = 0;
     spikes.push_back(places[k]);
@@ -533,13 +537,28 @@ SmoothMotion smooth_motion(std::span<const double> time, std::span<const double>
     residual = split(time, angle, usable, dense, orders, out);
     without_spikes();
   }
-  // What is rough nearly everywhere is no exception that could be left out.
+  // What is rough nearly everywhere is no exception that could be left out: neither most of the
+  // samples may go nor, of a shaft that moves and rests by turns, most of the way.
+  constexpr double kFewest = 0.4;
   const auto left = [](std::span<const char> mask) {
-    return std::count_if(mask.begin(), mask.end(), [](char c) { return c != 0; });
+    return static_cast<double>(
+        std::count_if(mask.begin(), mask.end(), [](char c) { return c != 0; }));
   };
-  const auto fewest = left(usable) * 4 / 10;
+  const double noise = beyond_noise(angle); // which makes much way at rest
+  const auto way = [&](std::span<const char> mask) {
+    double sum = 0.0, last = angle[0];
+    for (std::size_t i = 1; i < mask.size(); ++i)
+      if (!mask[i] || !mask[i - 1])
+        last = angle[i];
+      else if (std::abs(angle[i] - last) > noise) {
+        sum += std::abs(angle[i] - last);
+        last = angle[i];
+      }
+    return sum;
+  };
+  const double fewest = kFewest * left(usable), shortest = kFewest * way(usable);
   const auto adopt = [&](const std::vector<char> &mask) {
-    if (left(mask) < fewest)
+    if (left(mask) < fewest || way(mask) < shortest)
       return false;
     std::copy(mask.begin(), mask.end(), usable.begin());
     return true;

@@ -315,6 +315,30 @@ KIND(a_sound_pair_for_a_second_is_white_along_its_radius) {
       << names(d) << (d.structure.empty() ? "" : d.structure.front().description);
 }
 
+/// A motor that goes from step to step, each of which takes a while and is of uneven size.
+KIND(a_stepper_without_a_reference_is_no_shaft_that_ripples) {
+  Bench bench;
+  bench.pair.noise_v = bench.within(1e-3, 3e-3);
+  const double each_s = bench.within(0.03, 0.06), step_rad = bench.within(1.5, 4.0) * kRadPerDeg,
+               takes = bench.within(0.3, 0.6), uneven = bench.within(0.05, 0.3);
+  const std::size_t steps = static_cast<std::size_t>(8.0 / each_s) + 2;
+  std::vector<double> at{0.0};
+  for (std::size_t k = 0; k < steps; ++k) {
+    const bool back = k > steps / 2; // faster there, and the other way
+    at.push_back(at.back() +
+                 (back ? -1.5 : 1.0) * step_rad * 4.0 * (1.0 + uneven * bench.within(-1.0, 1.0)));
+  }
+  Capture c = bench.capture(24000, 3000.0, 1, [&](double t) {
+    const auto k = static_cast<std::size_t>(t / each_s);
+    const double part = std::min(1.0, (t / each_s - static_cast<double>(k)) / takes);
+    return at[k] + (at[k + 1] - at[k]) * 0.5 * (1.0 - std::cos(0.5 * kTwoPi * part));
+  });
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  EXPECT_FALSE(named(d, "rotation-nonuniformity")) << names(d);
+}
+
 KIND(a_pair_on_one_line_tells_no_angle) {
   Bench bench;
   const double hz = bench.within(3.0, 20.0), of_sin = bench.within(-1.0, 1.0);
