@@ -446,6 +446,7 @@ private:
     const double noise = std::max({floor(), std::sqrt(unnamed_.selection.noise_v2),
                                    loudest_noise(parts_.train, out_.extended)});
     const Spikes spikes = spikes_against(scene_, out_.extended, scene_.heldout, noise);
+    no_spikes_ = spikes.no_spikes;
     if (!spikes.found)
       return false;
     // Those that no first look took out have bent the fits.
@@ -510,8 +511,9 @@ private:
     Model named = out_.extended;
     named.remainder.reset();
     // A slow process goes along with speed and temperature by chance. It is named where it alone
-    // explains most of what changes with any of them.
-    Anonymous slow = anonymous_of(scene_, white, named, false);
+    // explains most of what changes with any of them, unless the speed alone does so as well: of
+    // its few functions nobody expects to follow what wanders.
+    Anonymous slow = anonymous_of(scene_, white, named, {.speed = false, .others = false});
     const double whole =
         slow.from.heldout(slow.from.heldout.rows() - 1, slow.from.heldout.rows() - 1) /
         slow.from.n_heldout;
@@ -519,6 +521,8 @@ private:
     if (slow.selection.noise_v2 - unnamed_.selection.noise_v2 <
         criteria::kLittle * (whole - unnamed_.selection.noise_v2)) {
       processes = slow_causes(slow, white, named);
+      if (!processes.empty() && goes_with_speed(slow, white, named))
+        processes.clear();
       if (!processes.empty()) {
         unnamed_ = std::move(slow);
         slow_waves_ = unnamed_.selection.orders[static_cast<std::size_t>(Axis::time)];
@@ -550,6 +554,19 @@ private:
                                  scene_.has_reference ? 0.0 : out_.noise.along_v);
     if (!random_.empty() || !noise.empty())
       explained_noise_ = std::max(noise_, left);
+  }
+
+  /// Whether the speed explains as well what a slow process would.
+  bool goes_with_speed(const Anonymous &slow, const Parts &white, const Model &named) const {
+    if (!scene_.several_speeds && !scene_.both_directions)
+      return false;
+    const auto left_v2 = [&](bool speed) {
+      return anonymous_of(scene_, white, named,
+                          {.over_time = false, .speed = speed, .others = false})
+          .selection.noise_v2;
+    };
+    const double least = std::min(slow.selection.noise_v2, unnamed_.selection.noise_v2);
+    return left_v2(true) - least < criteria::kLittle * (left_v2(false) - least);
   }
 
   /// Whether a spectrum over time means anything: an even clock, and a motion that is known.
@@ -624,6 +641,7 @@ private:
                               second_order_floor(out_.extended, found_), noise_stated_,
                               supply_is_inferred()};
     note_unnamed();
+    note_what_stands_out();
     LeftOver left = left_over(scene_, parts_, out_.extended, explained, last_, angle_left_);
     std::move(left.structure.begin(), left.structure.end(), std::back_inserter(out_.structure));
     drop_what_is_random();
@@ -647,9 +665,9 @@ private:
                                          : std::max(values[0], values[1]);
   }
 
-  /// V rms of a channel that the random causes with a name and the steps of a reference leave over:
-  /// what is smaller is of their kind. White noise that was named was shown to be no more than
-  /// noise; a slow process goes on above the half waves that its course was taken out by.
+  /// V rms of a channel that the random processes with a name and the steps of a reference leave
+  /// over: what is smaller is of their kind. A slow process goes on above the half waves that its
+  /// course was taken out by.
   double random_v() const {
     const double waves = std::max(1, slow_waves_);
     double sum = 0.0;
@@ -657,13 +675,23 @@ private:
       const EffectInfo &info = e.effect->info();
       if (info.evidence == Evidence::noise && info.character == Character::process)
         sum += e.values[0] * e.values[0]; // what else is left over is not its own
-      else if (info.evidence == Evidence::noise)
-        sum += std::max(0.0, std::pow(last_.heldout.residual_rms_v, 2) - noise_ * noise_);
-      else
+      else if (info.evidence != Evidence::noise) // white noise has no structure of its own
         sum += std::pow(process_v(info, e.values), 2) / waves;
     }
     sum += std::pow(reference_step_rad() * scene_.periods * channel_rms_v(), 2) / 12.0;
     return std::sqrt(sum);
+  }
+
+  static bool is_white(const EffectInfo &info) {
+    return info.evidence == Evidence::noise && info.character != Character::process;
+  }
+  static bool is_white_noise(const EffectInstance &e) { return is_white(e.effect->info()); }
+  static bool finds_white_noise(const Finding &f) { return is_white(f.effect->info()); }
+  /// V rms of a channel above the expected noise, where a white noise has a name.
+  double white_v() const {
+    const bool any = std::any_of(seen_random_.begin(), seen_random_.end(), is_white_noise);
+    const double left = last_.heldout.residual_rms_v;
+    return any ? std::sqrt(std::max(0.0, left * left - noise_ * noise_)) : 0.0;
   }
 
   /// V rms of a channel that a motion without a reference leaves over: it was found as a smooth
@@ -678,20 +706,16 @@ private:
   /// Takes out what the named random causes account for. White noise is what has no structure:
   /// where much of it has, it is no cause of its own.
   void drop_what_is_random() {
-    const auto is_white = [](const auto &named) {
-      return named.effect->info().evidence == Evidence::noise &&
-             named.effect->info().character != Character::process;
-    };
-    const double accounted = random_v();
-    const bool noise_only = std::any_of(seen_random_.begin(), seen_random_.end(), is_white);
+    const double accounted = std::hypot(random_v(), white_v());
+    const bool noise_only = white_v() > 0.0;
     const auto too_much = [&](const Structure &s) {
       return (s.along == "angle" || s.along == "frequency") &&
              s.rms_v > criteria::kOfRandom * accounted;
     };
     if (noise_only && std::any_of(out_.structure.begin(), out_.structure.end(), too_much)) {
-      std::erase_if(recorded_, is_white);
-      std::erase_if(random_, is_white);
-      std::erase_if(seen_random_, is_white);
+      std::erase_if(recorded_, is_white_noise);
+      std::erase_if(random_, finds_white_noise);
+      std::erase_if(seen_random_, is_white_noise);
     }
     drop_processes_that_leave_more();
     if (const double left = random_v(); left > 0.0)
@@ -748,6 +772,23 @@ private:
                                   unnamed_sentence(line, unnamed_.selection, scene_),
                                   line.unnamed_rms_v});
     }
+  }
+
+  void note_what_stands_out() {
+    const auto n = static_cast<double>(scene_.all.size() + scene_.spiked.size());
+    const double rms = no_spikes_.rms_v * std::sqrt(static_cast<double>(no_spikes_.count) / n);
+    if (no_spikes_.count == 0 || rms < criteria::kWorthAWord * floor())
+      return;
+    out_.structure.push_back(
+        {std::string(axis_name(no_spikes_.place_rad ? Axis::angle : Axis::time)),
+         fmt::format(
+             "{} of {:.0f} samples stand out of the noise by {:.3g} mV rms, {}", no_spikes_.count,
+             n, 1e3 * no_spikes_.rms_v,
+             no_spikes_.place_rad
+                 ? fmt::format("at the same places in the turn, most of them about {:.0f} deg",
+                               *no_spikes_.place_rad * kDegPerRad)
+                 : "several in a row"),
+         rms});
   }
 
   bool supply_is_inferred() const {
@@ -835,6 +876,7 @@ private:
   Anonymous unnamed_; ///< what the named model leaves over
   Rung named_;        ///< of the model of all that has a name
   std::optional<Finding> spikes_;
+  decltype(Spikes::no_spikes) no_spikes_;
   std::vector<Finding> random_;
   std::vector<EffectInstance>
       seen_random_; ///< the causes of these, and those that the given model names

@@ -93,8 +93,8 @@ bool stands_out(double sin, double cos, const Pair &around, double noise_v) {
 /// Spikes come at any angle. What stands out again and again at the same angles is a corner that
 /// the model does not meet quite: Rayleigh's test at the first orders of the turn, against the
 /// angles at which the shaft was.
+constexpr int kOrders = 16;
 bool come_with_the_angle(const std::vector<double> &alpha, const std::vector<double> &all) {
-  constexpr int kOrders = 16;
   constexpr double kImprobable = 15.0; // e^-15 by chance, at each order
   const std::size_t stride = std::max<std::size_t>(1, all.size() / 20000);
   const double n = static_cast<double>(alpha.size());
@@ -109,6 +109,16 @@ bool come_with_the_angle(const std::vector<double> &alpha, const std::vector<dou
       return true;
   }
   return false;
+}
+
+/// The place in the turn about which most of `alpha` lie, rad.
+double densest(const std::vector<double> &alpha) {
+  constexpr std::size_t kPlaces = 4 * kOrders;
+  std::array<std::size_t, kPlaces> count{};
+  for (double a : alpha)
+    ++count[std::min(kPlaces - 1, static_cast<std::size_t>(wrap(a, kTwoPi) / kTwoPi * kPlaces))];
+  const auto most = std::max_element(count.begin(), count.end()) - count.begin();
+  return (static_cast<double>(most) + 0.5) * kTwoPi / kPlaces;
 }
 
 void add(const ResidualColumns &r, std::size_t i, std::vector<double> &out,
@@ -172,7 +182,13 @@ Spikes spikes_against(const Scene &scene, const Model &model,
     for (std::size_t i : places)
       out.hit[i] = 1;
   }
+  const std::vector<char> all_hit = out.hit;
   leave_out_clusters(out.hit);
+  // What stands out together with its neighbours is no spike, and is not passed over either.
+  std::vector<double> together;
+  for (std::size_t i = 0; i < out.hit.size(); ++i)
+    if (all_hit[i] && !out.hit[i])
+      add(plain, i, together);
   // Of what the first look left out, only what this model cannot explain either is a spike.
   std::vector<double> values, angles;
   std::size_t samples = 0;
@@ -196,7 +212,16 @@ Spikes spikes_against(const Scene &scene, const Model &model,
       angles.push_back(scene.all.alpha[i]);
       ++samples;
     }
-  if (samples < kFewestSpikes || come_with_the_angle(angles, scene.all.alpha)) {
+  const bool at_places = samples >= kFewestSpikes && come_with_the_angle(angles, scene.all.alpha);
+  if (at_places)
+    together.insert(together.end(), values.begin(), values.end());
+  if (together.size() >= 2 * kFewestSpikes) {
+    out.no_spikes.count = together.size() / 2;
+    out.no_spikes.rms_v = std::sqrt(mean_square(together));
+    if (at_places)
+      out.no_spikes.place_rad = densest(angles);
+  }
+  if (samples < kFewestSpikes || at_places) {
     std::fill(out.hit.begin(), out.hit.end(), char{0});
     return out;
   }

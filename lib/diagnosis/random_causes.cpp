@@ -506,7 +506,9 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
       white2 > criteria::kMoreVariance * stated_v * stated_v) {
     const double more = std::sqrt(white2 - stated_v * stated_v);
     const double ratio = white2 / (stated_v * stated_v);
-    const double nats = n * (ratio - 1.0 - std::log(ratio));
+    // What differences tell of a variance is worth fewer samples: 2 over the square of its error.
+    const double samples = (one ? 1.0 : 2.0) * 2.0 / (relative_error * relative_error);
+    const double nats = 0.5 * samples * (ratio - 1.0 - std::log(ratio));
     if (nats > criteria::kNatsOfNoise)
       out.push_back({excess,
                      {more},

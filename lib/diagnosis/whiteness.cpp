@@ -9,6 +9,7 @@
 #include <cmath>
 #include <complex>
 #include <fmt/format.h>
+#include <functional>
 #include <map>
 #include <numeric>
 
@@ -195,71 +196,116 @@ void report_levels(const Observations &data, const ResidualColumns &residual,
   look(residual.model_cos, data.vcos, parts.of[pair ? 1 : 2], kComponent[1]);
 }
 
-/// Mean power of the radial part at each sample. Two channels whose noise differs, or is
-/// correlated, make it go with twice the electrical angle, and that of the tangential part against
-/// it.
-struct NoisePower {
-  double mean, with_cos2, with_sin2;
-  double swing(double cos2, double sin2) const { return with_cos2 * cos2 + with_sin2 * sin2; }
-  /// Never less than a fifth of the mean: a few wild samples must not make it vanish.
-  double radial(double cos2, double sin2) const { return at(swing(cos2, sin2)); }
-  double tangential(double cos2, double sin2) const { return at(-swing(cos2, sin2)); }
+/// Power of noise along and across the vector where the two channels differ, are correlated, or
+/// share a noise of the supply, the gain or the angle: each goes with twice the electrical angle on
+/// its own; what comes of a scatter of instants goes across with the square of the speed as well.
+class NoisePower {
+public:
+  NoisePower(const Observations &data, const Components &parts)
+      : data_(data), parts_(parts), across_(parts.judged.size() > 1) {
+    double sum = 0.0;
+    for (double w : data.omega)
+      sum += w * w;
+    mean_omega2_ = sum / static_cast<double>(std::max<std::size_t>(1, data.size()));
+    along_law_ = law(2);
+    if (across_)
+      across_law_ = law(3);
+  }
+
+  /// Squares of a sample over the power that is expected of them: one of the radius, and of the
+  /// angle where there is a reference.
+  template <typename Take> void each(Take take) const {
+    for (std::size_t i = 0; i < parts_.cos2.size(); ++i) {
+      take(i, square(2, i) / at(along_law_, i));
+      if (across_)
+        take(i, square(3, i) / at(across_law_, i));
+    }
+  }
 
 private:
-  double at(double beside) const { return std::max(mean + beside, 0.2 * mean); }
+  static constexpr double kLeastOfMean = 0.2; ///< a few wild samples must not make it vanish
+  using Row = Eigen::Vector4d;
+
+  double square(int component, std::size_t i) const {
+    return parts_.of[component][i] * parts_.of[component][i];
+  }
+  Row row(std::size_t i) const {
+    const double speed = mean_omega2_ > 0.0 ? data_.omega[i] * data_.omega[i] / mean_omega2_ : 1.0;
+    return {1.0, parts_.cos2[i], parts_.sin2[i], speed - 1.0};
+  }
+  Row law(int component) const {
+    Eigen::Matrix4d normal = Eigen::Matrix4d::Identity() * 1e-9;
+    Row right = Row::Zero();
+    for (std::size_t i = 0; i < parts_.cos2.size(); ++i) {
+      Row x = row(i);
+      if (component == 2)
+        x[3] = 0.0;
+      normal += x * x.transpose();
+      right += x * square(component, i);
+    }
+    return normal.ldlt().solve(right);
+  }
+  double at(const Row &of, std::size_t i) const {
+    return std::max({of.dot(row(i)), kLeastOfMean * of[0], 1e-300});
+  }
+
+  const Observations &data_;
+  const Components &parts_;
+  bool across_;
+  double mean_omega2_ = 0.0;
+  Row along_law_ = Row::Zero(), across_law_ = Row::Zero();
 };
 
-NoisePower noise_power(const Components &parts) {
-  const bool pair = parts.judged.size() > 1;
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Identity() * 1e-9;
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < parts.cos2.size(); ++i) {
-    const Eigen::Vector3d x(1.0, parts.cos2[i], parts.sin2[i]), y(1.0, -x[1], -x[2]);
-    normal += x * x.transpose();
-    right += x * parts.of[2][i] * parts.of[2][i];
-    if (pair) {
-      normal += y * y.transpose();
-      right += y * parts.of[3][i] * parts.of[3][i];
-    }
-  }
-  const Eigen::Vector3d power = normal.ldlt().solve(right);
-  return {power[0], power[1], power[2]};
-}
-
-/// Noise that comes and goes.
-void report_variance(const Components &parts, const std::vector<int> &bin, int bins, double sigma,
-                     double least, std::vector<Structure> &out) {
+/// Noise that comes and goes with time, or with the place in the turn. `of`: one sentence about the
+/// bins by power over the mean.
+void report_variance(const NoisePower &power, const std::vector<int> &bin, int bins, double sigma,
+                     double least, const char *along,
+                     const std::function<std::string(const std::vector<double> &)> &sentence,
+                     std::vector<Structure> &out) {
+  constexpr double kClear = 12.0; // standard deviations of chi square
+  constexpr double kMore = 0.25;  // of the mean power
   std::vector<double> sum(static_cast<std::size_t>(bins), 0.0), count = sum;
-  const NoisePower power = noise_power(parts);
-  if (!(power.mean > 0.0))
-    return;
-  for (std::size_t i = 0; i < bin.size(); ++i) {
-    const auto b = static_cast<std::size_t>(bin[i]);
-    const double cos2 = parts.cos2[i], sin2 = parts.sin2[i];
-    sum[b] += parts.of[2][i] * parts.of[2][i] / power.radial(cos2, sin2);
-    count[b] += 1.0;
-    if (parts.judged.size() > 1) {
-      sum[b] += parts.of[3][i] * parts.of[3][i] / power.tangential(cos2, sin2);
-      count[b] += 1.0;
-    }
-  }
-  const double whole = std::accumulate(sum.begin(), sum.end(), 0.0) /
-                       std::accumulate(count.begin(), count.end(), 0.0);
-  double chi2 = 0.0, worst = 0.0, above = 0.0, total = 0.0;
+  double all = 0.0, squares = 0.0, n = 0.0;
+  power.each([&](std::size_t i, double x2) {
+    sum[static_cast<std::size_t>(bin[i])] += x2;
+    count[static_cast<std::size_t>(bin[i])] += 1.0;
+    all += x2;
+    squares += x2 * x2;
+    n += 1.0;
+  });
+  const double mean = all / n;
+  // Variance of a square by its own scatter: 2 of a normal variable, more where a few values stand
+  // out, which then prove less.
+  const double scatter = std::max(squares / n / (mean * mean) - 1.0, 2.0);
+  double chi2 = 0.0, worst = 0.0, above = 0.0;
   for (std::size_t b = 0; b < sum.size(); ++b) {
-    const double ratio = sum[b] / count[b] / whole - 1.0;
+    if (count[b] == 0.0)
+      continue;
+    const double ratio = sum[b] / count[b] / mean - 1.0;
     above += std::max(0.0, ratio) * count[b];
-    total += count[b];
-    chi2 += ratio * ratio * count[b] / 2.0;
+    chi2 += ratio * ratio * count[b] / scatter;
     worst = std::max(worst, ratio);
+    sum[b] = 1.0 + ratio;
   }
   const double z = (chi2 - bins) / std::sqrt(2.0 * bins);
-  const double rms = sigma * std::sqrt(above / total);
-  if (z > 12.0 && worst > 0.25 && rms > least)
-    out.push_back(
-        {"time",
-         fmt::format("the noise is not constant: up to {:.2g} times its mean power", 1.0 + worst),
-         rms});
+  const double rms = sigma * std::sqrt(above / n);
+  if (z > kClear && worst > kMore && rms > least)
+    out.push_back({along, sentence(sum), rms});
+}
+
+std::string sentence_of_times(const std::vector<double> &power) {
+  return fmt::format("the noise is not constant: up to {:.2g} times its mean power",
+                     *std::max_element(power.begin(), power.end()));
+}
+
+/// By places in the turn: `power` over its mean, in even bins.
+std::string sentence_of_places(const std::vector<double> &power) {
+  const auto most = std::max_element(power.begin(), power.end());
+  const double width = 360.0 / static_cast<double>(power.size());
+  return fmt::format(
+      "the noise goes with the place in the turn: up to {:.2g} times its mean power, "
+      "about {:.3g} deg",
+      *most, width * (static_cast<double>(most - power.begin()) + 0.5));
 }
 
 void report_spectrum(const Observations &data, const Components &parts, double sigma, double least,
@@ -425,7 +471,9 @@ std::vector<Structure> find_structure(const Scene &scene, const Observations &da
   const int time_bins = static_cast<int>(std::clamp<std::size_t>(n / 300, 8, 100));
   const std::vector<int> time = bins_of(data.time, time_bins);
   report_bins(parts, time, time_bins, sigma_v, least_rms_v, "time", "time", out);
-  report_variance(parts, time, time_bins, sigma_v, least_rms_v, out);
+  const NoisePower power(data, parts);
+  report_variance(power, time, time_bins, sigma_v, least_rms_v, "time", sentence_of_times, out);
+  report_variance(power, angle, 72, sigma_v, least_rms_v, "angle", sentence_of_places, out);
 
   if (scene.why_no_temperature.empty())
     report_bins(parts, bins_of(data.temp, 20), 20, sigma_v, least_rms_v, "temperature", "VTEMP",

@@ -155,18 +155,16 @@ std::vector<double> steps_of(const Scene &scene, const Halves &halves, const Ano
 
 } // namespace
 
-Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model,
-                       bool conditions) {
+Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model, Asked asked) {
   const Halves halves = halves_of(parts, model);
-  const bool over_time = !parts.second_capture;
+  asked.over_time = asked.over_time && !parts.second_capture;
   std::vector<double> steps;
   const auto with = [&](int orders, const std::vector<SpectralLine> &lines) {
-    return chosen(
-        with_basis(scene, halves, zero_of(model), orders, lines, steps, {over_time, conditions}));
+    return chosen(with_basis(scene, halves, zero_of(model), orders, lines, steps, asked));
   };
   const int unit = in_turns(scene) ? scene.periods : 1;
   Anonymous out = with(std::max(criteria::kMostOrders, criteria::kMostPeriods * unit), {});
-  if (!over_time)
+  if (!asked.over_time)
     return out;
   // A step that was not known has bent what else was fitted: with it known look once more.
   for (int look = 0; look < 2; ++look) {
@@ -176,7 +174,7 @@ Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &mode
     steps = std::move(seen);
     out = with(std::max(2, out.selection.orders[0]), {});
   }
-  if (!conditions || halves.train.size() < criteria::kFewestForLines)
+  if (!asked.speed || halves.train.size() < criteria::kFewestForLines)
     return out;
   // Tones first: in the frame that turns with the vector each of them would be two lines.
   std::vector<SpectralLine> lines;
@@ -193,7 +191,7 @@ Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &mode
 Anonymous anonymous_alike(const Scene &scene, const Parts &parts, const Model &model,
                           const Anonymous &other) {
   Anonymous out = with_basis(scene, halves_of(parts, model), zero_of(model), other.orders,
-                             other.lines, other.steps_s, {!parts.second_capture, true});
+                             other.lines, other.steps_s, {.over_time = !parts.second_capture});
   out.selection = select(out.basis, out.from, other.selection.columns);
   return out;
 }

@@ -23,10 +23,10 @@ struct Anonymous {
 };
 
 /// The anonymous model of what `model` leaves over. Steps in time and lines of the spectrum are
-/// looked for in what the other axes leave. Not `conditions`: without speed, temperature and
-/// supply, as a process that follows none of them would have it.
+/// looked for in what the other axes leave. Without speed, temperature and supply: as a process
+/// that follows none of them would have it.
 Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model,
-                       bool conditions = true);
+                       Asked asked = {});
 
 /// The same with the columns that were chosen for another model, in place of its own choice.
 Anonymous anonymous_alike(const Scene &scene, const Parts &parts, const Model &model,

@@ -151,23 +151,23 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
       for (auto kind : {Modulation::angle_cos, Modulation::angle_sin})
         out.add(Axis::angle, n / step, p, {kind, n});
   const std::array<int, 3> pair{0, p, -p}; // offsets; gain and angle; mismatch and quadrature
-  if (asked.conditions && scene.both_directions)
+  if (asked.speed && scene.both_directions)
     for (int m : pair)
       out.add(Axis::speed, 1, m, {Modulation::sense});
-  if (asked.conditions && scene.several_speeds) {
+  if (asked.speed && scene.several_speeds) {
     for (int m : pair)
       out.add(Axis::speed, 2, m, {Modulation::speed});
     for (int m : pair)
       out.add(Axis::speed, 3, m, {Modulation::square});
   }
-  if (asked.conditions && scene.several_speeds && scene.both_directions)
+  if (asked.speed && scene.several_speeds && scene.both_directions)
     for (int m : pair)
       out.add(Axis::speed, 4, m, {Modulation::velocity});
-  if (asked.conditions && scene.why_no_temperature.empty())
+  if (asked.others && scene.why_no_temperature.empty())
     for (int order : {1, 2, 3})
       for (int m : pair)
         out.add(Axis::temperature, order, m, {Modulation::temperature, order});
-  if (asked.conditions && !data.supply.empty())
+  if (asked.others && !data.supply.empty())
     for (int m : pair)
       out.add(Axis::supply, 1, m, {Modulation::supply});
   // Slow in time: half waves that each last two electrical periods or more, so that none of them
@@ -184,7 +184,7 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
         out.add(Axis::time, static_cast<int>(k) + 1, m, {Modulation::step, 0, steps_s[k]});
   for (int order = 1; asked.over_time && order <= static_cast<int>(waves); ++order)
     for (int m : pair)
-      if (asked.conditions || m != -p) // a process moves offsets and gain
+      if (asked.speed || asked.others || m != -p) // a process moves offsets and gain
         out.add(Axis::time, order, m, {Modulation::trend, order});
   for (std::size_t k = 0; k < lines.size(); ++k)
     for (auto kind : {Modulation::line_cos, Modulation::line_sin})

@@ -111,7 +111,8 @@ struct SpectralLine {
 /// Which axes are asked.
 struct Asked {
   bool over_time = true;  ///< false: another capture judges, which knows nothing of this one's time
-  bool conditions = true; ///< speed, temperature and supply
+  bool speed = true;
+  bool others = true; ///< temperature and supply
 };
 
 /// Whether what repeats with the angle is told in orders of the turn: with a reference, and without
