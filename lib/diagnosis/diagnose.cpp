@@ -511,8 +511,8 @@ private:
     Model named = out_.extended;
     named.remainder.reset();
     // A slow process goes along with speed and temperature by chance. It is named where it alone
-    // explains most of what changes with any of them, unless the speed alone does so as well: of
-    // its few functions nobody expects to follow what wanders.
+    // explains most of what changes with any of them, unless the speed alone does so as well: what
+    // wanders is not expected to follow its few functions.
     Anonymous slow = anonymous_of(scene_, white, named, {.speed = false, .others = false});
     const double whole =
         slow.from.heldout(slow.from.heldout.rows() - 1, slow.from.heldout.rows() - 1) /
@@ -556,17 +556,13 @@ private:
       explained_noise_ = std::max(noise_, left);
   }
 
-  /// Whether the speed explains as well what a slow process would.
+  /// Whether the speed, with fewer functions, explains at least as well what a slow process would.
   bool goes_with_speed(const Anonymous &slow, const Parts &white, const Model &named) const {
     if (!scene_.several_speeds && !scene_.both_directions)
       return false;
-    const auto left_v2 = [&](bool speed) {
-      return anonymous_of(scene_, white, named,
-                          {.over_time = false, .speed = speed, .others = false})
-          .selection.noise_v2;
-    };
-    const double least = std::min(slow.selection.noise_v2, unnamed_.selection.noise_v2);
-    return left_v2(true) - least < criteria::kLittle * (left_v2(false) - least);
+    const Anonymous speed =
+        anonymous_of(scene_, white, named, {.over_time = false, .others = false});
+    return speed.selection.noise_v2 <= slow.selection.noise_v2;
   }
 
   /// Whether a spectrum over time means anything: an even clock, and a motion that is known.

@@ -15,6 +15,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/spectrum.h"
 
@@ -212,13 +213,13 @@ public:
       across_law_ = law(3);
   }
 
-  /// Squares of a sample over the power that is expected of them: one of the radius, and of the
-  /// angle where there is a reference.
+  /// Parts of a sample over the root of the power that is expected of them: of the radius, 0, and
+  /// where there is a reference of the angle, 1.
   template <typename Take> void each(Take take) const {
     for (std::size_t i = 0; i < parts_.cos2.size(); ++i) {
-      take(i, square(2, i) / at(along_law_, i));
+      take(i, 0, parts_.of[2][i] / std::sqrt(at(along_law_, i)));
       if (across_)
-        take(i, square(3, i) / at(across_law_, i));
+        take(i, 1, parts_.of[3][i] / std::sqrt(at(across_law_, i)));
     }
   }
 
@@ -264,11 +265,22 @@ void report_variance(const NoisePower &power, const std::vector<int> &bin, int b
                      std::vector<Structure> &out) {
   constexpr double kClear = 12.0; // standard deviations of chi square
   constexpr double kMore = 0.25;  // of the mean power
-  std::vector<double> sum(static_cast<std::size_t>(bins), 0.0), count = sum;
+  const auto of_bins = static_cast<std::size_t>(bins);
+  // About the mean of each bin: what a model misses there is no noise.
+  std::array<std::vector<double>, 2> middle{std::vector<double>(of_bins),
+                                            std::vector<double>(of_bins)},
+      number = middle;
+  const auto at = [&](std::size_t i) { return static_cast<std::size_t>(bin[i]); };
+  power.each([&](std::size_t i, std::size_t part, double x) {
+    middle[part][at(i)] += x;
+    number[part][at(i)] += 1.0;
+  });
+  std::vector<double> sum(of_bins, 0.0), count = sum;
   double all = 0.0, squares = 0.0, n = 0.0;
-  power.each([&](std::size_t i, double x2) {
-    sum[static_cast<std::size_t>(bin[i])] += x2;
-    count[static_cast<std::size_t>(bin[i])] += 1.0;
+  power.each([&](std::size_t i, std::size_t part, double x) {
+    const double off = x - middle[part][at(i)] / number[part][at(i)], x2 = off * off;
+    sum[at(i)] += x2;
+    count[at(i)] += 1.0;
     all += x2;
     squares += x2 * x2;
     n += 1.0;
@@ -473,7 +485,8 @@ std::vector<Structure> find_structure(const Scene &scene, const Observations &da
   report_bins(parts, time, time_bins, sigma_v, least_rms_v, "time", "time", out);
   const NoisePower power(data, parts);
   report_variance(power, time, time_bins, sigma_v, least_rms_v, "time", sentence_of_times, out);
-  report_variance(power, angle, 72, sigma_v, least_rms_v, "angle", sentence_of_places, out);
+  report_variance(power, angle, 72, sigma_v, criteria::kWorthAWord * sigma_v, "angle",
+                  sentence_of_places, out);
 
   if (scene.why_no_temperature.empty())
     report_bins(parts, bins_of(data.temp, 20), 20, sigma_v, least_rms_v, "temperature", "VTEMP",
