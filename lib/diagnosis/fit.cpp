@@ -214,6 +214,9 @@ FitResult fit(const Observations &data, const Model &start, int max_iterations) 
       for (std::size_t k = 0; k < x.size(); ++k)
         next[k] += part * step[static_cast<Eigen::Index>(k)];
       Model trial = with_coordinates(model, next);
+      // The same figure with the zero half a period away: no sensor, and no model file has it.
+      if (trial.baseline.amplitude_v <= 0.0)
+        continue;
       const double rss = sum_of_squares(data, trial);
       if (rss <= here.rss * (1.0 + 1e-12)) {
         x = std::move(next);
