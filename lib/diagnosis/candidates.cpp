@@ -97,7 +97,7 @@ std::vector<Variant> variants(const Scene &scene, const Residual &residual, cons
 
 bool needs_motion(const Effect &effect) {
   const EffectInfo &info = effect.info();
-  return info.stage == Stage::motion || info.stage == Stage::field || info.axis == "speed";
+  return info.stage == Stage::motion || info.pattern == Pattern::turn;
 }
 
 Residual residual_view(const Scene &scene, const Observations &data, const ResidualColumns &columns,

@@ -21,7 +21,7 @@ struct Candidate {
 };
 
 /// Whether only a motion that is known shows the effect: it turns the angle and leaves the radius as
-/// it is, or it comes with the speed or the time rather than with the angle.
+/// it is.
 bool needs_motion(const Effect &effect);
 
 /// What effects are shown: the residual of `data` against `model` with the facts of the scene. The

@@ -61,7 +61,7 @@ public:
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     // The lag shows with the square of what the amplitude shows: start from visible sizes.
     const double highest = r.fastest_omega * r.periods / kTwoPi;
-    return {{6.0 * highest}, {20.0 * highest}};
+    return {{1.5 * highest}, {3.0 * highest}, {6.0 * highest}, {20.0 * highest}};
   }
 };
 
