@@ -23,7 +23,7 @@ constexpr double kAbsentLevel = std::numeric_limits<double>::quiet_NaN();
 
 /// Below this what comes with time cannot be told from what comes with the angle: no whole turns
 /// can be held out.
-constexpr double kFewestTurns = criteria::kFewestUnits;
+constexpr double kFewestTurns = criteria::kFewestUnits * 2.0 / 3.0; // a third is held out
 
 /// Turns that the shaft makes, whatever their sense.
 double turns_of(const Residual &r) {
@@ -237,7 +237,8 @@ template <class Skip>
 std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, Skip skip) {
   const std::size_t n = r.time.size();
   const double span = n > 1 ? r.time.back() - r.time.front() : 0.0;
-  if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0 || turns_of(r) < kFewestTurns)
+  if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0 ||
+      turns_of(r) < criteria::kFewestTurnsToRepeat)
     return {};
   const double resolution = 1.0 / span;
   std::vector<double> power;
