@@ -196,6 +196,10 @@ inline constexpr double kCoincidence = 20.0;
 
 /// What one cause may leave over of what several explain, as a part of the mean square.
 inline constexpr double kLittle = 0.1;
+/// What the few functions of the speed may leave of what many slow ones explain, as a part of the mean
+/// square. A process that wanders follows them to nine tenths by chance in one record of six, and to
+/// this part in none of a thousand; where the speed is the cause only their own roughness is left.
+inline constexpr double kNearlyAll = 0.01;
 /// Nats by which a cause of the noise must raise the likelihood: one in e^12 by chance.
 inline constexpr double kNatsOfNoise = 12.0;
 /// Ratio of two variances from which on they are told apart by more than a detail: 5 % of the rms.
@@ -217,6 +221,11 @@ inline constexpr double kOfSteps = 1.5;
 /// Mean square of white noise over what its differences from sample to sample give: with 8000 samples
 /// that is one to 3 %, and a tenth is worth a word.
 inline constexpr double kAlmostWhite = 1.1;
+/// Samples over which noise may remember itself: converters average up to so many, and structure that
+/// turns once in the square of it is the same over twice as many. A memory counts from this many of
+/// its standard errors on: chance gives it once in ten thousand.
+inline constexpr std::size_t kMemory = 8;
+inline constexpr double kClearErrors = 4.0;
 /// Lines of an octave that tell its power to a quarter, and the factor by which it may be off.
 inline constexpr double kFewestOfOctave = 16.0, kOctaveOff = 2.0;
 /// What a line that is another one's image has of what an image has not, as a part of itself or in

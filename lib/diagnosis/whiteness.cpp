@@ -12,6 +12,7 @@
 #include <functional>
 #include <map>
 #include <numeric>
+#include <span>
 
 #include "base/angle.h"
 #include "base/robust.h"
@@ -50,6 +51,72 @@ Components components(const Scene &scene, const ResidualColumns &r) {
   }
   return out;
 }
+
+/// How long noise remembers itself: a converter that averages, or a filter before it, makes it alike
+/// in neighbouring samples. Its autocorrelation is what that of the residual has at short lags above
+/// its plateau, as structure is still the same some samples later. White: nothing.
+class Memory {
+public:
+  Memory(const Scene &scene, const Observations &data, const Components &parts) {
+    const double turn = scene.fastest_omega * scene.periods * data.frame_period_s;
+    const double least = static_cast<double>(criteria::kMemory * criteria::kMemory);
+    if (turn > kTwoPi / least) // structure is not the same then
+      return;
+    std::vector<double> sum(2 * criteria::kMemory + 1, 0.0), count = sum;
+    const std::span<const int> judged(parts.judged.data(), std::min<std::size_t>(2, parts.judged.size()));
+    for (std::size_t lag = 0; lag < sum.size(); ++lag)
+      for (std::size_t i = 0; i + lag < data.size(); ++i) {
+        if (data.time[i + lag] - data.time[i] >
+            (static_cast<double>(lag) + 0.5) * data.frame_period_s)
+          continue;
+        for (int k : judged)
+          sum[lag] += parts.of[k][i] * parts.of[k][i + lag];
+        count[lag] += static_cast<double>(judged.size());
+      }
+    for (std::size_t lag = 0; lag < sum.size(); ++lag)
+      sum[lag] /= std::max(1.0, count[lag]);
+    double plateau = 0.0;
+    for (std::size_t lag = criteria::kMemory + 1; lag < sum.size(); ++lag)
+      plateau += sum[lag] / static_cast<double>(criteria::kMemory);
+    const double own = sum[0] - std::max(0.0, plateau);
+    if (!(own > 0.0))
+      return;
+    std::vector<double> of(criteria::kMemory);
+    double all = 1.0;
+    for (std::size_t lag = 1; lag <= criteria::kMemory; ++lag)
+      all += 2.0 * (of[lag - 1] = (sum[lag] - std::max(0.0, plateau)) / own);
+    // Each correlation of n samples of white noise has an error of the root of 1/n.
+    const double error = 2.0 * std::sqrt(static_cast<double>(criteria::kMemory) / count[0]);
+    if (all < 1.0 + criteria::kClearErrors * error)
+      return;
+    correlation_ = std::move(of);
+    rms_v_ = std::sqrt(own);
+  }
+
+  /// Rms of noise that remembers itself, V; 0: it is white.
+  double rms_v() const { return rms_v_; }
+  /// Variance of a mean over that of as many independent samples.
+  double of_means() const { return density(0.0); }
+  /// The same of a mean of squares, whose correlation is the square.
+  double of_squares() const {
+    double out = 1.0;
+    for (double r : correlation_)
+      out += 2.0 * r * r;
+    return out;
+  }
+  /// Power at a frequency, in cycles a sample, over that of white noise.
+  double density(double cycles) const {
+    double out = 1.0;
+    for (std::size_t k = 0; k < correlation_.size(); ++k)
+      out += 2.0 * correlation_[k] * std::cos(kTwoPi * cycles * static_cast<double>(k + 1));
+    return std::max(out, kLeastDensity);
+  }
+
+private:
+  static constexpr double kLeastDensity = 0.05; ///< what few lags leave negative
+  std::vector<double> correlation_;             ///< at lags 1, 2, ...
+  double rms_v_ = 0.0;
+};
 
 /// Means of a component over the bins of a key against what white noise would give.
 struct BinTest {
@@ -259,8 +326,8 @@ private:
 
 /// Noise that comes and goes with time, or with the place in the turn. `of`: one sentence about the
 /// bins by power over the mean.
-void report_variance(const NoisePower &power, const std::vector<int> &bin, int bins, double sigma,
-                     double least, const char *along,
+void report_variance(const NoisePower &power, const Memory &memory, const std::vector<int> &bin,
+                     int bins, double sigma, double least, const char *along,
                      const std::function<std::string(const std::vector<double> &)> &sentence,
                      std::vector<Structure> &out) {
   constexpr double kClear = 12.0; // standard deviations of chi square
@@ -288,7 +355,8 @@ void report_variance(const NoisePower &power, const std::vector<int> &bin, int b
   const double mean = all / n;
   // Variance of a square by its own scatter: 2 of a normal variable, more where a few values stand
   // out, which then prove less.
-  const double scatter = std::max(squares / n / (mean * mean) - 1.0, 2.0);
+  const double scatter =
+      memory.of_squares() * std::max(squares / n / (mean * mean) - 1.0, 2.0);
   double chi2 = 0.0, worst = 0.0, above = 0.0;
   for (std::size_t b = 0; b < sum.size(); ++b) {
     if (count[b] == 0.0)
@@ -320,8 +388,8 @@ std::string sentence_of_places(const std::vector<double> &power) {
       *most, width * (static_cast<double>(most - power.begin()) + 0.5));
 }
 
-void report_spectrum(const Observations &data, const Components &parts, double sigma, double least,
-                     std::vector<Structure> &out) {
+void report_spectrum(const Observations &data, const Components &parts, const Memory &memory,
+                     double sigma, double least, std::vector<Structure> &out) {
   const bool pair = parts.judged.size() > 1;
   const Spectrum of_time = spectrum_over_time(data.time, data.frame_period_s, [&](std::size_t i) {
     return pair ? std::complex(parts.of[1][i], parts.of[0][i]) : std::complex(parts.of[2][i]);
@@ -332,7 +400,12 @@ void report_spectrum(const Observations &data, const Components &parts, double s
   if (size == 0)
     return;
   const double n = static_cast<double>(data.size());
-  const double white = (pair ? 2.0 : 1.0) * sigma * sigma * n; // expected |.|^2 of each line
+  const auto cycles = [&](std::size_t k) { // a sample
+    return bin * static_cast<double>(std::min(k, size - k)) * data.frame_period_s;
+  };
+  const auto noise = [&](std::size_t k) { // expected |.|^2 of a line
+    return (pair ? 2.0 : 1.0) * sigma * sigma * n * memory.density(cycles(k));
+  };
   // Bands over both signs of frequency: the pair turns, so the two differ. The record fills only a
   // part of the transform, so neighbouring lines are not independent.
   const double independent = n / static_cast<double>(size);
@@ -341,13 +414,16 @@ void report_spectrum(const Observations &data, const Components &parts, double s
   for (std::size_t b = 0; b < kBands; ++b) {
     const std::size_t from = std::max<std::size_t>(1, b * size / kBands);
     const std::size_t to = (b + 1) * size / kBands;
-    double sum = 0.0;
-    for (std::size_t k = from; k < to; ++k)
+    double sum = 0.0, expected = 0.0;
+    for (std::size_t k = from; k < to; ++k) {
       sum += static_cast<double>(std::norm(spectrum[k]));
+      expected += noise(k);
+    }
     const double lines = static_cast<double>(to - from);
-    const double ratio = sum / (white * lines);
+    const double ratio = sum / expected;
     const double z = (ratio - 1.0) * std::sqrt(lines * independent * (pair ? 1.0 : 0.5));
-    const double excess = (ratio - 1.0) * lines / static_cast<double>(size);
+    const double excess =
+        (sum - expected) / ((pair ? 2.0 : 1.0) * sigma * sigma * n) / static_cast<double>(size);
     if (z > worst_z && excess > worst_excess) {
       worst_z = z;
       worst_excess = excess;
@@ -370,7 +446,7 @@ void report_spectrum(const Observations &data, const Components &parts, double s
       peak = k;
   const double strongest = static_cast<double>(std::norm(spectrum[peak]));
   const double line = std::sqrt(strongest) / n / std::sqrt(2.0);
-  if (strongest > white * (std::log(n) + 25.0) && line > least)
+  if (strongest > noise(peak) * (std::log(n) + 25.0) && line > least)
     out.push_back({"frequency",
                    fmt::format("a line of {:.3g} mV rms at {:.5g} Hz", 1e3 * line,
                                bin * static_cast<double>(std::min(peak, size - peak))),
@@ -473,28 +549,31 @@ std::vector<Structure> find_structure(const Scene &scene, const Observations &da
   if (n < 400 || !(sigma_v > 0.0))
     return out;
   const Components parts = components(scene, residual);
+  const Memory memory(scene, data, parts);
+  sigma_v = std::max(sigma_v, memory.rms_v());
+  const double of_means_v = sigma_v * std::sqrt(memory.of_means());
 
   std::vector<int> angle(n);
   for (std::size_t i = 0; i < n; ++i)
     angle[i] = std::min(71, static_cast<int>(wrap(data.alpha[i], kTwoPi) / kTwoPi * 72.0));
-  report_bins(parts, angle, 72, sigma_v, least_rms_v, "angle", "the angle within the turn", out);
+  report_bins(parts, angle, 72, of_means_v, least_rms_v, "angle", "the angle within the turn", out);
   report_levels(data, residual, parts, least_rms_v, out);
 
   const int time_bins = static_cast<int>(std::clamp<std::size_t>(n / 300, 8, 100));
   const std::vector<int> time = bins_of(data.time, time_bins);
-  report_bins(parts, time, time_bins, sigma_v, least_rms_v, "time", "time", out);
+  report_bins(parts, time, time_bins, of_means_v, least_rms_v, "time", "time", out);
   const NoisePower power(data, parts);
-  report_variance(power, time, time_bins, sigma_v, least_rms_v, "time", sentence_of_times, out);
-  report_variance(power, angle, 72, sigma_v, criteria::kWorthAWord * sigma_v, "angle",
+  report_variance(power, memory, time, time_bins, sigma_v, least_rms_v, "time", sentence_of_times, out);
+  report_variance(power, memory, angle, 72, sigma_v, criteria::kWorthAWord * sigma_v, "angle",
                   sentence_of_places, out);
 
   if (scene.why_no_temperature.empty())
-    report_bins(parts, bins_of(data.temp, 20), 20, sigma_v, least_rms_v, "temperature", "VTEMP",
+    report_bins(parts, bins_of(data.temp, 20), 20, of_means_v, least_rms_v, "temperature", "VTEMP",
                 out);
   if (scene.several_speeds || scene.both_directions)
-    report_bins(parts, bins_of(data.omega, 20), 20, sigma_v, least_rms_v, "speed",
+    report_bins(parts, bins_of(data.omega, 20), 20, of_means_v, least_rms_v, "speed",
                 "the signed speed", out);
-  report_spectrum(data, parts, sigma_v, least_rms_v, out);
+  report_spectrum(data, parts, memory, sigma_v, least_rms_v, out);
   return out;
 }
 
