@@ -37,6 +37,7 @@ namespace ada {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kLeastGain = 0.1; ///< below a tenth of its length a vector tells no angle
 /// A residual this far above the noise is worth a thorough search.
 constexpr double kAboveNoise = 1.25;
 constexpr std::size_t kSearchTrain = 30000, kSearchHeldout = 15000;
@@ -111,21 +112,17 @@ public:
     if (!scene_.has_reference && found_.supply_rms_fraction > 0.0 &&
         !accounts_for_radius(parts_.heldout, found_.fit.model, found_.supply_rms_fraction, floor()))
       found_.supply_rms_fraction = 0.0;
-    for (Observations *o : {&scene_.all, &scene_.spiked}) {
-      o->disturbed = found_.disturbed;
-      o->weight_along = found_.weight_along;
+    // What wandered hid what does not: with its course taken out the search is made once more.
+    constexpr int kMostRounds = 2;
+    const Direction disturbed = scene_.all.disturbed;
+    const double weight_along = scene_.all.weight_along;
+    settle();
+    for (int round = 0; round < kMostRounds && take_out_processes(); ++round) {
+      weigh(disturbed, weight_along);
+      search_causes(true);
+      settle();
     }
-    found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
-    found_ = name_against_anonymous({scene_, judge(), found_baseline(), noise_, options_.progress},
-                                    parts_, std::move(found_));
-    take(build_ladder(parts_, found_));
-    while (drop_what_is_impossible() || drop_what_harms() || drop_what_is_unclear())
-      take(build_ladder(parts_, found_));
-    first_ = ladder_.first;
-    compare_with_anonymous();
-    if (spikes())
-      compare_with_anonymous();
-    random_causes();
+    name_random_causes();
     angle_left_ = keep_for_last_look(scene_, out_.extended, floor());
     look_at_leftovers();
     conclude();
@@ -146,6 +143,34 @@ public:
   }
 
 private:
+  void weigh(Direction disturbed, double weight_along) {
+    for (Observations *o : {&scene_.all, &scene_.spiked}) {
+      o->disturbed = disturbed;
+      o->weight_along = weight_along;
+    }
+  }
+
+  /// Names what the search found against what has no name, and fits and judges the whole.
+  void settle() {
+    weigh(found_.disturbed, found_.weight_along);
+    found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
+    found_ = name_against_anonymous({scene_, judge(), found_baseline(), noise_, options_.progress},
+                                    parts_, std::move(found_));
+    take(build_ladder(parts_, found_));
+    while (drop_what_is_impossible() || drop_what_harms() || drop_what_is_unclear())
+      take(build_ladder(parts_, found_));
+    if (processes_.empty())
+      first_ = ladder_.first;
+    if (scene_.radius_only) { // the angle is that of the pair as the model has it now
+      for (Observations *o : {&scene_.all, &parts_.train, &parts_.heldout})
+        *o = at_own_angle(std::move(*o), out_.extended);
+      last_ = parts_.rung(out_.extended);
+    }
+    compare_with_anonymous();
+    if (spikes())
+      compare_with_anonymous();
+  }
+
   bool zeros_moved() {
     return move_zeros(scene_, worked_on(), found_.fit.model,
                       std::max(noise_, found_.residual_rms_v));
@@ -394,10 +419,14 @@ private:
   void compare_with_anonymous() {
     Parts white = parts_;
     white.train.coloured.reset();
-    const Anonymous whole = anonymous_of(scene_, white, ladder_.baseline);
     unnamed_ = anonymous_of(scene_, white, out_.extended);
-    out_.budget = budget_of(whole, unnamed_);
-    out_.anonymous = quality_with(whole, white, ladder_.baseline);
+    if (processes_.empty()) {
+      const Anonymous whole = anonymous_of(scene_, white, ladder_.baseline);
+      out_.budget = budget_of(whole, unnamed_);
+      out_.anonymous = quality_with(whole, white, ladder_.baseline);
+    } else {
+      name_in_budget();
+    }
     out_.noise = noise_shape(unnamed_, white, out_.extended);
     named_ = last_;
     carry_remainder(white);
@@ -503,8 +532,9 @@ private:
                        [&](const EffectInstance &e) { return is(e.effect->info()); });
   }
 
-  /// Slow processes and the shape of the noise, read off what everything else leaves over.
-  void random_causes() {
+  /// Slow processes, read off what everything else leaves over; their courses are taken out of the
+  /// data. Whether they moved the pair by more than its noise, and so may have hidden something.
+  bool take_out_processes() {
     Parts white = parts_;
     white.train.coloured.reset();
     // What is carried without a name is a part of what the anonymous model holds.
@@ -517,21 +547,35 @@ private:
     const double whole =
         slow.from.heldout(slow.from.heldout.rows() - 1, slow.from.heldout.rows() - 1) /
         slow.from.n_heldout;
-    std::vector<RandomCause> processes;
-    if (slow.selection.noise_v2 - unnamed_.selection.noise_v2 <
-        criteria::kLittle * (whole - unnamed_.selection.noise_v2)) {
-      processes = slow_causes(slow, white, named);
-      if (!processes.empty() && goes_with_speed(slow, white, named))
-        processes.clear();
-      if (!processes.empty()) {
-        unnamed_ = std::move(slow);
-        slow_waves_ = unnamed_.selection.orders[static_cast<std::size_t>(Axis::time)];
-        take_out_courses(processes);
-        white.train = parts_.train;
-        white.heldout = parts_.heldout;
-        white.train.coloured.reset();
-      }
-    }
+    if (slow.selection.noise_v2 - unnamed_.selection.noise_v2 >=
+        criteria::kLittle * (whole - unnamed_.selection.noise_v2))
+      return false;
+    std::vector<RandomCause> found = slow_causes(slow, white, named, periods_in_all());
+    std::erase_if(found, [&](const RandomCause &c) {
+      return std::any_of(processes_.begin(), processes_.end(),
+                         [&](const RandomCause &old) { return old.effect == c.effect; });
+    });
+    if (found.empty() || goes_with_speed(slow, whole, white, named))
+      return false;
+    unnamed_ = std::move(slow);
+    slow_waves_ = std::max(slow_waves_,
+                           unnamed_.selection.orders[static_cast<std::size_t>(Axis::time)]);
+    take_out_courses(found);
+    double moved_v2 = 0.0;
+    for (const RandomCause &c : found)
+      moved_v2 += c.slow_v2;
+    std::move(found.begin(), found.end(), std::back_inserter(processes_));
+    return moved_v2 > unnamed_.selection.noise_v2;
+  }
+
+  double periods_in_all() const { return scene_.turns * scene_.periods; }
+
+  /// Names slow processes and the shape of the noise.
+  void name_random_causes() {
+    Parts white = parts_;
+    white.train.coloured.reset();
+    Model named = out_.extended;
+    named.remainder.reset();
     // A converter's steps are no noise.
     const bool reads_noise = !supply_is_inferred() && scene_.coarse_step_v <= 0.0;
     const double stated = !noise_stated_ ? 0.0
@@ -543,8 +587,8 @@ private:
     if (reads_noise)
       noise = noise_causes(unnamed_, white, named, stated, reference_step_rad(),
                            even_clock() ? &scene_.all : nullptr);
-    leave_to_flicker(processes, noise, slow_waves_, t.back() - t.front());
-    for (const std::vector<RandomCause> *causes : {&processes, &noise})
+    leave_to_flicker(processes_, noise, slow_waves_, t.back() - t.front());
+    for (const std::vector<RandomCause> *causes : {&processes_, &noise})
       for (const RandomCause &c : *causes)
         name_process(c);
     if (!reads_noise)
@@ -556,13 +600,16 @@ private:
       explained_noise_ = std::max(noise_, left);
   }
 
-  /// Whether the speed, with fewer functions, explains at least as well what a slow process would.
-  bool goes_with_speed(const Anonymous &slow, const Parts &white, const Model &named) const {
+  /// Whether the speed, with fewer functions, explains as well what a slow process would, up to what
+  /// chance lets them follow. `whole_v2`: what there is without either.
+  bool goes_with_speed(const Anonymous &slow, double whole_v2, const Parts &white,
+                       const Model &named) const {
     if (!scene_.several_speeds && !scene_.both_directions)
       return false;
     const Anonymous speed =
         anonymous_of(scene_, white, named, {.over_time = false, .others = false});
-    return speed.selection.noise_v2 <= slow.selection.noise_v2;
+    const double of_slow = whole_v2 - slow.selection.noise_v2;
+    return speed.selection.noise_v2 - slow.selection.noise_v2 < criteria::kNearlyAll * of_slow;
   }
 
   /// Whether a spectrum over time means anything: an even clock, and a motion that is known.
@@ -574,8 +621,9 @@ private:
   }
 
   void name_process(const RandomCause &c) {
-    // What is faster than the functions of a larger process passes for a smaller one.
-    if (c.slow_v2 > 0.0 && c.slow_v2 < criteria::kLittle * slow_v2_)
+    // What the functions of a larger process leave of it is faster, and passes for noise.
+    if (c.effect->info().evidence == Evidence::noise && c.slow_v2 > 0.0 &&
+        c.slow_v2 < criteria::kLittle * slow_v2_)
       return;
     slow_v2_ = std::max(slow_v2_, c.slow_v2);
     seen_random_.push_back({c.effect, c.values, c.std_errors});
@@ -588,35 +636,60 @@ private:
         recorded({c.effect, c.values, c.std_errors, c.alternatives, {}, {}, before, last_, false}));
   }
 
-  /// A slow process that has a name is taken out of what is looked at last: its course is known.
+  /// A slow process that has a name is taken out of what is looked at from now on: its course is
+  /// known. Offsets are subtracted; a gain divides what turns, so that what goes in proportion to it
+  /// is constant again.
   void take_out_courses(const std::vector<RandomCause> &processes) {
-    Selection slow;
-    std::vector<double> values;
-    for (std::size_t k = 0; k < unnamed_.selection.columns.size(); ++k) {
-      if (std::none_of(processes.begin(), processes.end(), [&](const RandomCause &c) {
-            return is_course_of(unnamed_, unnamed_.selection.columns[k], c.effect->info().pattern);
-          }))
-        continue;
-      slow.columns.push_back(unnamed_.selection.columns[k]);
-      values.push_back(unnamed_.selection.values[static_cast<Eigen::Index>(k)]);
-    }
-    slow.values =
-        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+    const auto courses_of = [&](Pattern pattern) {
+      Selection out;
+      std::vector<double> values;
+      if (std::any_of(processes.begin(), processes.end(),
+                      [&](const RandomCause &c) { return c.effect->info().pattern == pattern; }))
+        for (std::size_t k = 0; k < unnamed_.selection.columns.size(); ++k)
+          if (is_course_of(unnamed_, unnamed_.selection.columns[k], pattern)) {
+            out.columns.push_back(unnamed_.selection.columns[k]);
+            values.push_back(unnamed_.selection.values[static_cast<Eigen::Index>(k)]);
+          }
+      out.values = Eigen::Map<const Eigen::VectorXd>(values.data(),
+                                                     static_cast<Eigen::Index>(values.size()));
+      return out;
+    };
+    const Selection offsets = courses_of(Pattern::offset), gain = courses_of(Pattern::gain);
+    const Baseline &b = out_.extended.baseline;
+    const double middle_v = 0.5 * scene_.supply_v;
     for (Observations *data : {&scene_.all, &parts_.train, &parts_.heldout}) {
       if (judge_ && data == &parts_.heldout)
         continue;
-      ResidualColumns moved;
-      moved.sin = data->vsin;
-      moved.cos = data->vcos;
-      subtract(unnamed_.basis, slow, *data, moved);
-      data->vsin = std::move(moved.sin);
-      data->vcos = std::move(moved.cos);
+      ResidualColumns pair, turning;
+      pair.sin = data->vsin;
+      pair.cos = data->vcos;
+      subtract(unnamed_.basis, offsets, *data, pair);
+      turning.sin.assign(data->size(), 0.0);
+      turning.cos = turning.sin;
+      subtract(unnamed_.basis, gain, *data, turning);
+      for (std::size_t i = 0; i < data->size(); ++i) {
+        const double sin_v = b.offset_sin_v + middle_v, cos_v = b.offset_cos_v + middle_v;
+        const double s = pair.sin[i] - sin_v, c = pair.cos[i] - cos_v;
+        // What the gain adds lies along the vector that it was read off.
+        const double more = std::hypot(turning.sin[i], turning.cos[i]);
+        const double sign = s * turning.sin[i] + c * turning.cos[i] > 0.0 ? -1.0 : 1.0;
+        const double by = std::max(1.0 + sign * more / b.amplitude_v, kLeastGain);
+        data->vsin[i] = sin_v + s / by;
+        data->vcos[i] = cos_v + c / by;
+      }
     }
     Parts white = parts_;
     white.train.coloured.reset();
     Model named = out_.extended;
     named.remainder.reset();
-    const Anonymous whole = std::exchange(unnamed_, anonymous_of(scene_, white, named));
+    unnamed_ = anonymous_of(scene_, white, named);
+    name_in_budget();
+    out_.noise = noise_shape(unnamed_, white, named);
+    last_ = white.rung(out_.extended);
+  }
+
+  /// What the courses of processes and the causes beside them account for of each axis.
+  void name_in_budget() {
     for (BudgetLine &line : out_.budget) {
       if (line.axis == Axis::noise) {
         line.rms_v = line.unnamed_rms_v = std::sqrt(unnamed_.selection.noise_v2);
@@ -628,8 +701,6 @@ private:
       line.named_rms_v = std::sqrt(
           std::max(0.0, line.rms_v * line.rms_v - line.unnamed_rms_v * line.unnamed_rms_v));
     }
-    out_.noise = noise_shape(unnamed_, white, named);
-    last_ = white.rung(out_.extended);
   }
 
   void look_at_leftovers() {
@@ -641,6 +712,7 @@ private:
     LeftOver left = left_over(scene_, parts_, out_.extended, explained, last_, angle_left_);
     std::move(left.structure.begin(), left.structure.end(), std::back_inserter(out_.structure));
     drop_what_is_random();
+    note_what_the_anonymous_model_does_better();
     std::stable_sort(out_.structure.begin(), out_.structure.end(),
                      [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
     double unnamed2 = left.unexplained_rms_v * left.unexplained_rms_v;
@@ -649,6 +721,27 @@ private:
         unnamed2 += line.unnamed_rms_v * line.unnamed_rms_v;
     out_.unexplained_rms_v = std::sqrt(unnamed2);
     in_bursts_ = left.bursts;
+  }
+
+  /// Where nothing is seen to be left over, and the best model that names nothing still leaves clearly
+  /// less of held-out data, the named model does not explain the capture.
+  void note_what_the_anonymous_model_does_better() {
+    const double named2 = std::pow(last_.heldout.residual_rms_v, 2) - std::pow(random_v(), 2);
+    const double anonymous2 = std::pow(out_.anonymous.residual_rms_v, 2);
+    // Where the motion is read off the pair the anonymous model takes a part of it.
+    const bool of_motion = !scene_.has_reference && !scene_.radius_only;
+    if (!out_.structure.empty() || supply_is_inferred() || of_motion || !(anonymous2 > 0.0) ||
+        named2 < criteria::kMoreVariance * anonymous2 ||
+        static_cast<double>(parts_.heldout.size()) * std::log(named2 / anonymous2) <
+            criteria::kNatsOfNoise)
+      return;
+    const double left_v = std::sqrt(named2 - anonymous2);
+    out_.structure.push_back(
+        {std::string(axis_name(Axis::time)),
+         fmt::format("the best model that names nothing takes out {:.3g} mV rms more of held-out "
+                     "data, and no named cause accounts for them",
+                     1e3 * left_v),
+         left_v});
   }
 
   double channel_rms_v() const {
@@ -715,8 +808,16 @@ private:
     }
     drop_processes_that_leave_more();
     if (const double left = random_v(); left > 0.0)
-      std::erase_if(out_.structure,
-                    [&](const Structure &s) { return s.rms_v < criteria::kOfProcess * left; });
+      std::erase_if(out_.structure, [&](const Structure &s) {
+        return goes_on_in_time(s) && s.rms_v < criteria::kOfProcess * left;
+      });
+  }
+
+  /// What a process that goes on in time may leave over: with few turns that comes with the angle as
+  /// well, by chance.
+  bool goes_on_in_time(const Structure &s) const {
+    return s.along == axis_name(Axis::time) || s.along == axis_name(Axis::frequency) ||
+           periods_in_all() < criteria::kMostTrends * criteria::kPeriodsPerTrend;
   }
 
   /// A process that accounts for less than what goes on in time beside it, its own half waves
@@ -873,6 +974,7 @@ private:
   Rung named_;        ///< of the model of all that has a name
   std::optional<Finding> spikes_;
   decltype(Spikes::no_spikes) no_spikes_;
+  std::vector<RandomCause> processes_; ///< whose courses are out of the data
   std::vector<Finding> random_;
   std::vector<EffectInstance>
       seen_random_; ///< the causes of these, and those that the given model names

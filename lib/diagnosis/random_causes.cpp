@@ -371,8 +371,13 @@ bool is_course_of(const Anonymous &left, Eigen::Index column, Pattern pattern) {
   return pattern == Pattern::offset ? m == 0 : m == left.basis.periods() && column % 2 == 0;
 }
 
-std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts,
-                                     const Model &model) {
+double crosstalk(double periods, double waves) {
+  return criteria::kLittle *
+         std::min(1.0, criteria::kPeriodsPerTrend * waves / std::max(periods, 1e-9));
+}
+
+std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model,
+                                     double periods) {
   std::vector<RandomCause> out;
   const double noise2 = left.selection.noise_v2;
   if (left.selection.orders[static_cast<std::size_t>(Axis::time)] == 0)
@@ -380,12 +385,11 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts,
   const double waves = left.selection.orders[static_cast<std::size_t>(Axis::time)];
   const double relative = 1.0 / std::sqrt(2.0 * std::max(1.0, waves)); // of an rms of so many terms
   const Worth offset = worth_of(left, Pattern::offset), gain = worth_of(left, Pattern::gain);
-  // What is faster than these functions, of the larger one, lies in the smaller one as well.
   const double both_v2 = offset.share_v2 + gain.share_v2;
   const auto clear = [&](const Worth &w) {
     return w.nats > criteria::kNatsOfNoise &&
            w.share_v2 > criteria::kWorthAWord * criteria::kWorthAWord * noise2 &&
-           w.share_v2 > criteria::kLittle * both_v2;
+           w.share_v2 > crosstalk(periods, waves) * both_v2;
   };
   const double word_v = criteria::kWorthAWord * std::sqrt(noise2);
   const Effect *offset_effect =

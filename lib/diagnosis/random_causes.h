@@ -26,8 +26,14 @@ struct RandomCause {
 bool is_course_of(const Anonymous &left, Eigen::Index column, Pattern pattern);
 
 /// Offsets and a gain that move slowly with time, where nothing that is recorded explains them.
-/// `left`: what the named model leaves over.
-std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model);
+/// `left`: what the named model leaves over; `periods`: electrical ones in the record.
+std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model,
+                                     double periods);
+
+/// Part of the power of one slow process that passes for another one: what is faster than its
+/// functions. Offsets and a gain differ by a turn of the vector, which tells them apart the better
+/// the more `periods` of it come to each of the `waves` half waves.
+double crosstalk(double periods, double waves);
 
 /// The noise along and across the vector and over frequency, against `stated_v` where the capture
 /// states it (0: it does not). `in_order`: the whole record, where a spectrum of it means anything.
