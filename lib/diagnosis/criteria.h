@@ -26,6 +26,12 @@ inline constexpr double kLeastCoverageByReference = 1.0 / 6.0;
 /// no longer plain which of the two states is the sensor's own.
 inline constexpr double kMostOfEpisodes = 0.1;
 
+/// Readings that are held for several rows each: so many of them, rows a reading in the mean, share of
+/// them that stands for one or two numbers of rows (starts, gaps and readings that happen to be alike
+/// aside), and share in which both channels change, as they do unless the converter is coarse.
+inline constexpr std::size_t kFewestHeld = 100;
+inline constexpr double kRowsHeld = 1.5, kHeldEvenly = 0.9, kBothDiffer = 0.8;
+
 /// Of what a channel that lives moves at least, at its peak while the other passes its middle: there
 /// it moves by all of it, a stuck one by none.
 inline constexpr double kStuckMoves = 0.25;

@@ -16,6 +16,7 @@
 #include "base/robust.h"
 #include "diagnosis/anonymous/anonymous.h"
 #include "diagnosis/candidates.h"
+#include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/conditions/several.h"
 #include "diagnosis/criteria.h"
@@ -756,16 +757,19 @@ private:
 
   /// V rms of a channel that the random processes with a name and the steps of a reference leave
   /// over: what is smaller is of their kind. A slow process goes on above the half waves that its
-  /// course was taken out by.
-  double random_v() const {
+  /// course was taken out by, and comes with what does not go on in time the less, the more periods
+  /// lie in each of them.
+  double random_v(bool in_time = true) const {
     const double waves = std::max(1, slow_waves_);
+    const double alike =
+        in_time ? 1.0 : crosstalk(periods_in_all(), waves) / criteria::kLittle;
     double sum = 0.0;
     for (const EffectInstance &e : seen_random_) {
       const EffectInfo &info = e.effect->info();
       if (info.evidence == Evidence::noise && info.character == Character::process)
         sum += e.values[0] * e.values[0]; // what else is left over is not its own
       else if (info.evidence != Evidence::noise) // white noise has no structure of its own
-        sum += std::pow(process_v(info, e.values), 2) / waves;
+        sum += std::pow(process_v(info, e.values), 2) / waves * alike;
     }
     sum += std::pow(reference_step_rad() * scene_.periods * channel_rms_v(), 2) / 12.0;
     return std::sqrt(sum);
@@ -807,17 +811,11 @@ private:
       std::erase_if(seen_random_, is_white_noise);
     }
     drop_processes_that_leave_more();
-    if (const double left = random_v(); left > 0.0)
-      std::erase_if(out_.structure, [&](const Structure &s) {
-        return goes_on_in_time(s) && s.rms_v < criteria::kOfProcess * left;
-      });
-  }
-
-  /// What a process that goes on in time may leave over: with few turns that comes with the angle as
-  /// well, by chance.
-  bool goes_on_in_time(const Structure &s) const {
-    return s.along == axis_name(Axis::time) || s.along == axis_name(Axis::frequency) ||
-           periods_in_all() < criteria::kMostTrends * criteria::kPeriodsPerTrend;
+    std::erase_if(out_.structure, [&](const Structure &s) {
+      const bool in_time =
+          s.along == axis_name(Axis::time) || s.along == axis_name(Axis::frequency);
+      return s.rms_v < criteria::kOfProcess * random_v(in_time);
+    });
   }
 
   /// A process that accounts for less than what goes on in time beside it, its own half waves
@@ -1029,7 +1027,17 @@ std::string_view verdict_name(Verdict verdict) {
 }
 
 Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
+  // Rows that repeat a reading are none.
+  if (const auto fresh = fresh_readings(capture)) {
+    Diagnosis out = diagnose(fresh->capture, given);
+    out.samples = capture.size();
+    out.rows_a_reading = fresh->rows_a_reading;
+    return out;
+  }
   DiagnosisOptions options = given;
+  std::optional<FreshReadings> judge;
+  if (given.heldout && (judge = fresh_readings(*given.heldout)))
+    options.heldout = &judge->capture;
   int steps = 0; // of all searches: their number is not known before the last
   if (given.progress)
     options.progress = [&](double, const char *what) {

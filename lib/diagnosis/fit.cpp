@@ -385,6 +385,20 @@ ResidualColumns residual_columns(const Observations &data, const Model &model) {
   return out;
 }
 
+std::vector<char> where_outputs_pass(const Observations &data, const Model &model) {
+  constexpr double kShift = 1e-4, kHalf = 0.5; // V; of it
+  Model moved = model;
+  moved.baseline.offset_sin_v += kShift;
+  moved.baseline.offset_cos_v += kShift;
+  const ResidualColumns here = residual_columns(data, model),
+                        there = residual_columns(data, moved);
+  std::vector<char> out(data.size());
+  for (std::size_t i = 0; i < data.size(); ++i)
+    out[i] = std::min(there.model_sin[i] - here.model_sin[i],
+                      there.model_cos[i] - here.model_cos[i]) > kHalf * kShift;
+  return out;
+}
+
 double moved_rms_v(const Observations &data, const Model &model, std::size_t effect) {
   Model less = model;
   less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));

@@ -51,6 +51,10 @@ double white_sum_of_squares(const Observations &data, const Model &model);
 /// own and no matter of the sensor; so are the offsets where `own_offsets` says that they moved.
 Model as_seen_by(const Observations &data, Model model);
 
+/// Whether both outputs follow what comes before them: a shift of the signals comes out by more than
+/// half. One that stands at its stop shows nothing of the sensor's noise.
+std::vector<char> where_outputs_pass(const Observations &data, const Model &model);
+
 /// Data minus model, and the model, in volts.
 struct ResidualColumns {
   std::vector<double> sin, cos, model_sin, model_cos;

@@ -88,7 +88,7 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
   const double sigma = std::min(left, std::max(explained.noise_v, scene.white_noise_v));
   // A supply that is only inferred leaves its fast part over.
   if (!explained.supply_inferred) {
-    out.structure = find_structure(scene, scene.all, residual_columns(scene.all, model), sigma,
+    out.structure = find_structure(scene, scene.all, residual_columns(scene.all, model), model, sigma,
                                    kOfNoise * sigma + explained.second_order_v);
     const double least = sigma + explained.second_order_v;
     const std::vector<Structure> bursts = find_bursts(scene, model, least);

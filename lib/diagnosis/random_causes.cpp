@@ -112,6 +112,12 @@ Shape shape_of(const Anonymous &left, const Parts &parts, const Model &model) {
   std::iota(all.begin(), all.end(), 0u);
   out.data = parts.train.select(thin(all, criteria::kAnonymousTrain, 400));
   out.data.coloured.reset();
+  const std::vector<char> passes = where_outputs_pass(out.data, model);
+  std::vector<std::uint32_t> passing;
+  for (std::size_t i = 0; i < passes.size(); ++i)
+    if (passes[i])
+      passing.push_back(static_cast<std::uint32_t>(i));
+  out.data.keep(passing);
   out.rest = residual_columns(out.data, model);
   split(out.data, out.rest, out.along, out.across);
   subtract(left.basis, left.selection, out.data, out.rest);

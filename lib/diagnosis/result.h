@@ -70,6 +70,7 @@ std::string_view verdict_name(Verdict verdict);
 struct Diagnosis {
   // the capture
   std::size_t samples = 0;
+  double rows_a_reading = 1.0; ///< more than one: each pair is held for several rows
   double duration_s = 0.0, turns = 0.0;
   int periods_per_turn = 2;
   std::vector<std::string> channels;

@@ -269,8 +269,10 @@ void report_levels(const Observations &data, const ResidualColumns &residual,
 /// its own; what comes of a scatter of instants goes across with the square of the speed as well.
 class NoisePower {
 public:
-  NoisePower(const Observations &data, const Components &parts)
-      : data_(data), parts_(parts), across_(parts.judged.size() > 1) {
+  /// `passes`: whether both outputs follow what comes before them. One that stands at its stop has
+  /// no noise of the sensor.
+  NoisePower(const Observations &data, const Components &parts, const std::vector<char> &passes)
+      : data_(data), parts_(parts), passes_(passes), across_(parts.judged.size() > 1) {
     double sum = 0.0;
     for (double w : data.omega)
       sum += w * w;
@@ -284,6 +286,8 @@ public:
   /// where there is a reference of the angle, 1.
   template <typename Take> void each(Take take) const {
     for (std::size_t i = 0; i < parts_.cos2.size(); ++i) {
+      if (!passes_[i])
+        continue;
       take(i, 0, parts_.of[2][i] / std::sqrt(at(along_law_, i)));
       if (across_)
         take(i, 1, parts_.of[3][i] / std::sqrt(at(across_law_, i)));
@@ -305,6 +309,8 @@ private:
     Eigen::Matrix4d normal = Eigen::Matrix4d::Identity() * 1e-9;
     Row right = Row::Zero();
     for (std::size_t i = 0; i < parts_.cos2.size(); ++i) {
+      if (!passes_[i])
+        continue;
       Row x = row(i);
       if (component == 2)
         x[3] = 0.0;
@@ -319,6 +325,7 @@ private:
 
   const Observations &data_;
   const Components &parts_;
+  const std::vector<char> &passes_;
   bool across_;
   double mean_omega2_ = 0.0;
   Row along_law_ = Row::Zero(), across_law_ = Row::Zero();
@@ -542,8 +549,8 @@ std::vector<Structure> find_jitter(const Observations &data, const ResidualColum
 }
 
 std::vector<Structure> find_structure(const Scene &scene, const Observations &data,
-                                      const ResidualColumns &residual, double sigma_v,
-                                      double least_rms_v) {
+                                      const ResidualColumns &residual, const Model &model,
+                                      double sigma_v, double least_rms_v) {
   std::vector<Structure> out;
   const std::size_t n = data.size();
   if (n < 400 || !(sigma_v > 0.0))
@@ -562,7 +569,8 @@ std::vector<Structure> find_structure(const Scene &scene, const Observations &da
   const int time_bins = static_cast<int>(std::clamp<std::size_t>(n / 300, 8, 100));
   const std::vector<int> time = bins_of(data.time, time_bins);
   report_bins(parts, time, time_bins, of_means_v, least_rms_v, "time", "time", out);
-  const NoisePower power(data, parts);
+  const std::vector<char> passes = where_outputs_pass(data, model);
+  const NoisePower power(data, parts, passes);
   report_variance(power, memory, time, time_bins, sigma_v, least_rms_v, "time", sentence_of_times, out);
   report_variance(power, memory, angle, 72, sigma_v, criteria::kWorthAWord * sigma_v, "angle",
                   sentence_of_places, out);

@@ -13,10 +13,10 @@
 namespace ada {
 
 /// Structure that stands clear of white noise: significant, and larger than `least_rms_v`, below
-/// which nothing is worth a word. `sigma_v`: white noise of one channel.
+/// which nothing is worth a word. `residual`: of `model`; `sigma_v`: white noise of one channel.
 std::vector<Structure> find_structure(const Scene &scene, const Observations &data,
-                                      const ResidualColumns &residual, double sigma_v,
-                                      double least_rms_v);
+                                      const ResidualColumns &residual, const Model &model,
+                                      double sigma_v, double least_rms_v);
 
 /// What shows where the motion is not known well enough for the whole pair: the radius of stretches
 /// that were left out. `floor_v`: rms of a channel that noise and what is not modelled may leave.

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/conditions/held_rows.h"
+
+#include <algorithm>
+#include <map>
+
+#include "diagnosis/criteria.h"
+
+namespace ada {
+
+namespace {
+
+/// First rows of the readings, with the ends of the records and gaps among them.
+std::vector<std::size_t> first_rows(const Capture &c) {
+  std::vector<char> begins(c.size(), 0);
+  for (const auto *places : {&c.starts, &c.gaps})
+    for (std::size_t i : *places)
+      if (i < c.size())
+        begins[i] = 1;
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < c.size(); ++i)
+    if (i == 0 || begins[i] || c.vsin_v[i] != c.vsin_v[i - 1] || c.vcos_v[i] != c.vcos_v[i - 1])
+      out.push_back(i);
+  return out;
+}
+
+/// Whether nearly all readings stand for one number of rows, or for two next to each other.
+bool held_evenly(const std::vector<std::size_t> &first) {
+  std::map<std::size_t, double> of_length;
+  for (std::size_t k = 1; k < first.size(); ++k)
+    of_length[first[k] - first[k - 1]] += 1.0;
+  double most = 0.0;
+  for (const auto &[length, count] : of_length) {
+    const auto next = of_length.find(length + 1);
+    if (length + 1 > 2 || next == of_length.end())
+      most = std::max(most, (length > 1 ? count : 0.0) +
+                                (next == of_length.end() ? 0.0 : next->second));
+  }
+  return most > criteria::kHeldEvenly * static_cast<double>(first.size() - 1);
+}
+
+/// Share of the readings in which both channels differ from the reading before.
+double both_differ(const Capture &c, const std::vector<std::size_t> &first) {
+  double both = 0.0;
+  for (std::size_t k = 1; k < first.size(); ++k)
+    both += c.vsin_v[first[k]] != c.vsin_v[first[k] - 1] &&
+            c.vcos_v[first[k]] != c.vcos_v[first[k] - 1];
+  return both / static_cast<double>(first.size() - 1);
+}
+
+} // namespace
+
+std::optional<FreshReadings> fresh_readings(const Capture &capture) {
+  const std::vector<std::size_t> first = first_rows(capture);
+  if (first.size() < criteria::kFewestHeld ||
+      static_cast<double>(capture.size()) < criteria::kRowsHeld * static_cast<double>(first.size()) ||
+      !held_evenly(first) || both_differ(capture, first) < criteria::kBothDiffer)
+    return std::nullopt;
+  FreshReadings out;
+  out.rows_a_reading = static_cast<double>(capture.size()) / static_cast<double>(first.size());
+  Capture &fresh = out.capture;
+  fresh.meta = capture.meta;
+  fresh.meta.sample_rate_hz.reset(); // of the rows
+  fresh.identity = capture.identity;
+  fresh.data_file = capture.data_file;
+  fresh.ignored_columns = capture.ignored_columns;
+  fresh.turned_rad = capture.turned_rad;
+  for (auto column : {&Capture::time_s, &Capture::vsin_v, &Capture::vcos_v, &Capture::vtemp_v,
+                      &Capture::vdd_v, &Capture::reference_deg})
+    if (!(capture.*column).empty())
+      for (std::size_t i : first)
+        (fresh.*column).push_back((capture.*column)[i]);
+  const auto place = [&](std::size_t row) {
+    return static_cast<std::size_t>(std::lower_bound(first.begin(), first.end(), row) -
+                                    first.begin());
+  };
+  for (std::size_t i : capture.starts)
+    fresh.starts.push_back(place(i));
+  for (std::size_t i : capture.gaps)
+    fresh.gaps.push_back(place(i));
+  return out;
+}
+
+} // namespace ada
