@@ -81,8 +81,8 @@ public:
 
   virtual void set_timeout(std::chrono::milliseconds timeout) = 0;
 
-  /// Enables exactly these channels (ids) and starts the capture. Throws with the kernel's reason, and
-  /// at once when a server is waited for while `cancellation` is raised.
+  /// Enables exactly these channels (ids) and starts the capture. Throws with the kernel's reason,
+  /// and at once when a server is waited for while `cancellation` is raised.
   virtual std::unique_ptr<IioBuffer> create_buffer(const std::string &device,
                                                    std::span<const std::string> channels,
                                                    std::size_t frames, unsigned kernel_buffers,
@@ -90,8 +90,8 @@ public:
 };
 
 /// `uri` as libiio takes it. Throws NOT_FOUND, PERMISSION, DISCONNECTED (server does not answer) or
-/// IO, each with a sentence that names the URI. A server that does not answer is waited for no longer
-/// than `cancellation`, where there is one, is low.
+/// IO, each with a sentence that names the URI. A server that does not answer is waited for no
+/// longer than `cancellation`, where there is one, is low.
 std::unique_ptr<IioContext> open_iio_context(const std::string &uri,
                                              const Cancellation *cancellation = nullptr);
 

@@ -40,7 +40,8 @@ struct OpenedDevice {
 /// Throws INVALID_ARGUMENT for a number out of its range.
 void check_options(const IioSourceOptions &options);
 
-/// Finds device and channels, sets trigger, rate and clock; `cancellation` as for open_iio_context().
+/// Finds device and channels, sets trigger, rate and clock; `cancellation` as for
+/// open_iio_context().
 OpenedDevice open_iio_device(const IioSourceOptions &options,
                              const Cancellation *cancellation = nullptr);
 

@@ -113,7 +113,8 @@ std::unique_ptr<CaptureStream> IioSourceImpl::make_stream() {
   const std::size_t block_bytes = frames * compute_layout(opened_.formats).frame_bytes;
   const std::size_t blocks =
       std::clamp<std::size_t>((16u << 20) / std::max<std::size_t>(1, block_bytes), 2, 32);
-  auto factory = [this, context](std::size_t n, milliseconds wait, const Cancellation &cancellation) {
+  auto factory = [this, context](std::size_t n, milliseconds wait,
+                                 const Cancellation &cancellation) {
     context->set_timeout(wait);
     return context->create_buffer(opened_.device.id, opened_.scan, n, kernel_buffers(opened_, n),
                                   cancellation);

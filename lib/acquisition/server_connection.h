@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// A connection to a server of IIO devices, which is not believed: lengths are checked, and an answer
-// that never ends is given up.
+// A connection to a server of IIO devices, which is not believed: lengths are checked, and an
+// answer that never ends is given up.
 #pragma once
 
 #include <array>
@@ -34,12 +34,13 @@ public:
 
   void cancel() noexcept { cancelled_.raise(); }
   void send(std::string_view bytes);
-  /// All of them, however long they take as long as some come within the time-out, and none is waited
-  /// for after the deadline.
+  /// All of them, however long they take as long as some come within the time-out, and none is
+  /// waited for after the deadline.
   void receive(std::byte *out, std::size_t count,
                std::chrono::steady_clock::time_point deadline =
                    std::chrono::steady_clock::time_point::max());
-  /// A line that is a number, all of it within the time-out; a few empty ones before it do not count.
+  /// A line that is a number, all of it within the time-out; a few empty ones before it do not
+  /// count.
   long number();
 
 private:

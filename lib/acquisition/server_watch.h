@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 //
 // libiio waits for an answer of a server byte by byte, each with a time-out of its own and empty
-// lines for ever: one that goes on sending holds it as long as it likes. What takes too long is ended
-// from outside, by closing the connection under it.
+// lines for ever: one that goes on sending holds it as long as it likes. What takes too long is
+// ended from outside, by closing the connection under it.
 #pragma once
 
 #include <atomic>
@@ -29,13 +29,13 @@ struct OpenSocket {
 /// Those whose other end has this port; of TCP, and none where the system does not show them.
 std::vector<OpenSocket> sockets_to(const std::string &port);
 
-/// While it lives, and no longer than `limit` or until the cancellation is raised: then the connections
-/// are shut down, so that whoever reads from them is told that they are over. Made and destroyed by the
-/// thread that reads.
+/// While it lives, and no longer than `limit` or until the cancellation is raised: then the
+/// connections are shut down, so that whoever reads from them is told that they are over. Made and
+/// destroyed by the thread that reads.
 class ServerWatch {
 public:
-  /// Watches these. With `all_but` all to the port but these, as they are when the time is over: for
-  /// the connection that is being made.
+  /// Watches these. With `all_but` all to the port but these, as they are when the time is over:
+  /// for the connection that is being made.
   enum class Which { these, all_but };
   ServerWatch(std::string port, std::vector<OpenSocket> sockets, Which which,
               std::chrono::milliseconds limit, const Cancellation *cancellation = nullptr);

@@ -38,7 +38,8 @@ public:
         timeout_(timeout), name_(std::move(name)), slots_(std::max<std::size_t>(blocks, 2)) {
     for (Slot &slot : slots_)
       slot.bytes.resize(block_bytes);
-    buffer_ = factory_(frames_, timeout_, cancellation_); // in the caller's thread, so that it sees the error
+    buffer_ = factory_(frames_, timeout_,
+                       cancellation_); // in the caller's thread, so that it sees the error
     thread_ = std::thread([this] { run(); });
   }
 

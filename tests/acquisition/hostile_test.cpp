@@ -172,7 +172,8 @@ TEST(HostileServer, that_sends_more_than_was_asked_for_is_refused) {
   }
 }
 
-/// Every server of a network is read with checked lengths, however it is named: found by libiio, too.
+/// Every server of a network is read with checked lengths, however it is named: found by libiio,
+/// too.
 TEST(HostileServer, is_met_at_the_port_that_libiio_calls) {
   EXPECT_EQ(server_port("ip:"), "30431");
   EXPECT_EQ(server_port("ip:192.168.1.20"), "30431");
@@ -212,8 +213,7 @@ std::string failure_at(const std::string &uri) {
 
 TEST(HostileServer, that_sends_empty_lines_for_ever_is_given_up) {
   for (const char *command : {"PRINT", "OPEN", "READBUF"}) {
-    Served server(served_pair(kU16, kU16, 1000.0),
-                  answer_to(command, std::string(1 << 20, '\n')));
+    Served server(served_pair(kU16, kU16, 1000.0), answer_to(command, std::string(1 << 20, '\n')));
     EXPECT_NE(failure_at(server.uri()), "") << command;
   }
 }

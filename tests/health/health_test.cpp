@@ -207,8 +207,8 @@ TEST(Check, names_the_channel_that_is_stuck) {
     }
 }
 
-/// A channel that stands still bends the circle that its figures are measured on: none of the others
-/// is at fault.
+/// A channel that stands still bends the circle that its figures are measured on: none of the
+/// others is at fault.
 TEST(Check, accuses_nothing_else_of_what_a_stuck_channel_does) {
   Sampler sampler(SensorPair{}, fresh_seed());
   for (int draw = 0; draw < 20; ++draw)
@@ -223,8 +223,8 @@ TEST(Check, accuses_nothing_else_of_what_a_stuck_channel_does) {
       std::fill(column.begin() + static_cast<std::ptrdiff_t>(first), column.end(), column[first]);
       const Health health = check_health(c, nullptr);
       EXPECT_EQ(find(health, "stuck").state, HealthState::failed) << health_text(health);
-      for (const char *id : {"supply", "amplitude", "clipping", "short", "numbers", "gaps",
-                             "reference"}) {
+      for (const char *id :
+           {"supply", "amplitude", "clipping", "short", "numbers", "gaps", "reference"}) {
         EXPECT_NE(find(health, id).state, HealthState::failed)
             << rpm << " rpm from " << from << ": " << health_text(health);
       }
