@@ -371,7 +371,7 @@ ContextV0::network_buffer(const iio_device *dev, const std::vector<const iio_cha
   if (uri == "ip:")
     throw Error(ADA4571_ERROR_NOT_FOUND,
                 where + "no IIO server was found by Avahi on this network: give ip:HOST");
-  if (uri.starts_with("ip:") && error == ENOENT)
+  if (uri.starts_with("ip:") && (error == ENOENT || error == ENXIO))
     throw Error(ADA4571_ERROR_NOT_FOUND, where + "there is no such host, or no such port");
   if (uri.starts_with("ip:") && error == EINVAL)
     throw Error(ADA4571_ERROR_IO,
