@@ -47,9 +47,10 @@ std::unique_ptr<CaptureStream> make_polled_stream(const Cancellation &cancellati
                                                   std::unique_ptr<IioBuffer> buffer,
                                                   std::string presence_path, std::string name);
 
-/// Makes a buffer of that many frames whose refill gives up after the timeout.
-using BufferFactory =
-    std::function<std::unique_ptr<IioBuffer>(std::size_t frames, std::chrono::milliseconds)>;
+/// Makes a buffer of that many frames whose refill gives up after the timeout; fails at once when the
+/// cancellation is raised meanwhile.
+using BufferFactory = std::function<std::unique_ptr<IioBuffer>(
+    std::size_t frames, std::chrono::milliseconds, const Cancellation &)>;
 
 /// For buffers that can only block. After a time-out, which makes the buffer of 0.24 useless, a new
 /// one is made: smaller, with a longer time-out; where that fails the server is gone. `block_bytes`

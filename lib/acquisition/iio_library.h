@@ -18,6 +18,8 @@
 
 namespace ada {
 
+class Cancellation;
+
 struct IioChannel {
   std::string id;    ///< "voltage0"
   std::string name;  ///< the driver's own name of it, often empty
@@ -79,15 +81,19 @@ public:
 
   virtual void set_timeout(std::chrono::milliseconds timeout) = 0;
 
-  /// Enables exactly these channels (ids) and starts the capture. Throws with the kernel's reason.
+  /// Enables exactly these channels (ids) and starts the capture. Throws with the kernel's reason,
+  /// and at once when a server is waited for while `cancellation` is raised.
   virtual std::unique_ptr<IioBuffer> create_buffer(const std::string &device,
                                                    std::span<const std::string> channels,
-                                                   std::size_t frames, unsigned kernel_buffers) = 0;
+                                                   std::size_t frames, unsigned kernel_buffers,
+                                                   const Cancellation &cancellation) = 0;
 };
 
 /// `uri` as libiio takes it. Throws NOT_FOUND, PERMISSION, DISCONNECTED (server does not answer) or
-/// IO, each with a sentence that names the URI.
-std::unique_ptr<IioContext> open_iio_context(const std::string &uri);
+/// IO, each with a sentence that names the URI. A server that does not answer is waited for no
+/// longer than `cancellation`, where there is one, is low.
+std::unique_ptr<IioContext> open_iio_context(const std::string &uri,
+                                             const Cancellation *cancellation = nullptr);
 
 /// Version of the libiio that is linked, "0.24".
 std::string iio_library_version();

@@ -11,7 +11,10 @@
 //    checked against the library's after each refill;
 //  - it writes into the URI that it is given: it gets a copy;
 //  - it trusts the length of what a server sends: buffers of the network are read without it
-//    (network_buffer.h).
+//    (network_buffer.h);
+//  - it waits for ever for a server that goes on sending: each dialogue is watched
+//    (server_watch.h), and prints what is wrong with a server's description as it came: that is looked
+//    at before (server_description.h).
 
 #include "acquisition/iio_library.h"
 
@@ -23,7 +26,10 @@
 #include <iio.h>
 
 #include "acquisition/network_buffer.h"
+#include "acquisition/server_description.h"
+#include "acquisition/server_watch.h"
 #include "base/error.h"
+#include "base/no_pipe_signal.h"
 #include "base/text.h"
 
 namespace ada {
@@ -31,24 +37,19 @@ namespace ada {
 namespace {
 
 struct ContextDeleter {
-  void operator()(iio_context *context) const { iio_context_destroy(context); }
+  void operator()(iio_context *context) const {
+    const NoPipeSignal quiet; // it says goodbye to a server that may be gone
+    iio_context_destroy(context);
+  }
 };
 using ContextPointer = std::unique_ptr<iio_context, ContextDeleter>;
+
+/// That a dialogue with a server may take, or the making of a context.
+constexpr std::chrono::milliseconds kMostTime{60000};
 
 /// Text of a device or a server, fit to be printed.
 std::string text(const char *s) {
   return s ? printable(s) : std::string();
-}
-
-/// Of "ip:HOST", "ip:HOST:PORT", "ip:[HOST]:PORT"; nothing for a server that libiio has to find.
-std::string port_of(const std::string &uri) {
-  constexpr std::string_view kUsual = "30431";
-  if (!uri.starts_with("ip:") || uri.size() == 3)
-    return {};
-  const std::string host = uri.substr(3);
-  const std::size_t colon = host.rfind(':');
-  const bool has_port = colon != host.npos && (colon == host.find(':') || host[colon - 1] == ']');
-  return has_port ? host.substr(colon + 1) : std::string(kUsual);
 }
 
 ScanFormat format_of(const iio_channel *channel) {
@@ -172,10 +173,11 @@ private:
 
 class ContextV0 final : public IioContext {
 public:
-  ContextV0(ContextPointer context, const std::string &uri)
-      : context_(std::move(context)), port_(port_of(uri)) {}
+  ContextV0(ContextPointer context, std::string port, std::vector<OpenSocket> sockets)
+      : context_(std::move(context)), port_(std::move(port)), sockets_(std::move(sockets)) {}
 
   std::vector<IioDevice> devices() const override {
+    const ServerWatch watch = watched();
     std::vector<IioDevice> out;
     for (unsigned i = 0; i < iio_context_get_devices_count(context_.get()); ++i) {
       const iio_device *device = iio_context_get_device(context_.get(), i);
@@ -200,12 +202,15 @@ public:
   void set_trigger(const std::string &device, const std::string &trigger) override;
   void set_timeout(std::chrono::milliseconds timeout) override {
     timeout_ = timeout;
+    if (!port_.empty())
+      return; // that of the buffer, which is not libiio's
     // A server without the command is no reason to fail.
     (void)!iio_context_set_timeout(context_.get(), static_cast<unsigned>(timeout.count()));
   }
   std::unique_ptr<IioBuffer> create_buffer(const std::string &device,
                                            std::span<const std::string> channels,
-                                           std::size_t frames, unsigned kernel_buffers) override;
+                                           std::size_t frames, unsigned kernel_buffers,
+                                           const Cancellation &cancellation) override;
 
 private:
   iio_device *device(const std::string &id) const {
@@ -223,16 +228,25 @@ private:
 
   std::unique_ptr<IioBuffer> network_buffer(const iio_device *dev,
                                             const std::vector<const iio_channel *> &enabled,
-                                            std::size_t frames, int &error);
+                                            std::size_t frames, unsigned kernel_buffers,
+                                            const Cancellation &cancellation, int &error);
+
+  /// For one dialogue with the server; libiio itself gives up one that is silent.
+  ServerWatch watched() const {
+    return {port_, sockets_, ServerWatch::Which::these,
+            kMostTime};
+  }
 
   ContextPointer context_;
-  std::string port_; ///< of a server that the URI names
+  std::string port_; ///< of a server
+  std::vector<OpenSocket> sockets_; ///< libiio's to that
   std::chrono::milliseconds timeout_{5000};
 };
 
 std::optional<std::string> ContextV0::read(const std::string &device_id,
                                            const std::string &channel_id,
                                            const std::string &name) const {
+  const ServerWatch watch = watched();
   if (!channel_id.empty())
     return read_attribute(channel(device_id, channel_id), name.c_str());
   const iio_device *dev = device(device_id);
@@ -245,6 +259,7 @@ std::optional<std::string> ContextV0::read(const std::string &device_id,
 
 int ContextV0::write(const std::string &device_id, const std::string &channel_id,
                      const std::string &name, const std::string &value) {
+  const ServerWatch watch = watched();
   ssize_t n;
   if (!channel_id.empty()) {
     const iio_channel *chn = channel(device_id, channel_id);
@@ -261,6 +276,7 @@ int ContextV0::write(const std::string &device_id, const std::string &channel_id
 }
 
 std::string ContextV0::trigger(const std::string &device_id) const {
+  const ServerWatch watch = watched();
   const iio_device *found = nullptr;
   if (iio_device_get_trigger(device(device_id), &found) < 0 || !found)
     return {};
@@ -268,6 +284,7 @@ std::string ContextV0::trigger(const std::string &device_id) const {
 }
 
 void ContextV0::set_trigger(const std::string &device_id, const std::string &trigger) {
+  const ServerWatch watch = watched();
   const iio_device *found = iio_context_find_device(context_.get(), trigger.c_str());
   if (!found || !iio_device_is_trigger(found))
     throw Error(ADA4571_ERROR_NOT_FOUND, "no IIO trigger \"" + trigger + "\"");
@@ -289,7 +306,8 @@ void ContextV0::set_trigger(const std::string &device_id, const std::string &tri
 
 std::unique_ptr<IioBuffer> ContextV0::create_buffer(const std::string &device_id,
                                                     std::span<const std::string> channels,
-                                                    std::size_t frames, unsigned kernel_buffers) {
+                                                    std::size_t frames, unsigned kernel_buffers,
+                                                    const Cancellation &cancellation) {
   iio_device *dev = device(device_id);
   std::vector<const iio_channel *> enabled;
   for (unsigned i = 0; i < iio_device_get_channels_count(dev); ++i)
@@ -299,15 +317,15 @@ std::unique_ptr<IioBuffer> ContextV0::create_buffer(const std::string &device_id
     iio_channel_enable(chn);
     enabled.push_back(chn);
   }
-  // Refused by servers that do not know it; the default of 4 holds then.
-  (void)!iio_device_set_kernel_buffers_count(dev, kernel_buffers);
   if (!port_.empty() && text(iio_context_get_name(context_.get())) == "network") {
     int error = 0;
-    auto buffer = network_buffer(dev, enabled, frames, error);
+    auto buffer = network_buffer(dev, enabled, frames, kernel_buffers, cancellation, error);
     if (!buffer)
       refuse_buffer(device_id, error);
     return buffer;
   }
+  // Refused by servers that do not know it; the default of 4 holds then.
+  (void)!iio_device_set_kernel_buffers_count(dev, kernel_buffers);
   iio_buffer *buffer = iio_device_create_buffer(dev, frames, false);
   if (!buffer)
     refuse_buffer(device_id, errno ? errno : EIO);
@@ -316,12 +334,15 @@ std::unique_ptr<IioBuffer> ContextV0::create_buffer(const std::string &device_id
 
 std::unique_ptr<IioBuffer>
 ContextV0::network_buffer(const iio_device *dev, const std::vector<const iio_channel *> &enabled,
-                          std::size_t frames, int &error) {
+                          std::size_t frames, unsigned kernel_buffers,
+                          const Cancellation &cancellation, int &error) {
   NetworkBufferOptions o;
+  o.cancellation = &cancellation;
   o.host = text(iio_context_get_attr_value(context_.get(), "ip,ip-addr"));
   o.port = port_;
   o.device = text(iio_device_get_id(dev));
   o.frames = frames;
+  o.kernel_buffers = kernel_buffers;
   o.timeout = timeout_;
   const ssize_t sample_bytes = iio_device_get_sample_size(dev);
   o.bytes = frames * static_cast<std::size_t>(std::max<ssize_t>(1, sample_bytes));
@@ -350,8 +371,11 @@ ContextV0::network_buffer(const iio_device *dev, const std::vector<const iio_cha
   if (uri == "ip:")
     throw Error(ADA4571_ERROR_NOT_FOUND,
                 where + "no IIO server was found by Avahi on this network: give ip:HOST");
-  if (uri.starts_with("ip:") && error == ENOENT)
+  if (uri.starts_with("ip:") && (error == ENOENT || error == ENXIO))
     throw Error(ADA4571_ERROR_NOT_FOUND, where + "there is no such host, or no such port");
+  if (uri.starts_with("ip:") && error == EINVAL)
+    throw Error(ADA4571_ERROR_IO,
+                where + "the server's description of its devices cannot be understood");
   if (error == EINVAL || error == ENOSYS)
     throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
                 where + "not a URI of libiio; use local:, ip:HOST, ip:HOST:PORT or usb:");
@@ -360,13 +384,26 @@ ContextV0::network_buffer(const iio_device *dev, const std::vector<const iio_cha
 
 } // namespace
 
-std::unique_ptr<IioContext> open_iio_context(const std::string &uri) {
+std::unique_ptr<IioContext> open_iio_context(const std::string &uri,
+                                             const Cancellation *cancellation) {
+  check_server_description(uri, cancellation);
+  std::string port = server_port(uri);
+  const std::vector<OpenSocket> before = sockets_to(port);
+  const ServerWatch watch(port, before, ServerWatch::Which::all_but, kMostTime, cancellation);
   errno = 0;
   std::string scratch = uri; // 0.24 writes into the text it is given (the colon before the port)
   ContextPointer context(iio_create_context_from_uri(scratch.c_str()));
+  const int error = errno;
+  if (watch.over()) // it comes as a context all the same, after the last but one question
+    throw Error(ADA4571_ERROR_DISCONNECTED,
+                "IIO context \"" + uri + "\": the server does not come to an end with its answers");
   if (!context)
-    refuse_context(uri, errno);
-  return std::make_unique<ContextV0>(std::move(context), uri);
+    refuse_context(uri, error);
+  std::vector<OpenSocket> sockets = sockets_to(port);
+  std::erase_if(sockets, [&](const OpenSocket &s) {
+    return std::find(before.begin(), before.end(), s) != before.end();
+  });
+  return std::make_unique<ContextV0>(std::move(context), std::move(port), std::move(sockets));
 }
 
 std::string iio_library_version() {

@@ -100,9 +100,9 @@ void check_options(const IioSourceOptions &options) {
     refuse("latency_s must be from 0 to 60");
 }
 
-OpenedDevice open_iio_device(const IioSourceOptions &options) {
+OpenedDevice open_iio_device(const IioSourceOptions &options, const Cancellation *cancellation) {
   OpenedDevice o;
-  o.context = open_iio_context(options.uri);
+  o.context = open_iio_context(options.uri, cancellation);
   const std::vector<IioDevice> devices = o.context->devices();
   o.device = choose_device(devices, options.device, options.channels);
   o.choice = choose_channels(o.device, options.channels);

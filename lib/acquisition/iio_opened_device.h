@@ -40,8 +40,10 @@ struct OpenedDevice {
 /// Throws INVALID_ARGUMENT for a number out of its range.
 void check_options(const IioSourceOptions &options);
 
-/// Finds device and channels, sets trigger, rate and clock.
-OpenedDevice open_iio_device(const IioSourceOptions &options);
+/// Finds device and channels, sets trigger, rate and clock; `cancellation` as for
+/// open_iio_context().
+OpenedDevice open_iio_device(const IioSourceOptions &options,
+                             const Cancellation *cancellation = nullptr);
 
 /// Leaves a device that was opened and never read at the rate at which it was found.
 void set_rate_back(OpenedDevice &opened) noexcept;

@@ -81,7 +81,7 @@ private:
   std::int64_t block_ns_ = 0; ///< when it came, by our own clock
   bool lost_ = false;         ///< device or server are gone; start() opens anew
 
-  Cancellation cancellation_;  ///< raised by other threads; lowered by start()
+  Cancellation cancellation_;  ///< raised by other threads; lowered when start() begins
   std::unique_ptr<Loop> loop_; ///< once somebody asked for it
   std::unique_ptr<CaptureStream> stream_;
 };
@@ -100,7 +100,7 @@ std::unique_ptr<CaptureStream> IioSourceImpl::make_stream() {
   IioContext *context = opened_.context.get();
   if (context->is_local()) {
     auto buffer = context->create_buffer(opened_.device.id, opened_.scan, frames,
-                                         kernel_buffers(opened_, frames));
+                                         kernel_buffers(opened_, frames), cancellation_);
     if (buffer->poll_fd() >= 0)
       return make_polled_stream(cancellation_, std::move(buffer),
                                 "/sys/bus/iio/devices/" + opened_.device.id, name);
@@ -113,9 +113,11 @@ std::unique_ptr<CaptureStream> IioSourceImpl::make_stream() {
   const std::size_t block_bytes = frames * compute_layout(opened_.formats).frame_bytes;
   const std::size_t blocks =
       std::clamp<std::size_t>((16u << 20) / std::max<std::size_t>(1, block_bytes), 2, 32);
-  auto factory = [this, context](std::size_t n, milliseconds wait) {
+  auto factory = [this, context](std::size_t n, milliseconds wait,
+                                 const Cancellation &cancellation) {
     context->set_timeout(wait);
-    return context->create_buffer(opened_.device.id, opened_.scan, n, kernel_buffers(opened_, n));
+    return context->create_buffer(opened_.device.id, opened_.scan, n, kernel_buffers(opened_, n),
+                                  cancellation);
   };
   return make_threaded_stream(cancellation_, std::move(factory), frames, timeout, block_bytes,
                               blocks, options_.uri + " " + name);
@@ -123,7 +125,7 @@ std::unique_ptr<CaptureStream> IioSourceImpl::make_stream() {
 
 void IioSourceImpl::reopen_after_loss() {
   try {
-    opened_ = open_iio_device(options_);
+    opened_ = open_iio_device(options_, &cancellation_);
     opened_.info.buffer_frames = buffer_frames(opened_, options_);
   } catch (const Error &e) {
     const bool away = e.status() == ADA4571_ERROR_NOT_FOUND;
@@ -134,6 +136,7 @@ void IioSourceImpl::reopen_after_loss() {
 
 void IioSourceImpl::start() {
   stop();
+  cancellation_.lower(); // before the first wait: a cancel meanwhile is for this start
   try {
     if (lost_ || !opened_.context) {
       lost_ = true;
@@ -144,7 +147,6 @@ void IioSourceImpl::start() {
     assembler_.reset(layout_.frame_bytes);
     stream_ = make_stream();
     opened_.rate_before.reset(); // it is in use
-    cancellation_.lower();
     if (loop_)
       stream_->announce_to(loop_->readiness);
   } catch (const Error &e) {

@@ -21,9 +21,15 @@ struct NetworkBufferOptions {
   std::vector<IioChannel> channels; ///< all of the device, in libiio's order
   std::vector<std::size_t> wanted;  ///< positions in `channels`
   std::size_t frames = 0;
+  unsigned kernel_buffers = 4;
   std::size_t bytes = 0; ///< of a refill: what libiio on the other side makes of `frames`
   std::chrono::milliseconds timeout{};
+  const Cancellation *cancellation = nullptr; ///< of the start; the buffer has a cancel of its own
 };
+
+/// The port that libiio calls for "ip:HOST", "ip:HOST:PORT" and "ip:[HOST]:PORT". A server that it has
+/// to find ("ip:") is called at the usual one, whatever Avahi says of it. Empty for what is no network.
+std::string server_port(const std::string &uri);
 
 /// Starts the capture. Returns null and sets `error` (an errno) where that is refused.
 std::unique_ptr<IioBuffer> open_network_buffer(const NetworkBufferOptions &options, int &error);

@@ -38,12 +38,14 @@ public:
         timeout_(timeout), name_(std::move(name)), slots_(std::max<std::size_t>(blocks, 2)) {
     for (Slot &slot : slots_)
       slot.bytes.resize(block_bytes);
-    buffer_ = factory_(frames_, timeout_); // in the caller's thread, so that it sees the error
+    buffer_ = factory_(frames_, timeout_,
+                       cancellation_); // in the caller's thread, so that it sees the error
     thread_ = std::thread([this] { run(); });
   }
 
   ~ThreadedStream() override {
     stop_.store(true);
+    ending_.raise(); // a new buffer that is just being made
     room_.ring();
     // libiio complains on stderr of a connection that is cut in the middle of an answer.
     const auto patience = Clock::now() + kAnswerTime;
@@ -150,7 +152,7 @@ private:
     buffer_.reset();
     for (int attempt = 0; !stopping(); ++attempt) {
       try {
-        buffer_ = factory_(frames_, timeout_);
+        buffer_ = factory_(frames_, timeout_, ending_);
         return;
       } catch (const Error &e) {
         // The server may not yet have noticed that the old buffer is closed.
@@ -196,6 +198,7 @@ private:
   std::atomic<std::size_t> filled_{0}; ///< blocks ever written, by the thread
   std::atomic<std::size_t> taken_{0};  ///< blocks ever used up, by the reader
   std::atomic<bool> stop_{false}, ended_{false};
+  Cancellation ending_;
   WakeUp arrived_;             ///< rings for a block, and for the end
   WakeUp room_;                ///< rings for a free slot, and to stop
   bool lent_ = false;          ///< the reader's

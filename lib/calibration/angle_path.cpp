@@ -26,10 +26,31 @@ constexpr std::size_t kMissedSamples = 4;
 /// Of noise alone next to nothing leaps so far, and what does is a sample less.
 constexpr double kLeapSigmas = kOutlierSigmas;
 
-/// Samples of `path` that leap are left out.
+/// Whether a sample lies on the line through two that were kept, of the samples that were left out
+/// between them none the less: what a steady acceleration puts it off by grows with the square of
+/// the way.
+bool goes_on_from(const AnglePath &path, std::size_t first, std::size_t second, std::size_t i,
+                  double limit) {
+  const auto place = [&](std::size_t k) { return static_cast<double>(path.sample[k]); };
+  const double steps = (place(i) - place(second)) / (place(second) - place(first));
+  const double expected = path.psi[second] + steps * (path.psi[second] - path.psi[first]);
+  const double way = std::abs(place(i) - place(second));
+  return std::abs(wrap_centred(path.psi[i] - expected, kTwoPi)) <= limit * way * (way + 1) / 2;
+}
+
+/// Samples of `path` that leap are left out. Beside samples that are left out already the steps are
+/// longer, which is no leap.
 std::vector<std::size_t> without_leaps(const AnglePath &path) {
   std::vector<std::size_t> kept = path.sample;
-  const std::vector<std::size_t> places = leaps(path.psi, kLeapSigmas, 0, 0);
+  const double limit = leap_limit(path.psi, kLeapSigmas, 0);
+  std::vector<std::size_t> places = leaps_beyond(path.psi, limit, 0);
+  if (places.size() > path.psi.size() / kRareSample)
+    return kept;
+  std::erase_if(places, [&](std::size_t i) {
+    return i >= 2 && i + 2 < path.psi.size() && path.sample[i + 2] - path.sample[i - 2] > 4 &&
+           (goes_on_from(path, i - 2, i - 1, i, limit) ||
+            goes_on_from(path, i + 2, i + 1, i, limit));
+  });
   for (auto place = places.rbegin(); place != places.rend(); ++place)
     kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(*place));
   return kept;

@@ -130,7 +130,7 @@ Model calibrate_dual(const Recording &cold, const Recording &hot, CalibrationMet
   tc = {tc.value / amplitude.value, tc.error / amplitude.value};
   if (std::abs(tc.value) > kSignificant * tc.error)
     model.effects.push_back(effect_instance("amplitude-temperature-drift", {tc.value}, {tc.error}));
-  return model;
+  return possible(std::move(model));
 }
 
 Model calibrate_dual(const Capture &cold, const Capture &hot, CalibrationMethod method) {

@@ -23,9 +23,10 @@ constexpr double kSignificant = 5.0;
 constexpr double kClosable = 0.02;
 
 /// Radians that a segment may span: the weights of its ends are exact for any sinusoid below half a
-/// period, and grow without bound there. Two samples left out side by side at a fast place leave a
-/// segment of more than 2 rad.
-constexpr double kLongestSegment = 3.0;
+/// period, and grow without bound there. Where samples were left out, at a fast place, a segment
+/// may be of more; and beyond 2 rad its ends tell little of what lies between.
+constexpr double kLongestSegment = 3.0, kLongestGap = 2.0;
+constexpr double kPieceOfGap = 0.5; ///< rad
 
 /// The part of a path between its two turning points that are farthest apart.
 struct Stretch {
@@ -59,6 +60,33 @@ struct SegmentWeights {
   }
 };
 
+/// Adds a segment of h radians to integrals.
+void add_segment(Moments &m, double h, double s1, double c1, double s2, double c2) {
+  const double w = 2 * std::tan(h / 2);
+  const SegmentWeights of(h);
+  m.sin += 0.5 * w * (s1 + s2);
+  m.cos += 0.5 * w * (c1 + c2);
+  m.sin_sin += of.same * (s1 * s1 + s2 * s2) + of.across * 2 * s1 * s2;
+  m.cos_cos += of.same * (c1 * c1 + c2 * c2) + of.across * 2 * c1 * c2;
+  m.sin_cos += of.same * (s1 * c1 + s2 * c2) + of.across * (s1 * c2 + s2 * c1);
+}
+
+/// The same of the ellipse itself, which is all that is known of a segment whose ends are far
+/// apart.
+void add_gap(Moments &m, double from, double h, const EllipseParameters &e) {
+  const int pieces = static_cast<int>(std::ceil(std::abs(h) / kPieceOfGap));
+  const auto s = [&](double psi) {
+    return e.amplitude_v * (1 + e.k / 2) * std::sin(psi + e.delta_rad / 2);
+  };
+  const auto c = [&](double psi) {
+    return e.amplitude_v * (1 - e.k / 2) * std::cos(psi - e.delta_rad / 2);
+  };
+  for (int i = 0; i < pieces; ++i) {
+    const double a = from + h * i / pieces, b = from + h * (i + 1) / pieces;
+    add_segment(m, b - a, s(a), c(a), s(b), c(b));
+  }
+}
+
 /// Integrals over psi/(2 pi), along the path from its first point to `end` radians further on. A
 /// segment of h radians of a sinusoid has the exact integral tan(h/2) (v1 + v2).
 Moments integrate(const Capture &capture, const std::vector<std::size_t> &sample,
@@ -76,14 +104,12 @@ Moments integrate(const Capture &capture, const std::vector<std::size_t> &sample
     double c2 = capture.vcos_v[sample[i + 1]] - e.centre_cos_v;
     s2 = s1 + part * (s2 - s1);
     c2 = c1 + part * (c2 - c1);
-    const double h = std::clamp(part * (b - a), -kLongestSegment, kLongestSegment);
-    const double w = 2 * std::tan(h / 2);
-    const SegmentWeights of(h);
-    m.sin += 0.5 * w * (s1 + s2);
-    m.cos += 0.5 * w * (c1 + c2);
-    m.sin_sin += of.same * (s1 * s1 + s2 * s2) + of.across * 2 * s1 * s2;
-    m.cos_cos += of.same * (c1 * c1 + c2 * c2) + of.across * 2 * c1 * c2;
-    m.sin_cos += of.same * (s1 * c1 + s2 * c2) + of.across * (s1 * c2 + s2 * c1);
+    const double h = part * (b - a);
+    const double most = sample[i + 1] - sample[i] == 1 ? kLongestSegment : kLongestGap;
+    if (std::abs(h) <= most)
+      add_segment(m, h, s1, c1, s2, c2);
+    else
+      add_gap(m, a, h, e);
     if (last)
       break;
   }

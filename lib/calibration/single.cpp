@@ -8,6 +8,7 @@
 #include "base/angle.h"
 #include "base/error.h"
 #include "model/effect.h"
+#include "model/model_file.h"
 
 namespace ada {
 
@@ -66,9 +67,23 @@ Model model_of(const PairEstimate &estimate, const CaptureMetadata &meta,
   return model;
 }
 
+Model possible(Model model) {
+  try {
+    check_model(model);
+  } catch (const Error &e) {
+    if (e.status() != ADA4571_ERROR_INVALID_ARGUMENT)
+      throw;
+    throw Error(ADA4571_ERROR_UNUSABLE_DATA,
+                "the circle of the capture is no sensor's: " + std::string(e.what()) +
+                    "; its supply_v or its scale is wrong");
+  }
+  return model;
+}
+
 Model calibrate_single(const RecordingToFit &what, CalibrationMethod method) {
-  return model_of(estimate_pair(what, method), what.recording.meta(), what.recording.identity(),
-                  std::string("single ") + method_name(method));
+  return possible(model_of(estimate_pair(what, method), what.recording.meta(),
+                           what.recording.identity(),
+                           std::string("single ") + method_name(method)));
 }
 
 Model calibrate_single(const Capture &capture, CalibrationMethod method) {

@@ -17,6 +17,9 @@ Model calibrate_single(const Capture &capture, CalibrationMethod method);
 Model model_of(const PairEstimate &estimate, const CaptureMetadata &meta,
                const std::string &identity, const std::string &method);
 
+/// The model, unless it holds what no file may: then the capture is UNUSABLE_DATA, and it is said why.
+Model possible(Model model);
+
 /// An effect of the catalogue with its numbers. Throws ADA4571_ERROR_INTERNAL when the catalogue
 /// does not hold it or counts other parameters.
 EffectInstance effect_instance(std::string_view id, std::vector<double> values,

@@ -14,6 +14,24 @@
 
 namespace ada::health {
 
+namespace {
+
+/// The pair without the row in which a channel keeps one value: that is no cut-off peak. Of a long
+/// recording the sample does not hold its rows.
+Capture without_frozen(const Evidence &e) {
+  Capture out;
+  out.vsin_v = e.capture.vsin_v;
+  out.vcos_v = e.capture.vcos_v;
+  if (e.stuck && e.stuck->frozen && !e.what.is_long)
+    for (auto *channel : {&out.vsin_v, &out.vcos_v}) {
+      const auto first = channel->begin() + static_cast<std::ptrdiff_t>(e.stuck->first);
+      channel->erase(first, first + static_cast<std::ptrdiff_t>(e.stuck->samples));
+    }
+  return out;
+}
+
+} // namespace
+
 HealthCheck check_rotation(const Evidence &e) {
   if (!e.ellipse) {
     HealthCheck check = cannot_tell("rotation", e.no_ellipse);
@@ -43,10 +61,10 @@ HealthCheck check_clipping(const Evidence &e) {
                        fmt::format("only {:.0f} electrical degrees were covered, so not every peak "
                                    "was seen",
                                    e.ellipse->coverage_deg));
-  const std::string why = why_clipped(e.capture, *e.ellipse);
+  const std::string why = why_clipped(without_frozen(e), *e.ellipse);
   // Beside a channel that is stuck the other one looks clipped; but one that clips hard is both.
   if (e.stuck && !why.starts_with(e.stuck->name))
-    return cannot_tell("clipping", e.stuck->name + " does not follow the magnet");
+    return cannot_tell("clipping", no_figures(e));
   return verdict("clipping", why.empty(), kAbsent, kAbsent, "",
                  why.empty() ? "the peaks are round" : why);
 }

@@ -25,6 +25,15 @@ HealthCheck cannot_tell(std::string id, std::string why) {
   return {std::move(id), HealthState::unknown, kAbsent, kAbsent, "", std::move(why)};
 }
 
+std::string no_figures(const Evidence &e) {
+  if (!e.ellipse)
+    return kNoCircle;
+  if (e.stuck)
+    return e.stuck->name + (e.stuck->name.find(' ') == std::string::npos ? " does" : " do") +
+           " not follow the magnet";
+  return {};
+}
+
 std::string moment(const Recording &recording, std::size_t sample) {
   const double time_s = recording.time_s(sample);
   return std::isfinite(time_s) ? moment_text(time_s) : fmt::format("sample {}", sample);

@@ -46,6 +46,10 @@ HealthCheck verdict(std::string id, bool passed, double measured, double limit, 
                     std::string explanation);
 HealthCheck cannot_tell(std::string id, std::string why);
 
+/// Why a figure of the circle proves nothing here; empty where it does. A channel that does not
+/// follow the magnet bends the circle of the other one, too.
+std::string no_figures(const Evidence &e);
+
 /// "0.5 s", or where the time is no number "sample 17".
 std::string moment(const Recording &recording, std::size_t sample);
 

@@ -101,6 +101,10 @@ inline constexpr double kVtempLeastNoise = 1e-4;
 /// programs count the bits without it.
 inline constexpr double kCodesOverBits = 2;
 
+/// Electrical degrees of an arc from which on its middle is known: on less, the smallest distortion
+/// moves it by more than the arc is long, so that no calibration is made of it either.
+inline constexpr double kLeastArcDeg = 90;
+
 /// Electrical degrees within which every peak was seen.
 inline constexpr double kWholeTurnDeg = 300;
 

@@ -104,8 +104,8 @@ HealthCheck check_reference(const Evidence &e) {
                                      "the reference turns, but the outputs do not: there is no "
                                      "magnet, or neither channel is connected")
                            : cannot_tell("reference", "the magnet does not turn");
-  if (!e.ellipse)
-    return cannot_tell("reference", kNoCircle);
+  if (const std::string why = no_figures(e); !why.empty())
+    return cannot_tell("reference", why);
   const double turning = scatter(angles.sensor);
   if (turning < kTurnedScatter)
     return cannot_tell("reference", "the magnet hardly turns");

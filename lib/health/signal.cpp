@@ -125,8 +125,8 @@ HealthCheck check_rails(const Evidence &e) {
 }
 
 HealthCheck check_amplitude(const Evidence &e) {
-  if (!e.ellipse)
-    return cannot_tell("amplitude", kNoCircle);
+  if (const std::string why = no_figures(e); !why.empty())
+    return cannot_tell("amplitude", why);
   const double amplitude = e.ellipse->value.amplitude_v;
   const double least = kLeastAmplitude * e.capture.meta.supply_v;
   const std::string text = fmt::format("{:.4g} V", amplitude);
@@ -150,11 +150,16 @@ HealthCheck check_supply(const Evidence &e) {
   if (e.capture.has_vdd()) {
     const double vdd = quantile(e.capture.vdd_v, 0.5);
     measured = judged(vdd, fmt::format("VDD is {:.3f} V where {:.3f} V is stated", vdd, stated));
-    if (measured->state == HealthState::failed || !e.ellipse)
-      return *measured;
   }
-  if (!e.ellipse)
-    return cannot_tell("supply", std::string("VDD is not recorded, and ") + kNoCircle);
+  std::string why = no_figures(e);
+  if (why.empty() && e.ellipse->coverage_deg < kLeastArcDeg)
+    why = fmt::format("only {:.0f} electrical degrees were covered, so where the middle is, is not "
+                      "known",
+                      e.ellipse->coverage_deg);
+  if (measured && (measured->state == HealthState::failed || !why.empty()))
+    return *measured;
+  if (!why.empty())
+    return cannot_tell("supply", "VDD is not recorded, and " + why);
   const EllipseParameters &c = e.ellipse->value;
   const double middle = 0.5 * (c.centre_sin_v + c.centre_cos_v);
   const HealthCheck seen =

@@ -212,7 +212,8 @@ ADA4571_API ada4571_status ada4571_source_read(ada4571_source *source, ada4571_f
  * it; do not read it, and do not close it. Any thread may wait for it while one reads
  * (the documentation's "Event loops"). */
 ADA4571_API ada4571_status ada4571_source_get_fd(ada4571_source *source, int *fd);
-/* Makes a read in another thread return at once. Thread-safety: any thread, not a signal handler. */
+/* Makes a read in another thread return at once, and a start that waits for a server fail.
+ * Thread-safety: any thread, not a signal handler. */
 ADA4571_API ada4571_status ada4571_source_cancel(ada4571_source *source);
 ADA4571_API ada4571_status ada4571_source_stop(ada4571_source *source);
 ADA4571_API ada4571_status ada4571_source_get_statistics(const ada4571_source *source,

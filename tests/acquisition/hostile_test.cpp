@@ -4,9 +4,11 @@
 // Clients that send what no client would, a server that says what no server would, and a process
 // that has run out of something.
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <random>
+#include <thread>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -15,6 +17,8 @@
 #include <unistd.h>
 
 #include "acquisition/iio_source.h"
+#include "acquisition/network_buffer.h"
+#include "acquisition/server_watch.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "raw_client.h"
@@ -165,6 +169,122 @@ TEST(HostileServer, that_sends_more_than_was_asked_for_is_refused) {
     EXPECT_THROW(for (int i = 0; i < 50; ++i) source->read(frames, std::chrono::milliseconds(200)),
                  Error)
         << length;
+  }
+}
+
+/// Every server of a network is read with checked lengths, however it is named: found by libiio,
+/// too.
+TEST(HostileServer, is_met_at_the_port_that_libiio_calls) {
+  EXPECT_EQ(server_port("ip:"), "30431");
+  EXPECT_EQ(server_port("ip:192.168.1.20"), "30431");
+  EXPECT_EQ(server_port("ip:bench.local:1234"), "1234");
+  EXPECT_EQ(server_port("ip::1234"), "1234");
+  EXPECT_EQ(server_port("ip:fe80::1%eth0"), "30431");
+  EXPECT_EQ(server_port("ip:::1"), "30431");
+  EXPECT_EQ(server_port("ip:[::1]:1234"), "1234");
+  for (const char *uri : {"", "local:", "usb:1.2.3", "serial:/dev/ttyUSB0,115200", "ip"})
+    EXPECT_EQ(server_port(uri), "") << uri;
+}
+
+/// Answers `text` to the commands that begin so.
+IiodServer::FaultHook answer_to(std::string command, std::string text) {
+  return [=](std::string_view line) -> IiodFault {
+    if (!line.starts_with(command))
+      return {};
+    return {IiodFault::Kind::raw_answer, 0, text};
+  };
+}
+
+/// Sentence of an open, start and read that fail; empty where they do not.
+std::string failure_at(const std::string &uri) {
+  try {
+    IioSourceOptions options;
+    options.uri = uri;
+    const auto source = open_iio_source(options);
+    source->start();
+    Frame frames[16];
+    for (int i = 0; i < 50; ++i)
+      source->read(frames, std::chrono::milliseconds(200));
+  } catch (const Error &e) {
+    return e.what();
+  }
+  return {};
+}
+
+TEST(HostileServer, that_sends_empty_lines_for_ever_is_given_up) {
+  for (const char *command : {"PRINT", "OPEN", "READBUF"}) {
+    Served server(served_pair(kU16, kU16, 1000.0), answer_to(command, std::string(1 << 20, '\n')));
+    EXPECT_NE(failure_at(server.uri()), "") << command;
+  }
+}
+
+TEST(HostileServer, with_an_odd_description_is_refused_before_anybody_prints_it) {
+  const struct {
+    const char *answer, *said;
+  } cases[] = {{"2147483646\n", "do not trust it"},
+               {"99999999999999999999\n", "does not come to an end"},
+               {"rubbish\n", "does not come to an end"},
+               {"12\n<a>\x1b[2J</a>\n", "control characters"},
+               {"8\n<a>\xc2\x9b</a>\n", "control characters"},
+               {"10\n<<<<<<<<<<\n", "cannot be understood"},
+               {"0\n\n", "cannot be understood"}};
+  for (const auto &[answer, said] : cases) {
+    auto whole = [&, text = std::string(answer)](std::string_view line) -> IiodFault {
+      if (!line.starts_with("PRINT") && !line.starts_with("ZPRINT"))
+        return {};
+      return {IiodFault::Kind::raw_answer, 0, text};
+    };
+    Served server(served_pair(kU16, kU16, 1000.0), whole);
+    testing::internal::CaptureStderr();
+    const std::string sentence = failure_at(server.uri());
+    const std::string printed = testing::internal::GetCapturedStderr();
+    EXPECT_NE(sentence.find(said), std::string::npos) << answer << ": " << sentence;
+    EXPECT_EQ(printed.find('\x1b'), std::string::npos) << printed;
+  }
+}
+
+/// What is read byte by byte, each in time, and never ends.
+TEST(HostileServer, that_goes_on_sending_is_cut_off_when_the_time_is_over) {
+  Descriptor listener(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(bind(listener.get(), reinterpret_cast<sockaddr *>(&address), size), 0);
+  ASSERT_EQ(listen(listener.get(), 4), 0);
+  ASSERT_EQ(getsockname(listener.get(), reinterpret_cast<sockaddr *>(&address), &size), 0);
+  const int port = ntohs(address.sin_port);
+  const std::string text = std::to_string(port);
+  using Which = ServerWatch::Which;
+  for (const Which which : {Which::these, Which::all_but}) {
+    const Descriptor other = connect_to(port); // of somebody else, before
+    const Descriptor other_end(accept(listener.get(), nullptr, nullptr));
+    const auto before = sockets_to(text);
+    ASSERT_EQ(before.size(), 1u);
+    std::vector<OpenSocket> watched = before;
+    Descriptor ours;
+    if (which == Which::these) {
+      ours = connect_to(port);
+      watched = sockets_to(text);
+      std::erase(watched, before[0]);
+      ASSERT_EQ(watched.size(), 1u);
+    }
+    ServerWatch watch(text, watched, which, std::chrono::milliseconds(300));
+    if (which == Which::all_but)
+      ours = connect_to(port);
+    const Descriptor theirs(accept(listener.get(), nullptr, nullptr));
+    std::thread sender([&] {
+      while (send(theirs.get(), "\n", 1, MSG_NOSIGNAL) == 1)
+        usleep(1000);
+    });
+    char c = 0;
+    while (recv(ours.get(), &c, 1, 0) == 1) {
+    }
+    shutdown(theirs.get(), SHUT_RDWR);
+    sender.join();
+    EXPECT_TRUE(watch.over());
+    EXPECT_EQ(recv(other.get(), &c, 1, MSG_DONTWAIT), -1) << "another's connection was cut";
+    EXPECT_EQ(errno, EAGAIN);
   }
 }
 

@@ -160,6 +160,49 @@ TEST(IioNetwork, CancelReturnsAtOnceWhileTheServerIsSilent) {
   EXPECT_EQ(read_frames(*source, 100, kPatience).size(), 100u);
 }
 
+/// A server that hangs (a cable that was pulled) answers nothing, wherever it is asked.
+TEST(IioNetwork, CancelEndsAStartThatWaitsForAServer) {
+  for (const char *asked : {"PRINT", "TIMEOUT", "SET", "OPEN"}) {
+    std::atomic<bool> hangs = false;
+    std::atomic<std::size_t> waiting = 0;
+    Served server(served_pair(kU16, kU16, 10000.0), [&](std::string_view line) {
+      if (hangs && line.starts_with("READBUF"))
+        return IiodFault{IiodFault::Kind::drop};
+      const bool stalls = hangs && line.starts_with(asked);
+      waiting += stalls;
+      return IiodFault{stalls ? IiodFault::Kind::stall : IiodFault::Kind::none};
+    });
+    const auto source = open_at(server.uri());
+    source->start();
+    hangs = true;
+    std::vector<Frame> block(64);
+    EXPECT_EQ(status_of([&] {
+                while (source->read(block, kPatience).outcome == ReadOutcome::frames) {
+                }
+              }),
+              ADA4571_ERROR_DISCONNECTED);
+    // As above: of several starts one at least is not delayed by a busy machine.
+    auto shortest = Clock::duration::max();
+    for (std::size_t i = 1; i <= 3; ++i) {
+      std::atomic<Clock::rep> began = 0;
+      std::thread other([&] {
+        while (waiting < i)
+          std::this_thread::sleep_for(1ms);
+        began = Clock::now().time_since_epoch().count();
+        source->cancel();
+      });
+      EXPECT_NE(status_of([&] { source->start(); }), ADA4571_OK) << asked;
+      const auto ended = Clock::now();
+      other.join();
+      shortest = std::min(shortest, ended.time_since_epoch() - Clock::duration(began.load()));
+    }
+    EXPECT_LT(shortest, 3s) << asked; // the time-out is 5 s
+    hangs = false;
+    source->start();
+    EXPECT_EQ(read_frames(*source, 100, kPatience).size(), 100u) << asked;
+  }
+}
+
 TEST(IioNetwork, AfterATimeoutOfTheServerTheBufferIsMadeAnew) {
   // libiio 0.24: after one time-out every refill is -EBADF for ever.
   const Faults faults("READBUF", {{IiodFault::Kind::none},

@@ -196,6 +196,20 @@ TEST(SingleGuards, standstill) {
   expect_refusal(sound_capture(0.0), CalibrationMethod::fit, "does not turn");
 }
 
+/// What no file may hold is a fault of the capture, told before anything is written.
+TEST(SingleGuards, a_circle_that_is_no_sensors) {
+  for (const auto &[scale, shift] : {std::pair(1e5, 0.0), std::pair(1.0, 200.0),
+                                     std::pair(1.0, -8.0), std::pair(1e-7, 0.0)}) {
+    Capture c = sound_capture(3);
+    for (auto *channel : {&c.vsin_v, &c.vcos_v})
+      for (double &v : *channel)
+        v = shift + scale * v;
+    for (const auto method :
+         {CalibrationMethod::fit, CalibrationMethod::mean, CalibrationMethod::extrema})
+      expect_refusal(c, method, scale < 1 ? "" : "is no sensor's");
+  }
+}
+
 TEST(SingleGuards, stuck_channel) {
   Capture c = sound_capture(3);
   c.vsin_v.assign(c.size(), 2.5);

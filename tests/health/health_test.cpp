@@ -207,6 +207,41 @@ TEST(Check, names_the_channel_that_is_stuck) {
     }
 }
 
+/// A channel that stands still bends the circle that its figures are measured on: none of the
+/// others is at fault.
+TEST(Check, accuses_nothing_else_of_what_a_stuck_channel_does) {
+  Sampler sampler(SensorPair{}, fresh_seed());
+  for (int draw = 0; draw < 20; ++draw)
+    for (const bool sine : {true, false}) {
+      const double rpm = sampler.uniform(60, 2000), from = sampler.uniform(0.02, 0.9);
+      Capture c = sampler.capture(2000, 3, constant_speed(rpm / 60));
+      c.meta.noise_rms_v = SensorPair().noise_rms_v;
+      c.meta.adc_bits = 16;
+      c.meta.adc_reference_v = 5.0;
+      auto &column = sine ? c.vsin_v : c.vcos_v;
+      const auto first = static_cast<std::size_t>(from * static_cast<double>(c.size()));
+      std::fill(column.begin() + static_cast<std::ptrdiff_t>(first), column.end(), column[first]);
+      const Health health = check_health(c, nullptr);
+      EXPECT_EQ(find(health, "stuck").state, HealthState::failed) << health_text(health);
+      for (const char *id :
+           {"supply", "amplitude", "clipping", "short", "numbers", "gaps", "reference"}) {
+        EXPECT_NE(find(health, id).state, HealthState::failed)
+            << rpm << " rpm from " << from << ": " << health_text(health);
+      }
+    }
+}
+
+/// Of a few degrees of the circle nobody knows where its middle is.
+TEST(Check, does_not_judge_the_supply_by_a_short_arc) {
+  Sampler sampler(SensorPair{}, fresh_seed());
+  for (int draw = 0; draw < 40; ++draw) {
+    const double turns = sampler.uniform(0.01, 0.1); // electrical ones are twice that
+    const Capture c = sampler.capture(2000, 1, constant_speed(turns));
+    const HealthCheck supply = find(check_health(c, nullptr), "supply");
+    EXPECT_NE(supply.state, HealthState::failed) << turns << " turns: " << supply.explanation;
+  }
+}
+
 TEST(Check, names_both_channels_where_both_keep_one_value) {
   const Capture sound = Sampler(SensorPair{}, fresh_seed()).capture(10000, 1, constant_speed(2));
   const auto told = [&](double vsin, double vcos, std::size_t first) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -91,6 +92,47 @@ TEST(HostileModel, whose_outputs_know_one_level_only_comes_to_an_end) {
     model.effects.push_back({clipping, {level_v, level_v, std::nan("")}, {}});
     expect_an_end(sound, &model);
   }
+}
+
+/// Every effect, all of its parameters at one end of what a file may hold, or all of one value.
+TEST(HostileModel, with_an_effect_at_the_end_of_its_range_comes_to_an_end) {
+  std::mt19937_64 rng(fresh_seed());
+  const Capture sound = hostile_capture(Hostile::constant, 0, 300, rng);
+  constexpr double kUnbounded = 1e9;
+  for (const Effect *effect : catalogue())
+    for (const double wanted : {-HUGE_VAL, HUGE_VAL, 0.0, 1.0, 5e-324}) {
+      SCOPED_TRACE(std::string(effect_info(*effect).id) + " at " + std::to_string(wanted));
+      Model model = calibrate_single(sound, CalibrationMethod::fit);
+      std::vector<double> values;
+      for (const ParameterInfo &p : effect_info(*effect).parameters)
+        values.push_back(
+            std::clamp(wanted, std::max(p.minimum, -kUnbounded), std::min(p.maximum, kUnbounded)));
+      model.effects.push_back({effect, values, {}});
+      expect_an_end(sound, &model);
+    }
+}
+
+/// What the header of a file may say.
+TEST(HostileMetadata, comes_to_an_end) {
+  std::mt19937_64 rng(fresh_seed());
+  const Capture sound = hostile_capture(Hostile::constant, 0, 500, rng);
+  for (const auto &change : std::initializer_list<std::function<void(CaptureMetadata &)>>{
+           [](CaptureMetadata &m) { m.periods_per_turn = 65536; },
+           [](CaptureMetadata &m) { m.supply_v = 1e-6; },
+           [](CaptureMetadata &m) { m.supply_v = 1e6; },
+           [](CaptureMetadata &m) { m.noise_rms_v = 1e-300; },
+           [](CaptureMetadata &m) { m.noise_rms_v = 1e6; },
+           [](CaptureMetadata &m) { m.adc_bits = 1; },
+           [](CaptureMetadata &m) { m.adc_reference_v = 1e-300; },
+           [](CaptureMetadata &m) { m.sample_rate_hz = 1e-300; },
+           [](CaptureMetadata &m) { m.sample_rate_hz = 1e9; }})
+    for (const bool with_reference : {true, false}) {
+      Capture c = sound;
+      change(c.meta);
+      if (!with_reference)
+        c.reference_deg.clear();
+      expect_an_end(c, nullptr);
+    }
 }
 
 } // namespace
