@@ -103,11 +103,12 @@ std::vector<Distance> distances(std::span<const double> values,
     logs.x[i] = std::log(values[i]);
     logs.std_error[i] /= values[i];
   }
-  const double skew = lopsided(as_is.x);
-  if (!(lopsided(logs.x) < skew))
+  const double skew = lopsided(as_is.x), skew_of_logs = lopsided(logs.x);
+  const double plain = kPlainlyLopsided * lopsided_by_chance(values.size());
+  if (skew_of_logs > std::max(plain, skew))
     return distances_on(as_is);
   std::vector<Distance> out = distances_on(logs);
-  if (skew > kPlainlyLopsided * lopsided_by_chance(values.size()))
+  if (skew > std::max(plain, skew_of_logs))
     return out;
   // Either scale may be theirs: a number is as far as it is on the one where it is nearer.
   const std::vector<Distance> other = distances_on(as_is);
