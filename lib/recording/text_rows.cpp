@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <set>
 
 #include "base/text.h"
@@ -58,6 +57,42 @@ void read_metadata(std::string_view line, const LineReader &lines, Keys &keys,
   const std::string problem = assign_metadata(meta, key, value);
   if (!problem.empty())
     lines.fail(value.empty() ? at(text) : at(value), problem);
+}
+
+/// A number as programs print it, "-1.653748", up to its comma; `at` is then moved there. Of so few
+/// digits both the digits and the power of ten are doubles, and their quotient, rounded once, is
+/// what std::from_chars gives (Clinger, "How to read floating point numbers accurately", 1990).
+/// False for any other form.
+bool plain_number(const char *&at, const char *end, double &value) {
+  constexpr std::ptrdiff_t kMostDigits = 15;
+  static constexpr double kPowers[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                       1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+  const bool negative = at < end && *at == '-';
+  const char *const first = at + (negative ? 1 : 0);
+  std::int64_t digits = 0;
+  const auto run = [&digits, end](const char *from, std::ptrdiff_t before) {
+    const char *const most = from + std::min(end - from, kMostDigits + 1 - before);
+    const char *c = from;
+    for (unsigned digit; c < most && (digit = static_cast<unsigned>(*c - '0')) < 10; ++c)
+      digits = 10 * digits + digit;
+    return c;
+  };
+  const char *c = run(first, 0);
+  const std::ptrdiff_t whole = c - first;
+  std::ptrdiff_t decimals = 0;
+  if (whole > 0 && whole <= kMostDigits && c < end && *c == '.') {
+    const char *const point = c;
+    c = run(point + 1, whole);
+    decimals = c - point - 1;
+  }
+  if (whole == 0 || whole + decimals > kMostDigits || (c < end && *c != ','))
+    return false;
+  if (c > first + whole && decimals == 0)
+    return false; // "5."
+  value = static_cast<double>(digits) / kPowers[decimals];
+  value = negative ? -value : value;
+  at = c;
+  return true;
 }
 
 double number(std::string_view line, std::string_view cell, const Column &column,
@@ -124,7 +159,8 @@ TextRows::Count TextRows::read(LineReader &lines, ColumnMask wanted, std::size_t
   Count count{.blank_line = blank_line};
   std::string_view line;
   while (count.rows < most && lines.next(line)) {
-    if (trim(line).empty()) {
+    const bool may_be_blank = line.empty() || static_cast<unsigned char>(line.front()) <= ' ';
+    if (may_be_blank && trim(line).empty()) {
       count.blank_line = count.blank_line ? count.blank_line : lines.line_number();
       continue;
     }
@@ -144,12 +180,18 @@ void TextRows::read_row(std::string_view line, const LineReader &lines, ColumnMa
   const char *at = line.data();
   const char *const end = at + line.size();
   for (std::size_t i = 0; i < cells_.size(); ++i) {
-    const char *stop =
-        static_cast<const char *>(std::memchr(at, ',', static_cast<std::size_t>(end - at)));
-    if (stop == nullptr)
-      stop = end;
-    if (const std::size_t c = cells_[i]; wanted & 1u << c)
-      out[c].push_back(number(line, {at, static_cast<std::size_t>(stop - at)}, kColumns[c], lines));
+    const std::size_t c = cells_[i];
+    const bool asked = wanted & 1u << c;
+    const char *stop = at;
+    double value = 0.0;
+    const bool plain =
+        asked && plain_number(stop, end, value) && std::fabs(value) <= kColumns[c].limit;
+    if (!plain) // a cell is short: a call of memchr would take longer
+      stop = std::find(at, end, ',');
+    if (asked)
+      out[c].push_back(
+          plain ? value
+                : number(line, {at, static_cast<std::size_t>(stop - at)}, kColumns[c], lines));
     if ((stop == end) != (i + 1 == cells_.size())) {
       const auto count = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
       lines.fail(line.size() + 1, "the row has " + std::to_string(count) + " cells, the header " +

@@ -84,7 +84,7 @@ Model calibrate(const Capture &c, Row &row) {
   const Model m = calibrate_single(c, CalibrationMethod::fit);
   const Baseline &b = m.baseline, &e = m.baseline_std_error;
   const auto add = [&row](const char *name, double value, double error) {
-    row.quantities.push_back({0, "baseline", name, "V", value, error});
+    row.quantities.push_back({0, kBaseline, name, "V", value, error});
   };
   add("amplitude_v", b.amplitude_v, e.amplitude_v);
   add("offset_sin_v", b.offset_sin_v, e.offset_sin_v);
@@ -128,7 +128,9 @@ void diagnose_capture(const Capture &c, const Health &health, const Model &calib
   row.verdict = verdict_name(d.verdict);
   if (d.verdict == Verdict::insufficient_data)
     throw Error(ADA4571_ERROR_UNUSABLE_DATA, row.capture + ": cannot be diagnosed: " + d.reason);
-  row.extended_angle_rms_deg = d.extended_quality.heldout.angle_error_rms_deg.value_or(kNaN);
+  const Quality &left = d.extended_quality.heldout;
+  row.extended_angle_rms_deg = left.angle_error_rms_deg.value_or(kNaN);
+  row.quantities.push_back({0, kExtendedModel, "residual_rms_v", "V", left.residual_rms_v, kNaN});
   for (const Finding &f : d.findings) {
     row.findings.push_back(
         {std::string(f.effect->info().id), f.alternatives, cost_of(f, calibration), f.correctable});

@@ -62,7 +62,7 @@ std::vector<CauseSummary> summarise_causes(const Fleet &f, bool baseline) {
     }
   for (std::size_t column = 0; column < f.columns.size(); ++column) {
     const Column &c = f.columns[column];
-    if ((c.cause == "baseline") != baseline || c.parameter == "found")
+    if (is_cause(c.cause) == baseline || c.parameter == "found")
       continue;
     by_name[c.cause].parameters.push_back(summarise_parameter(f, column));
   }

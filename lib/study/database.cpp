@@ -82,10 +82,10 @@ Database::Database(const std::string &path, const Setup &setup, bool shared)
     sqlite_.run("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
   else
     sqlite_.run("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF");
-  if (sqlite_.has_table("study"))
-    check_setup(setup);
-  else
+  if (!sqlite_.has_table("study"))
     make_tables();
+  if (!made_)
+    check_setup(setup);
 }
 
 Database::~Database() {
@@ -99,9 +99,11 @@ Database::~Database() {
 }
 
 void Database::make_tables() {
+  Transaction all(sqlite_);
+  if (sqlite_.has_table("study"))
+    return; // by another process that was asked for the same shard, between the first look and this
   if (sqlite_.has_table("sqlite_sequence") || sqlite_.has_table("captures"))
     throw Error(ADA4571_ERROR_FORMAT, path_ + ": this is a database, but no study");
-  Transaction all(sqlite_);
   sqlite_.run(kTables);
   Statement put(sqlite_, "INSERT INTO study VALUES(?, ?)");
   const auto set = [&put](std::string_view key, const std::string &value) {

@@ -81,9 +81,9 @@ void add(Columns &columns, const Quantity &q, std::size_t row) {
 double noise_angle_deg(const Row &row) {
   double noise = 0.0, amplitude = 0.0;
   for (const Quantity &q : row.quantities)
-    if (q.cause == "baseline" && q.parameter == "noise_rms_v")
+    if (q.cause == kBaseline && q.parameter == "noise_rms_v")
       noise = q.value;
-    else if (q.cause == "baseline" && q.parameter == "amplitude_v")
+    else if (q.cause == kBaseline && q.parameter == "amplitude_v")
       amplitude = q.value;
   return amplitude > 0.0 && !row.signature.empty()
              ? noise / amplitude / row.signature.periods * kDegPerRad

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 
@@ -21,24 +22,31 @@ namespace ada::study {
 
 namespace {
 
-/// Shards that all parts together hold; a study of all captures needs no others.
+/// Shards that all parts together hold. A study of all its captures is no shard, and goes with
+/// parts of any deal.
 struct Dealt {
-  Setup setup;
+  std::optional<Setup> setup;
   std::set<int> shards;
 
   void add(const Database &part) {
-    const std::vector<int> of = part.shards();
-    if (part.setup().shards != setup.shards && !(shards.empty()))
-      throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
-                  fmt::format("{}: dealt out to {} shards, and the parts before it to {}",
-                              part.path(), part.setup().shards, setup.shards));
-    if (part.setup().diagnose != setup.diagnose && !(shards.empty()))
+    const Setup its = part.setup();
+    if (setup && its.diagnose != setup->diagnose)
       throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
                   part.path() + ": only some of the parts were made with the diagnosis");
-    setup = part.setup();
+    if (setup && std::min(its.shards, setup->shards) > 1 && its.shards != setup->shards)
+      throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
+                  fmt::format("{}: dealt out to {} shards, and the parts before it to {}",
+                              part.path(), its.shards, setup->shards));
+    if (!setup || its.shards > 1)
+      setup = its;
+    if (its.shards == 1)
+      return;
+    const std::vector<int> of = part.shards();
     shards.insert(of.begin(), of.end());
   }
-  bool complete() const { return shards.size() == static_cast<std::size_t>(setup.shards); }
+  bool complete() const {
+    return setup->shards == 1 || shards.size() == static_cast<std::size_t>(setup->shards);
+  }
 };
 
 /// A file beside the target that becomes it, or vanishes.
@@ -127,9 +135,9 @@ void merge(const std::vector<std::string> &parts, const std::string &path) {
     dealt.add(Database(part));
   }
   // However it was dealt out: once all is there, that no longer shows.
-  Setup whole{dealt.setup.diagnose, 1, 1};
+  Setup whole{dealt.setup->diagnose, 1, 1};
   if (!dealt.complete())
-    whole = {dealt.setup.diagnose, 0, dealt.setup.shards};
+    whole = {dealt.setup->diagnose, 0, dealt.setup->shards};
   Draft draft(follow_links(path));
   {
     Database out(draft.path(), whole, false);

@@ -54,30 +54,20 @@ double lopsided(const std::vector<double> &x) {
   return low > 0.0 && high > 0.0 ? std::abs(std::log(high / low)) : 1e9;
 }
 
-/// Sizes of one sign are often skewed: then their logarithms, where these are more even.
-struct Evened {
+/// What chance makes of lopsided() for numbers of a normal distribution, whose sides are alike: the
+/// standard error of a median absolute deviation is 1.17/sqrt(n) of it, and each side has half.
+double lopsided_by_chance(std::size_t count) {
+  return 2.0 * 1.17 / std::sqrt(static_cast<double>(count));
+}
+constexpr double kPlainlyLopsided = 3.0; ///< times as much is no chance
+
+struct Scale {
   std::vector<double> x, std_error;
 };
 
-Evened evened(std::span<const double> x, std::span<const double> std_error) {
-  Evened as_is{{x.begin(), x.end()}, {std_error.begin(), std_error.end()}}, logs;
-  as_is.std_error.resize(x.size(), 0.0);
-  for (std::size_t i = 0; i < x.size(); ++i)
-    if (x[i] > 0.0) {
-      logs.x.push_back(std::log(x[i]));
-      logs.std_error.push_back(as_is.std_error[i] / x[i]);
-    }
-  return logs.x.size() == as_is.x.size() && lopsided(logs.x) < lopsided(as_is.x) ? logs : as_is;
-}
-
-} // namespace
-
-std::vector<Distance> distances(std::span<const double> values,
-                                std::span<const double> std_errors) {
-  std::vector<Distance> out(values.size());
-  if (values.size() < 10)
-    return out;
-  const auto [x, std_error] = evened(values, std_errors);
+std::vector<Distance> distances_on(const Scale &scale) {
+  const auto &[x, std_error] = scale;
+  std::vector<Distance> out(x.size());
   const double typical_error = median(std_error); // a part of the spread already
   const double middle = median(x), whole = median_deviation(x);
   const Side low = side_of(x, middle, -1.0), high = side_of(x, middle, 1.0);
@@ -88,14 +78,43 @@ std::vector<Distance> distances(std::span<const double> values,
     const double spread = std::max(s.scale, 0.5 * whole);
     if (!(spread > 0.0))
       continue;
-    const double more2 =
-        std::max(0.0, std_error[i] * std_error[i] - typical_error * typical_error);
-    const double scale = std::hypot(spread, std::sqrt(more2));
-    const double reach = std::abs(x[i] - middle) * spread / scale;
-    out[i].z = (x[i] - middle) / scale;
+    const double more2 = std::max(0.0, std_error[i] * std_error[i] - typical_error * typical_error);
+    const double scale_here = std::hypot(spread, std::sqrt(more2));
+    const double reach = std::abs(x[i] - middle) * spread / scale_here;
+    out[i].z = (x[i] - middle) / scale_here;
     const double by_t = 2.0 * boost::math::cdf(boost::math::complement(t, std::abs(out[i].z)));
     out[i].p = std::max(by_t, tail_p(s, reach));
   }
+  return out;
+}
+
+} // namespace
+
+std::vector<Distance> distances(std::span<const double> values,
+                                std::span<const double> std_errors) {
+  if (values.size() < 10)
+    return std::vector<Distance>(values.size());
+  Scale as_is{{values.begin(), values.end()}, {std_errors.begin(), std_errors.end()}};
+  as_is.std_error.resize(values.size(), 0.0);
+  if (std::any_of(values.begin(), values.end(), [](double v) { return !(v > 0.0); }))
+    return distances_on(as_is);
+  Scale logs = as_is;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    logs.x[i] = std::log(values[i]);
+    logs.std_error[i] /= values[i];
+  }
+  const double skew = lopsided(as_is.x), skew_of_logs = lopsided(logs.x);
+  const double plain = kPlainlyLopsided * lopsided_by_chance(values.size());
+  if (skew_of_logs > std::max(plain, skew))
+    return distances_on(as_is);
+  std::vector<Distance> out = distances_on(logs);
+  if (skew > std::max(plain, skew_of_logs))
+    return out;
+  // Either scale may be theirs: a number is as far as it is on the one where it is nearer.
+  const std::vector<Distance> other = distances_on(as_is);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (other[i].p > out[i].p)
+      out[i] = other[i];
   return out;
 }
 

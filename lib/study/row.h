@@ -23,6 +23,13 @@ struct Quantity {
   bool operator==(const Quantity &) const = default;
 };
 
+/// What numbers of every capture belong to that are no cause: the ellipse and the noise; what is
+/// left of a capture once all that was found in it is modelled, on held-out data.
+inline constexpr const char *kBaseline = "baseline", *kExtendedModel = "extended-model";
+inline bool is_cause(const std::string &name) {
+  return name != kBaseline && name != kExtendedModel;
+}
+
 struct FoundCause {
   std::string cause;
   std::vector<std::string> alternatives;

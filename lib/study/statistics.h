@@ -82,11 +82,12 @@ struct Distance {
 };
 
 /// How far each number is from the bulk, on the scale (their own, or the logarithm's) on which its
-/// two sides are more alike. The spread is the median absolute deviation of its own side; the tail
-/// is Student's (its degrees of freedom those that the efficiency of the deviation leaves) or the
-/// exponential that continues the outer fifth of the side, whichever is longer. `std_error`, where it
-/// is not empty, of each number: one that is known worse than most (the median) counts as far less by
-/// what that adds to the spread.
+/// two sides are more alike; where chance may have made the difference, on the one where it is
+/// nearer. The spread is the median absolute deviation of its own side; the tail is Student's (its
+/// degrees of freedom those that the efficiency of the deviation leaves) or the exponential that
+/// continues the outer fifth of the side, whichever is longer. `std_error`, where it is not empty,
+/// of each number: one that is known worse than most (the median) counts as far less by what that
+/// adds to the spread.
 std::vector<Distance> distances(std::span<const double> x, std::span<const double> std_error = {});
 
 double median(std::vector<double> x);               ///< NaN for none

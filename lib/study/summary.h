@@ -87,7 +87,7 @@ struct Summary {
   std::size_t captures = 0, failed = 0, waiting = 0, sensors = 0, unsound = 0;
   bool diagnosed = true;
   std::vector<CauseSummary> causes;   ///< by what they cost the fleet
-  std::vector<CauseSummary> baseline; ///< amplitude, offsets, noise: no causes
+  std::vector<CauseSummary> baseline; ///< amplitude, offsets, noise, residual: no causes
   std::vector<Dependence> dependences;
   std::size_t tests = 0; ///< that were made for them
   std::vector<Grouping> groups;

@@ -78,6 +78,8 @@ std::string digits(double value) {
 }
 
 std::string quantity_words(const std::string &cause, const std::string &parameter) {
+  if (cause == kExtendedModel)
+    return parameter + " of the extended model";
   return parameter == "found" ? "whether there is " + cause : parameter + " of " + cause;
 }
 

@@ -3,6 +3,10 @@
 
 #include "recording/text_reader.h"
 
+#include <bit>
+#include <cstdint>
+#include <cstdlib>
+#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -11,6 +15,7 @@
 #include <unistd.h>
 
 #include "recording/captures.h"
+#include "support/seed.h"
 #include "support/temp_folder.h"
 
 namespace ada::test {
@@ -43,6 +48,49 @@ TEST(TextReader, ReadsTheExampleOfTheFormat) {
   EXPECT_EQ(c.vtemp_v[0], 1.580811);
   EXPECT_EQ(c.vdd_v[0], 5.00012);
   EXPECT_EQ(c.reference_deg[0], 212.4879);
+}
+
+// However a program prints a number, it is the double next to it, in every bit.
+TEST(TextReader, ReadsEveryNumberAsStrtodDoes) {
+  std::mt19937_64 rng(fresh_seed());
+  const auto up_to = [&rng](int most) { return std::uniform_int_distribution<int>(0, most)(rng); };
+  const auto drawn = [&](int most) {
+    std::string digits;
+    for (int n = up_to(most); n > 0; --n)
+      digits += static_cast<char>('0' + up_to(9));
+    return digits;
+  };
+  std::vector<std::string> numbers = {"0",
+                                      "-0",
+                                      "-0.0",
+                                      "0.000000000000000000",
+                                      "5.",
+                                      ".5",
+                                      "-.5",
+                                      "1e-3",
+                                      "+2",
+                                      "00012.5",
+                                      "999999.99999999999",
+                                      "1.7976931348623157e-308",
+                                      "4e-324",
+                                      "123456789012345e-10"};
+  while (numbers.size() < 3000) {
+    std::string text = up_to(2) == 0 ? "-" : "";
+    text += up_to(5) == 0 ? "000000000000" + drawn(5) : "1" + drawn(4);
+    text += up_to(5) == 0 ? "" : "." + drawn(up_to(1) == 0 ? 9 : 20);
+    text += up_to(9) == 0 ? "e-" + std::to_string(up_to(20)) : "";
+    numbers.push_back(text);
+  }
+  std::string rows = kHead + "vsin_v,time_s,vcos_v\n"; // before a comma, and at the end of the line
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    rows += numbers[k] + "," + std::to_string(k) + "," + numbers[k] + "\n";
+  const Capture c = read(rows);
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    const double expected = std::strtod(numbers[k].c_str(), nullptr);
+    for (const double got : {c.vsin_v[k], c.vcos_v[k]})
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(got), std::bit_cast<std::uint64_t>(expected))
+          << numbers[k];
+  }
 }
 
 TEST(TextReader, TakesDefaultsWhereNothingIsSaid) {

@@ -4,8 +4,10 @@
 // The database: rows come back as they were put, parts become one file whatever their order.
 
 #include <algorithm>
+#include <barrier>
 #include <filesystem>
 #include <random>
+#include <thread>
 
 #include <malloc.h>
 #include <sys/resource.h>
@@ -161,6 +163,53 @@ TEST_F(DatabaseTest, WhatIsMissingIsNamed) {
   EXPECT_NE(what.find("late-"), std::string::npos) << what;
   merge({folder / "merged.db", folder / "part3.db"}, folder / "whole.db");
   EXPECT_EQ(missing(Database(folder / "whole.db")).find("shard"), std::string::npos);
+}
+
+TEST_F(DatabaseTest, AStudyOfAllItsCapturesGoesWithPartsOfAnyDeal) {
+  const std::vector<Row> rows = draw(40);
+  const std::vector<Row> monday(rows.begin(), rows.begin() + 25),
+      tuesday(rows.begin() + 20, rows.end());
+  merge(parts(rows, 1, "one"), folder / "one.db");
+  merge(parts(monday, 3, "monday"), folder / "monday.db");
+  std::vector<std::string> more = parts(tuesday, 5, "tuesday");
+  more.push_back(folder / "monday.db");
+  std::shuffle(more.begin(), more.end(), rng);
+  merge(more, folder / "both.db");
+  EXPECT_EQ(test::read_file(folder / "one.db"), test::read_file(folder / "both.db"));
+  std::erase(more, folder / "tuesday2.db");
+  merge(more, folder / "some.db");
+  EXPECT_NE(missing(Database(folder / "some.db")).find("shard 2 of 5 is missing"),
+            std::string::npos);
+  more.push_back(folder / "monday1.db");
+  EXPECT_THROW(merge(more, folder / "none.db"), Error);
+  EXPECT_FALSE(std::filesystem::exists(folder / "none.db"));
+}
+
+TEST_F(DatabaseTest, SeveralThatBeginOneStudyAtOnceShareIt) {
+  const std::vector<Row> rows = draw(8);
+  for (int round = 0; round < 20; ++round) {
+    const std::string path = folder / ("s" + std::to_string(round) + ".db");
+    std::barrier begin(4);
+    const auto run = [&] {
+      begin.arrive_and_wait();
+      try {
+        Database study(path, {true, 1, 1});
+        study.list(names(rows));
+        for (const Row &row : rows)
+          study.put(row);
+      } catch (const std::exception &e) {
+        ADD_FAILURE() << e.what();
+      }
+    };
+    {
+      std::vector<std::jthread> all;
+      for (int k = 0; k < 4; ++k)
+        all.emplace_back(run);
+    }
+    std::vector<std::string> got;
+    Database(path).each([&](const Row &row) { got.push_back(row.capture); });
+    EXPECT_EQ(got.size(), rows.size());
+  }
 }
 
 TEST_F(DatabaseTest, ABetterRowWinsInEitherOrder) {

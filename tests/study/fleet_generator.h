@@ -25,6 +25,8 @@ struct Laws {
   double second_mismatch = 0.0;       ///< k added to part of the sensors, which no key names
   double drift_v_per_h = 0.0;         ///< of the sine's offset, over the day
   int slipping = -1;                  ///< the sensor whose magnet slips
+  int unnamed = -1;                   ///< the sensor with something that has no name
+  double unnamed_v = 0.0;             ///< and how much of it is left
   double within_mismatch = 0.0003;    ///< spread of k from capture to capture of a sensor
 };
 
@@ -109,6 +111,9 @@ private:
         s.offset_sin + laws.drift_v_per_h * hour + heavy(0.0002));
     add(row, 0, "baseline", "offset_cos_v", "V", s.offset_cos + heavy(0.0002));
     add(row, 0, "baseline", "noise_rms_v", "V", s.noise * std::exp(normal(0.0, 0.01)));
+    add(row, 0, "extended-model", "residual_rms_v", "V",
+        laws.unnamed == sensor ? laws.unnamed_v
+                               : s.noise * std::exp(0.1 * std::abs(normal(0.0, 1.0))));
     const double k = s.k + heavy(laws.within_mismatch / std::sqrt(5.0 / 3.0)),
                  delta = s.delta + heavy(0.01);
     add(row, 0, "amplitude-mismatch", "k", "1", k);

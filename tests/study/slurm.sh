@@ -30,9 +30,14 @@ fail() {
 }
 
 stop_all() {
-  local file
+  local file pid i
   for file in "$WORK"/slurmd.pid "$WORK"/slurmctld.pid; do
-    [[ ! -s $file ]] || kill "$(<"$file")" 2>/dev/null
+    [[ -s $file ]] || continue
+    pid=$(<"$file")
+    kill "$pid" 2>/dev/null
+    for ((i = 0; i < 100; i++)); do # it saves its state in the folder
+      kill -0 "$pid" 2>/dev/null && sleep 0.1
+    done
   done
   ((${#PIDS[@]} == 0)) || kill "${PIDS[@]}" 2>/dev/null
   wait 2>/dev/null
@@ -92,7 +97,7 @@ start_munge() {
 until_true() {
   local what=$1 i
   shift
-  for ((i = 0; i < 3000; i++)); do
+  for ((i = 0; i < 6000; i++)); do
     ! "$@" >/dev/null 2>&1 || return 0
     sleep 0.1
   done
@@ -102,6 +107,19 @@ until_true() {
 node_is_up() { sinfo -h -o %T | grep -qE 'idle|mixed|allocated|completing'; }
 done_in() { [[ $(sqlite3 "$1" "SELECT count(*) FROM captures WHERE state = 'done'" 2>/dev/null) -ge $2 ]]; }
 queue_is_empty() { [[ -z $(squeue -h -r) ]]; }
+
+task_runs() { squeue -h -r -t R -o %i | grep -q _; }
+# It runs after two minutes: until then slurmd takes no task of a number that it saw end.
+task_was_requeued() { grep -q '_job_complete: requeue JobId=' "$WORK/slurmctld.log"; }
+
+# Daemon, what watches over its tasks, and the tasks, at once and without a word.
+node_dies() {
+  local tasks watchers
+  mapfile -t tasks < <(scontrol listpids | awk 'NR > 1 && $1 > 1 { print $1 }')
+  ((${#tasks[@]} > 0)) || fail "no processes of a task"
+  mapfile -t watchers < <(ps -o ppid= -p "${tasks[*]}" | awk '$1 > 1 { print $1 }')
+  kill -9 "$(<"$WORK/slurmd.pid")" "${watchers[@]}" "${tasks[@]}" 2>/dev/null
+}
 
 make_captures() { # make_captures COUNT
   local k
@@ -135,7 +153,15 @@ array=${submitted#array }
 until_true "a shard has begun" done_in "$WORK/bench.db.parts/part-00001.db" 1
 scancel --full --signal=KILL "${array%%,*}_1" || fail "no task to kill"
 echo "a task was killed"
-# The node's daemon stops and starts.
+# The node dies, and comes back: its task is queued again.
+until_true "a task is running" task_runs
+node_dies
+slurmd
+until_true "the node is up again" node_is_up
+until_true "the task is queued again" task_was_requeued
+echo "the node died, and its task was queued again"
+# The node's daemon stops and starts; its tasks live on.
+until_true "a task is running" task_runs
 kill "$(<"$WORK/slurmd.pid")"
 sleep 2
 slurmd
@@ -147,6 +173,11 @@ before=$(sqlite3 "$WORK/bench.db" "SELECT count(*) FROM captures WHERE state = '
 grep -E "not done|missing" "$WORK/bench.db.parts/merge.log" >"$WORK/lost" 
 echo "first run: $before of $COUNT done, $(wc -l <"$WORK/lost") named as lost"
 ((before + $(wc -l <"$WORK/lost") == COUNT)) || fail "what is lost is not named: $(cat "$WORK/bench.db.parts/merge.log")"
+# Only the task that was cancelled has left something.
+for part in "$WORK"/bench.db.parts/part-0000[234].db; do
+  left=$(sqlite3 "$part" "SELECT count(*) FROM captures WHERE state != 'done'")
+  [[ $left == 0 ]] || fail "$part: $left captures of a task that was not cancelled are not done"
+done
 
 # The same again does the rest; a shard that is run twice changes nothing.
 "$SOURCE/tools/study.sbatch" names "$WORK/bench.db" 4 || fail "cannot submit again"

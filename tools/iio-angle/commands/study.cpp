@@ -201,6 +201,7 @@ int run(const RunOptions &options) {
   work.limit_s = options.limit_s;
   work.pieces = count;
   work.run = [&](std::size_t k) {
+    ada4571_set_jobs(1); // of this process: the captures share the processors out
     const auto row = make<StudyRow>(ada4571_study_analyse, ada4571_study_waiting(study.get(), k),
                                     static_cast<const ada4571_study_options *>(&wanted));
     return std::string(ada4571_study_row_text(row.get()));
