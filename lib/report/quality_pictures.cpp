@@ -81,8 +81,8 @@ Picture scatter_picture(const Scatter &scatter, const NoiseShape &noise) {
 Picture histogram_picture(const Scatter &scatter, bool along_only) {
   constexpr int kBins = 48;
   constexpr double kReach = 6.0, kWidth = 2.0 * kReach / kBins;
-  std::string s =
-      panel({340, 320}, "size in multiples of its own rms", "share of samples (logarithmic)");
+  std::string s = panel(along_only ? kHalf : PictureSize{340, 320},
+                        "size in multiples of its own rms", "share of samples (logarithmic)");
   double least = 1.0;
   for (const auto &[values, name] :
        {std::pair{&scatter.along, "along"}, std::pair{&scatter.across, "across"}}) {
