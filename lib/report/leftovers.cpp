@@ -119,10 +119,11 @@ std::string left_section(const Diagnosis &d, const View &view, Gallery &gallery)
                    [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
   out += "<p class=\"note\">Largest first. Left: means of what no cause explains, with bars of two "
          "standard errors; right: by how much the samples scatter about them.</p>\n";
-  out += view.scene.radius_only ? legend({{"after", "mean"}, {"measured", "scatter along the vector"}})
-                                : legend({{"after", "mean"},
-                                          {"measured", "scatter along the vector"},
-                                          {"second", "scatter across the vector"}});
+  out += view.scene.radius_only
+             ? legend({{"after", "mean"}, {"measured", "scatter along the vector"}})
+             : legend({{"after", "mean"},
+                       {"measured", "scatter along the vector"},
+                       {"second", "scatter across the vector"}});
   const double noise = noise_v(d);
   std::map<std::string, std::size_t> before;
   for (const Structure &s : lines) {
@@ -167,9 +168,10 @@ std::string noise_section(const Diagnosis &d, const View &view, Gallery &gallery
   std::string about =
       "<div><p>What the best model that names nothing leaves, on data that no fit has seen.</p>" +
       noise_table(d.noise, radius_only) + "<p>";
-  about += radius_only ? "Only the radius was judged: there is no reference, and the shaft turns so "
-                         "unevenly that across the vector nothing tells noise from motion."
-                       : shape_of(d.noise, view.scatter.along.size());
+  about += radius_only
+               ? "Only the radius was judged: there is no reference, and the shaft turns so "
+                 "unevenly that across the vector nothing tells noise from motion."
+               : shape_of(d.noise, view.scatter.along.size());
   if (!d.has_reference && !radius_only)
     about += " Without a reference the angle comes from the pair itself, so that part of what lies "
              "across the vector is taken for motion.";

@@ -14,7 +14,7 @@ namespace ada::study {
 
 struct AnalysisOptions {
   bool diagnose = true;
-  std::string report_folder; ///< empty: no page of the capture
+  std::string report_folder;                          ///< empty: no page of the capture
   std::function<void(double, const char *)> progress; ///< of the diagnosis; ends it by Stopped
 };
 

@@ -46,7 +46,8 @@ std::vector<std::string> waiting(const Study &study, bool again) {
   return out;
 }
 
-/// The row as text, for put(), and why there is not more in it. `progress` may end it by an exception.
+/// The row as text, for put(), and why there is not more in it. `progress` may end it by an
+/// exception.
 py::tuple analyse(const std::string &capture, bool diagnose,
                   const std::optional<std::string> &reports, const py::object &progress) {
   Watcher watcher(progress);
