@@ -78,7 +78,7 @@ extern "C" {
 
 void ada4571_study_options_init(ada4571_study_options *options) {
   if (options != nullptr)
-    *options = {sizeof *options, 1, 1, 1, nullptr};
+    *options = {sizeof *options, 1, 1, 1, nullptr, nullptr, nullptr};
 }
 
 ada4571_status ada4571_study_open(const char *path, const ada4571_study_options *options,
@@ -129,8 +129,13 @@ ada4571_status ada4571_study_analyse(const char *capture, const ada4571_study_op
     require(capture, "capture");
     require(row, "row");
     require_struct(options, "options");
-    *row = new_row(
-        study::analyse(capture, {options->diagnose != 0, text_or_empty(options->report_folder)}));
+    study::AnalysisOptions how{options->diagnose != 0, text_or_empty(options->report_folder), {}};
+    if (options->progress != nullptr)
+      how.progress = [options](double fraction, const char *what) {
+        if (options->progress(fraction, what, options->user) != 0)
+          throw study::Stopped(ADA4571_ERROR_STATE, "the analysis was stopped");
+      };
+    *row = new_row(study::analyse(capture, how));
   });
 }
 

@@ -1,5 +1,5 @@
 # Toolchain of the presets arm64, armhf, riscv64 and s390x: Debian's cross compiler, and a foreign
-# Debian in a folder that holds the libraries (docs/boards.md):
+# Debian in a folder that holds the libraries (lib/docs/boards.md):
 #   cmake --preset arm64 -DADA4571_SYSROOT=FOLDER
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES ADA4571_DEBIAN_ARCH ADA4571_SYSROOT)
 set(triplet_arm64 aarch64-linux-gnu)

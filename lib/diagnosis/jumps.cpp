@@ -347,7 +347,7 @@ bool screen_slip(Screened &look, const Effect &effect) {
     if (samples_lost(look, jump) == 0.0 &&
         (!largest || std::abs(jump.gap) > std::abs(largest->gap)))
       largest = &jump;
-  // A kink of a rough motion is no jump, nor is what comes again with the angle: one slip stands
+  // A kink of a rough motion is no jump, nor is what repeats with the angle: one slip stands
   // clear of everything else.
   if (!largest || std::abs(largest->gap) < 12.0 * largest->error)
     return false;

@@ -109,7 +109,7 @@ private:
   struct AlongSupply {
     double along, across, length2; ///< V^2, means of a sample
     double fixed;                  ///< across the best fixed direction instead
-    double repeats;                ///< part of `along` that comes again with the angle
+    double repeats;                ///< part of `along` that repeats with the angle
   };
   AlongSupply along_supply(const State &now) const;
   AlongSupply weigh_supply(State &now, double share);

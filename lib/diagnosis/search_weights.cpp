@@ -22,7 +22,7 @@ constexpr double kShareInSearch = 0.15;
 /// A supply turns with the absolute voltages. Where a fixed direction leaves no more than this over
 /// of what lies across them, it may as well be an offset that wanders.
 constexpr double kTurns = 1.02;
-/// A supply knows nothing of the angle. Where more of it comes again every turn it is something
+/// A supply knows nothing of the angle. Where more of it repeats with the turn it is something
 /// else.
 constexpr double kRepeats = 0.5;
 

@@ -86,6 +86,8 @@ private:
 
   std::optional<std::size_t> column_of(std::size_t c) const {
     const auto &wanted = options_.columns[c].column;
+    if (c == 0 && wanted && wanted->empty() && !rate_known_)
+      refuse("without a column of times give the sample rate by --rate: the file names none");
     if (wanted)
       return wanted->empty() ? std::nullopt : std::optional(named(c, *wanted));
     if (c == 0 && options_.sample_rate_hz > 0.0)

@@ -787,6 +787,8 @@ typedef struct ada4571_study_options {
   int diagnose;              /* 1; 0: check and calibrate only, 20 to 500 times as fast */
   int shard, shards;         /* 1 of 1: this study takes every capture, K of N those whose name falls to K */
   const char *report_folder; /* a page for each capture there; NULL: none */
+  ada4571_progress progress; /* of ada4571_study_analyse, while it diagnoses; NULL: none */
+  void *user;
 } ada4571_study_options;
 
 ADA4571_API void ada4571_study_options_init(ada4571_study_options *options);
@@ -804,7 +806,7 @@ ADA4571_API ada4571_status ada4571_study_find_waiting(ada4571_study *study, int 
 /* Name of one of those that were found, NULL past the last. */
 ADA4571_API const char *ada4571_study_waiting(const ada4571_study *study, size_t index);
 /* Checks, calibrates and diagnoses one capture. One that cannot be read or diagnosed is a row with
- * its reason, and no failure. Thread-safety: any thread. */
+ * its reason, and no failure; what `progress` ends is no row. Thread-safety: any thread. */
 ADA4571_API ada4571_status ada4571_study_analyse(const char *capture,
                                                  const ada4571_study_options *options,
                                                  ada4571_study_row **row);

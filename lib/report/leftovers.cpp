@@ -87,13 +87,14 @@ std::string shape_of(const NoiseShape &noise, std::size_t samples) {
                            1.0 / ratio);
 }
 
-std::string noise_table(const NoiseShape &n) {
+std::string noise_table(const NoiseShape &n, bool radius_only) {
   std::string out =
       "<table><thead><tr><th scope=\"col\">noise</th><th scope=\"col\" class=\"n\">rms</th>"
       "</tr></thead><tbody>";
-  for (const auto &[name, value] :
-       {std::pair{"VSIN", n.sin_v}, std::pair{"VCOS", n.cos_v},
-        std::pair{"along the vector", n.along_v}, std::pair{"across the vector", n.across_v}})
+  std::vector<std::pair<const char *, double>> rows{{"along the vector", n.along_v}};
+  if (!radius_only)
+    rows = {{"VSIN", n.sin_v}, {"VCOS", n.cos_v}, rows[0], {"across the vector", n.across_v}};
+  for (const auto &[name, value] : rows)
     out += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>", name, millivolts(value));
   return out + "</tbody></table>";
 }
@@ -117,10 +118,12 @@ std::string left_section(const Diagnosis &d, const View &view, Gallery &gallery)
   std::stable_sort(lines.begin(), lines.end(),
                    [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
   out += "<p class=\"note\">Largest first. Left: means of what no cause explains, with bars of two "
-         "standard errors; right: by how much the samples scatter about them.</p>\n" +
-         legend({{"after", "mean"},
-                 {"measured", "scatter along the vector"},
-                 {"second", "scatter across the vector"}});
+         "standard errors; right: by how much the samples scatter about them.</p>\n";
+  out += view.scene.radius_only
+             ? legend({{"after", "mean"}, {"measured", "scatter along the vector"}})
+             : legend({{"after", "mean"},
+                       {"measured", "scatter along the vector"},
+                       {"second", "scatter across the vector"}});
   const double noise = noise_v(d);
   std::map<std::string, std::size_t> before;
   for (const Structure &s : lines) {
@@ -161,20 +164,28 @@ std::string remainder_section(const Diagnosis &d, const View &view, Gallery &gal
 
 std::string noise_section(const Diagnosis &d, const View &view, Gallery &gallery) {
   std::string out = "<h2 id=\"noise\">The noise</h2>\n";
-  const std::string about =
+  const bool radius_only = view.scene.radius_only;
+  std::string about =
       "<div><p>What the best model that names nothing leaves, on data that no fit has seen.</p>" +
-      noise_table(d.noise) + "<p>" + shape_of(d.noise, view.scatter.along.size()) +
-      (d.has_reference
-           ? ""
-           : " Without a reference the angle comes from the pair itself, so that part of what "
-             "lies across the vector is taken for motion.") +
-      "</p></div>";
+      noise_table(d.noise, radius_only) + "<p>";
+  about += radius_only
+               ? "Only the radius was judged: there is no reference, and the shaft turns so "
+                 "unevenly that across the vector nothing tells noise from motion."
+               : shape_of(d.noise, view.scatter.along.size());
+  if (!d.has_reference && !radius_only)
+    about += " Without a reference the angle comes from the pair itself, so that part of what lies "
+             "across the vector is taken for motion.";
+  about += "</p></div>";
+  if (radius_only)
+    return out + row({about, figure(gallery.add(histogram_picture(view.scatter, true)),
+                                    legend({{"measured dot", "along the vector"},
+                                            {"floor dash", "normal distribution"}}))});
   return out +
          row({about,
               figure(gallery.add(scatter_picture(view.scatter, d.noise)),
                      legend({{"measured dot", "what the extended model leaves of single samples"},
                              {"floor", "two standard deviations of the noise"}})),
-              figure(gallery.add(histogram_picture(view.scatter)),
+              figure(gallery.add(histogram_picture(view.scatter, false)),
                      legend({{"measured dot", "along"},
                              {"second ring", "across"},
                              {"floor dash", "normal distribution"}}))});

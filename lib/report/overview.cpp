@@ -85,8 +85,13 @@ std::string residual_section(const Diagnosis &d, const View &view, Gallery &gall
 
 std::string ladder_section(const Diagnosis &d, const View &view, Gallery &gallery) {
   std::vector<LadderStep> steps{{d.baseline_name.substr(0, 40), d.baseline_quality}};
+  // What was seen before any model was fitted is a step only where leaving its samples out gains.
+  const auto gains = [](const Finding &f) {
+    return f.effect->info().evidence != Evidence::screening ||
+           f.after.heldout.residual_rms_v < f.before.heldout.residual_rms_v;
+  };
   for (const Finding &f : d.findings)
-    if (steps.size() < kMostSteps && f.effect->info().evidence != Evidence::screening)
+    if (steps.size() < kMostSteps && gains(f))
       steps.push_back({"+ " + std::string(f.effect->info().id), f.after});
   if (d.extended.remainder && steps.size() < kMostSteps)
     steps.push_back({"+ unnamed remainder", d.extended_quality});

@@ -57,8 +57,8 @@ Picture spectrum_picture(const Spectrum &spectrum, std::size_t before, std::size
                          double noise_rms_v, PictureSize size);
 /// What is left over in the plane along and across the vector.
 Picture scatter_picture(const Scatter &scatter, const NoiseShape &noise);
-/// How often which size occurs, beside a normal distribution.
-Picture histogram_picture(const Scatter &scatter);
+/// How often which size occurs, along the vector alone or along and across, beside a normal distribution.
+Picture histogram_picture(const Scatter &scatter, bool along_only);
 
 struct LadderStep {
   std::string name;

@@ -78,14 +78,16 @@ Picture scatter_picture(const Scatter &scatter, const NoiseShape &noise) {
                      along, across, 1e3 * noise.along_v, 1e3 * noise.across_v)};
 }
 
-Picture histogram_picture(const Scatter &scatter) {
+Picture histogram_picture(const Scatter &scatter, bool along_only) {
   constexpr int kBins = 48;
   constexpr double kReach = 6.0, kWidth = 2.0 * kReach / kBins;
-  std::string s =
-      panel({340, 320}, "size in multiples of its own rms", "share of samples (logarithmic)");
+  std::string s = panel(along_only ? kHalf : PictureSize{340, 320},
+                        "size in multiples of its own rms", "share of samples (logarithmic)");
   double least = 1.0;
   for (const auto &[values, name] :
        {std::pair{&scatter.along, "along"}, std::pair{&scatter.across, "across"}}) {
+    if (along_only && values == &scatter.across)
+      continue;
     const double rms = std::max(rms_of(*values), 1e-12);
     std::vector<double> count(kBins, 0.0);
     for (double v : *values) {
@@ -112,13 +114,14 @@ Picture histogram_picture(const Scatter &scatter) {
   s += block("normal", normal) + "unset xzeroaxis\nset xrange [-6:6]\nset xtics 2\n" +
        log_range("y", 0.5 * least, 1.0);
   s += fmt::format(
-      "plot $normal using 1:2 with lines dt (6,4) lc rgb {2} lw 1.6, $along using 1:2 with "
-      "linespoints pt 7 ps 0.4 lw 1.2 lc rgb {0}, $across using 1:2 with linespoints pt 6 "
-      "ps 0.5 lw 1.2 lc rgb {1}\n",
-      kMeasured, kSecond, kFloor);
-  return {
-      s, "how often what is left over has which size, along and across the vector, beside a normal "
-         "distribution"};
+      "plot $normal using 1:2 with lines dt (6,4) lc rgb {1} lw 1.6, $along using 1:2 with "
+      "linespoints pt 7 ps 0.4 lw 1.2 lc rgb {0}",
+      kMeasured, kFloor);
+  if (!along_only)
+    s += fmt::format(", $across using 1:2 with linespoints pt 6 ps 0.5 lw 1.2 lc rgb {}", kSecond);
+  return {s + "\n", fmt::format("how often what is left over has which size, along{} the vector, "
+                                "beside a normal distribution",
+                                along_only ? "" : " and across")};
 }
 
 Picture ladder_picture(const std::vector<LadderStep> &steps, double noise_rms_v, bool angle) {

@@ -114,9 +114,11 @@ Picture leftover_picture(const View &view, std::size_t axis, std::size_t rank) {
   // What repeats with the angle is carried by the remainder, and left over all the same.
   const bool carried = view.remainder && a.name == axis_name(Axis::angle);
   const auto &left = (carried ? view.remainder->without : view.final).axis[axis];
-  std::stable_sort(order.begin(), order.end(),
+  // Where only the radius is judged there is nothing across the vector, which is the last of them.
+  const std::size_t shown = view.scene.radius_only ? kAcross : kComponents;
+  std::stable_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(shown),
                    [&](std::size_t p, std::size_t q) { return excess(left[p]) > excess(left[q]); });
-  const std::size_t part = order[rank % kComponents];
+  const std::size_t part = order[rank % shown];
   const std::vector<Bin> &bins = left[part];
   const double most = highest(bins, &Bin::error, 2.0), limit = most > 0.0 ? 1.25 * most : 1.0;
   const char *name = component_name(static_cast<int>(part));
@@ -135,6 +137,8 @@ Picture spread_picture(const View &view, std::size_t axis) {
   std::string plots, label;
   for (const auto &[part, name, colour] :
        {std::tuple{kAlong, "along", kMeasured}, std::tuple{kAcross, "across", kSecond}}) {
+    if (part == kAcross && view.scene.radius_only)
+      continue;
     std::string rows;
     double sum = 0.0;
     const std::vector<Bin> &bins = view.final.axis[axis][static_cast<std::size_t>(part)];

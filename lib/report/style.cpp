@@ -128,7 +128,7 @@ h1{font-size:16pt}h2{font-size:12pt;margin-top:14pt;break-after:avoid}
 h3,h2+.note,h2+.note+.legend{break-after:avoid}
 .n3,.n4{gap:6pt 8pt}
 .two{grid-template-columns:minmax(0,5fr) minmax(0,6fr);gap:4px 16px}
-.last{grid-template-columns:minmax(0,1fr)}
+.last{display:block}p{break-inside:avoid}
 .line{grid-template-columns:170px 1fr;padding:5pt 0}.fill{width:calc(var(--w)*.66%)}
 .bar::after{left:calc(var(--noise)*.66%)}
 figure,tr,.tile,.line,.legend,.rivals,.finding{break-inside:avoid}.legend{break-before:avoid}

@@ -34,6 +34,14 @@ Names names_of(const Diagnosis &d) {
   return out;
 }
 
+/// Without the sign of what is nothing in so many digits.
+std::string fixed(double value, int decimals) {
+  std::string out = fmt::format("{:.{}f}", value, decimals);
+  if (out[0] == '-' && out.find_first_of("123456789") == std::string::npos)
+    out.erase(0, 1);
+  return out;
+}
+
 /// "amplitude mismatch explains", "5 causes explain".
 std::string subject(const Diagnosis &d, const char *verb) {
   const Names names = names_of(d);
@@ -121,8 +129,8 @@ Shown show(const ParameterInfo &info, double value, double std_error) {
     out.value = fmt::format("{:.6g}", value);
     out.error = fmt::format("{:.2g}", std_error);
   } else {
-    out.value = fmt::format("{:.{}f}", value, decimals);
-    out.error = fmt::format("{:.{}f}", std_error, decimals);
+    out.value = fixed(value, decimals);
+    out.error = fixed(std_error, decimals);
   }
   return out;
 }

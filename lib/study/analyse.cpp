@@ -123,7 +123,9 @@ double cost_of(const Finding &f, const Model &m) {
 
 void diagnose_capture(const Capture &c, const Health &health, const Model &calibration,
                       const AnalysisOptions &options, Row &row) {
-  Diagnosis d = diagnose(c, {});
+  DiagnosisOptions how;
+  how.progress = options.progress;
+  Diagnosis d = diagnose(c, how);
   add_checks(d, health);
   row.verdict = verdict_name(d.verdict);
   if (d.verdict == Verdict::insufficient_data)
@@ -181,6 +183,8 @@ Row analyse(const std::string &capture, const AnalysisOptions &options) {
       findings_of_calibration(calibration, row);
     row.signature = signature_of(c);
     row.state = RowState::done;
+  } catch (const Stopped &) {
+    throw;
   } catch (const std::exception &e) {
     row.reason = e.what();
   }

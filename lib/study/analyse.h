@@ -4,15 +4,23 @@
 // From a capture to its row: checked, calibrated, diagnosed.
 #pragma once
 
+#include <functional>
 #include <string>
 
+#include "base/error.h"
 #include "study/row.h"
 
 namespace ada::study {
 
 struct AnalysisOptions {
   bool diagnose = true;
-  std::string report_folder; ///< empty: no page of the capture
+  std::string report_folder;                          ///< empty: no page of the capture
+  std::function<void(double, const char *)> progress; ///< of the diagnosis; ends it by Stopped
+};
+
+/// Whoever asked for an analysis does not want it any more.
+class Stopped : public Error {
+  using Error::Error;
 };
 
 /// Never throws for a capture's sake: one that cannot be used is a row with its reason.

@@ -27,10 +27,25 @@ installed_whole() {
     [[ -e $prefix/$file ]] || fail "not installed: $file"
   done
   [[ $(find "$prefix/include" -type f | wc -l) == 1 ]] || fail "more than one header"
+  dead_links "$prefix"
   grep -q "program}=\"$path/lib/udev/ada4571-permissions" "$prefix"/lib/udev/rules.d/*.rules ||
     fail "the rules do not call the helper in $path"
   for file in "$prefix"/lib/systemd/system/*.service; do
     grep -q "^ExecStart=$path/bin/iio-angle " "$file" || fail "$file does not start $path/bin/iio-angle"
+  done
+}
+
+# What a page links to is installed, where the page says; but for what is made for the site alone:
+# catalogue, reference, and pictures that the commands of a page draw.
+dead_links() {
+  local pages page link
+  mapfile -t pages < <(find "$1/share/doc/libada4571" -name '*.md')
+  ((${#pages[@]} > 20)) || fail "only ${#pages[@]} pages are installed"
+  for page in "${pages[@]}"; do
+    while read -r link; do
+      [[ -e $(dirname "$page")/${link%%#*} ]] || fail "${page#"$1/"} links to $link"
+    done < <(grep -oE '\]\([^):#][^):]*\)' "$page" | sed 's/^](//; s/)$//' |
+      grep -vE '(^|/)catalogue/|^reference/(python|manual|pages)\.md|^c-api/|^[a-z]+\.svg$|^report\.html$')
   done
 }
 

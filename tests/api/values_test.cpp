@@ -39,6 +39,38 @@ ada4571_diagnosis *diagnosis_of(const char *effect, double duration_s, bool has_
   return diagnosis;
 }
 
+/// A study's analysis of a capture, by a caller who ends it when it has asked `user` times.
+int ends_at_zero(double, const char *, void *user) {
+  return (*static_cast<int *>(user))-- > 0 ? 0 : 1;
+}
+
+TEST(Values, AnAnalysisThatItsCallerEndsIsNoRow) {
+  const ada::test::TempFolder folder;
+  const std::string path = folder / "capture.csv";
+  auto simulated = initialised(ada4571_simulation_options_init);
+  simulated.duration_s = 1.0;
+  const ada4571_simulation_options *given = &simulated;
+  auto *simulation = make<ada4571_simulation>(
+      ada4571_simulation_new, static_cast<const ada4571_model *>(nullptr), given, 4571u);
+  auto *recording = make<ada4571_recording>(ada4571_simulation_run, simulation);
+  ASSERT_EQ(ada4571_recording_save(recording, path.c_str()), ADA4571_OK);
+  auto options = initialised(ada4571_study_options_init);
+  int left = 1;
+  options.progress = ends_at_zero;
+  options.user = &left;
+  ada4571_study_row *row = nullptr;
+  EXPECT_EQ(ada4571_study_analyse(path.c_str(), &options, &row), ADA4571_ERROR_STATE);
+  EXPECT_EQ(row, nullptr);
+  EXPECT_EQ(left, -1) << "asked again after it had ended";
+  left = 1000000;
+  EXPECT_EQ(ada4571_study_analyse(path.c_str(), &options, &row), ADA4571_OK);
+  EXPECT_STREQ(ada4571_study_row_reason(row), "");
+  EXPECT_LT(left, 1000000);
+  ada4571_study_row_free(row);
+  ada4571_recording_free(recording);
+  ada4571_simulation_free(simulation);
+}
+
 void expect_same(double value, const json &text, const char *what) {
   if (text.is_null())
     EXPECT_TRUE(std::isnan(value)) << what;

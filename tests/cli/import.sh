@@ -56,6 +56,8 @@ check_the_question_leads_to_the_options() {
   printf 'a,b\n1,2\n2,3\n3,4\n' >unnamed.csv
   status 2 iio-angle import unnamed.csv -o x.csv
   says err '^iio-angle: --time: .*: give --time or --rate; .*; see .iio-angle import --help.$'
+  status 2 iio-angle import --time none --sin a --cos b unnamed.csv -o x.csv
+  says err '^iio-angle: --rate: .*give the sample rate by --rate'
   status 2 iio-angle import --rate 100 --cos b unnamed.csv -o x.csv
   says err '^iio-angle: --sin: .*known to be VSIN: give --sin;'
   status 2 iio-angle import --rate 100 --sin a unnamed.csv -o x.csv

@@ -26,6 +26,15 @@ def test_what_a_command_says_is_shown(tmp_path):
     assert page.count("```text\n42\n```") == 2
 
 
+def test_nothing_of_a_long_line_is_lost():
+    line = "   left over: " + "words of a sentence that no page is wide enough for, " * 5 + "x" * 300
+    said = blocks.shown(f"short\n{line}\nshort")
+    assert said.startswith("short\n   left over: words") and said.endswith("\nshort")
+    assert all(len(part) <= blocks.SHOWN_WIDTH for part in said.splitlines())
+    assert all(part.startswith("     ") for part in said.splitlines()[2:-1])
+    assert "".join(said.split()) == "".join(f"short{line}short".split())
+
+
 def test_a_block_that_fails_ends_the_build(tmp_path):
     with pytest.raises(blocks.BlockFailed, match="ended with 3"):
         run(tmp_path, "```sh\nexit 3\n```\n")

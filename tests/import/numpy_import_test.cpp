@@ -54,6 +54,11 @@ TEST(NumpyImport, ATableInEitherOrderOfMemory) {
     EXPECT_EQ(got.frames[1].vsin_v, 1.75);
     EXPECT_NEAR(got.meta.sample_rate_hz.value_or(0), 10.0, 1e-12);
   }
+  ImportOptions untimed = numbered();
+  untimed.columns[0].column = "";
+  const Imported without = import_text(npy(kHeader, doubles(kTable), '\1'), untimed);
+  EXPECT_NE(without.error.find("--rate"), without.error.npos) << without.error;
+  EXPECT_TRUE(without.frames.empty());
   const Imported fortran =
       import_text(npy("{'descr': '<f8', 'fortran_order': True, 'shape': (3, 3), }\n",
                       doubles({0, 0.1, 0.2, 1.5, 1.75, 2, 2.5, 2.25, 2})),

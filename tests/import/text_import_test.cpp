@@ -116,6 +116,11 @@ TEST(TextImport, WithoutTimesTheRateIsAsked) {
   ImportOptions options;
   options.sample_rate_hz = 400.0;
   expect_samples(import_text(file, options), 0.0, 1 / 400.0);
+  // A column of times that is not to be used is no source of a rate either.
+  ImportOptions none;
+  none.columns[0].column = "";
+  const std::string error = import_text("time,sin,cos\n0,1.5,2.5\n0.1,1.75,2.25\n0.2,2,2\n", none).error;
+  EXPECT_NE(error.find("give the sample rate by --rate"), error.npos) << error;
 }
 
 TEST(TextImport, ScaleOffsetUnitsAndTheOptionalChannels) {

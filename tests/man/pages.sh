@@ -56,10 +56,10 @@ done < <(sed -n 's/^    \(ada4571_[a-z0-9_]*\);$/\1/p' "$(dirname "$0")/../../li
 # What is installed points to what is installed: to pages that there are, and to no file of the source.
 source=$(cd "$(dirname "$0")/../.." && pwd)
 texts=("${files[@]}" "$source/lib/include/ada4571.h" "$source"/udev/*.service "$source"/udev/*.rules
-  "$source"/tools/examples/*.c)
+  "$source"/tools/examples/*.c "$source/dts/README.md" "$source/udev/README.md")
 for text in "${texts[@]}"; do
-  ! grep -HnE '\b(docs|udev|tests|lib)/[A-Za-z0-9_/-]*|[A-Za-z0-9_-]+\.md\b' "$text" |
-    grep -vE '/(usr/)?lib/|/share/doc/' || complain "$text points into the source tree"
+  ! grep -HnE '\b(docs|udev|tests|lib|dts|build|tools)/[A-Za-z0-9_/-]*|[A-Za-z0-9_-]+\.md\b' "$text" |
+    grep -vE '/(lib|dts|etc/udev)/|/share/doc/' || complain "$text points into the source tree"
 done
 references=$(sed 's/\\-/-/g; s/\\f[A-Z]//g' "${texts[@]}" |
   grep -oE '\b(lib|iio-angle|ada4571)[a-z0-9_-]*\([135]\)' | sort -u)

@@ -7,6 +7,8 @@ import sqlite3
 import subprocess
 import sys
 import threading
+import time
+import types
 
 import pytest
 
@@ -81,6 +83,45 @@ def test_what_ends_in_progress_keeps_what_was_done(captures, tmp_path):
     assert len(study.missing) == len(captures) - 1
     assert threading.active_count() == 1
     assert study.run(diagnose=False) == {} and study.missing == []
+
+
+def test_an_analysis_ends_where_it_is_told_to(captures):
+    asked = []
+
+    def end(fraction, what):
+        asked.append(what)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ada4571._core.study_analyse(str(captures[0]), True, None, end)
+    assert len(asked) == 1
+    row, reason = ada4571._core.study_analyse(str(captures[0]), True, None, None)
+    assert row and not reason
+
+
+def test_what_ends_a_run_ends_what_runs(captures, tmp_path, monkeypatch):
+    """All analyses but the first work until they are told to end; there is nothing else that ends them."""
+    core, ended = ada4571._core, []
+
+    def analyse(name, diagnose, reports, look):
+        if name == str(captures[0]):
+            return core.study_analyse(name, diagnose, reports, look)
+        try:
+            while True:
+                look(0.5, "works")
+                time.sleep(0.01)
+        except KeyboardInterrupt:
+            ended.append(name)
+            raise
+
+    def end(fraction, path):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("ada4571._study._core",
+                        types.SimpleNamespace(**dict(vars(core), study_analyse=analyse)))
+    with pytest.raises(KeyboardInterrupt):
+        ada4571.Study(tmp_path / "s.db").run(captures, diagnose=False, jobs=3, progress=end)
+    assert ended and threading.active_count() == 1
 
 
 def test_a_diagnosed_capture_has_a_page(captures, tmp_path):

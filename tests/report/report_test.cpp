@@ -9,6 +9,7 @@
 
 #include "report/samples.h"
 #include "report/view.h"
+#include "report/words.h"
 #include "support/seed.h"
 #include "support/temp_folder.h"
 
@@ -168,6 +169,43 @@ TEST_F(Report, SaysWhyAFindingHasNoCurve) {
     const std::string card = each(text, "data-cause=\"" + std::string(id), "</section>")[0];
     EXPECT_NE(card.find(reason), card.npos) << id;
   }
+}
+
+TEST_F(Report, WhereOnlyTheRadiusIsJudgedNothingIsShownAcrossTheVector) {
+  const Capture capture =
+      test::capture_with({"amplitude-mismatch:k=0.02"}, false, test::fresh_seed());
+  Diagnosis d = diagnose(capture, {});
+  d.structure = {{"angle", "the radius changes", 9e-3}, {"time", "it changes, too", 1e-3}};
+  ASSERT_FALSE(d.radius_only);
+  const auto told = [&](const std::string &what) {
+    const std::string text = page(capture, d);
+    return count(each(text, "id=\"left\"", "<h2 id=\"record\"")[0], what);
+  };
+  EXPECT_GT(told("across the vector"), 0u);
+  EXPECT_EQ(told("Only the radius was judged"), 0u);
+  d.radius_only = true;
+  EXPECT_EQ(told("Only the radius was judged"), 1u);
+  EXPECT_EQ(told("across the vector"), 1u) << "once, to say why not";
+  EXPECT_EQ(told("mV rms across"), 0u);
+}
+
+TEST_F(Report, WhatWasSeenBeforeAnyFitIsAStepWhereItGains) {
+  const Capture capture = test::capture_with({"amplitude-mismatch:k=0.02"}, true, 9);
+  Diagnosis d = diagnose(capture, {});
+  Finding f = d.findings.front();
+  f.effect = find_effect("impulse-noise");
+  f.values = f.std_errors = {0.001, 0.1};
+  d.findings.insert(d.findings.begin(), f);
+  d.findings[0].after.heldout.residual_rms_v = 0.9 * f.before.heldout.residual_rms_v;
+  EXPECT_GT(count(page(capture, d), "; + impulse-noise: "), 0u);
+  d.findings[0].after = d.findings[0].before;
+  EXPECT_EQ(count(page(capture, d), "; + impulse-noise: "), 0u);
+}
+
+TEST(Words, WhatIsNothingInSoManyDigitsHasNoSign) {
+  const ParameterInfo angle{"angle_zero_deg", "deg", 0.0, 0.0, 0.0};
+  EXPECT_EQ(show(angle, -1e-9, 4.6e-5).in_full(), "0.000000 \u00b1 0.000046 deg");
+  EXPECT_EQ(show(angle, -2e-6, 4.6e-5).value, "-0.000002");
 }
 
 TEST_F(Report, ShowsTheRemainderAsUnnamed) {

@@ -11,6 +11,7 @@ import textwrap
 import tomllib
 
 SHOWN_LINES = 24
+SHOWN_WIDTH = 104  # characters that the page has room for
 
 # What a block on hardware does not say, because there is only one device: where it is.
 WRAPPER = """#!/bin/bash
@@ -135,11 +136,18 @@ class Runner:
 
 
 def shown(said):
-    """Output as the page shows it: not longer than a screen."""
+    """Output as the page shows it: not longer than a screen, long lines folded below their beginning."""
     lines = said.rstrip().split("\n")
     if len(lines) > SHOWN_LINES:
         lines = lines[:SHOWN_LINES] + ["..."]
-    return "\n".join(line[:110] for line in lines)
+    return "\n".join(part for line in lines for part in folded(line))
+
+
+def folded(line):
+    if len(line) <= SHOWN_WIDTH:
+        return [line]
+    indent = " " * (len(line) - len(line.lstrip()) + 2)
+    return textwrap.wrap(line, SHOWN_WIDTH, subsequent_indent=indent, break_on_hyphens=False)
 
 
 def run_page(runner, text):

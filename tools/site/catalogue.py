@@ -58,7 +58,7 @@ unset multiplot
 TURNS = "steps:rpm=60/300/600/-600"
 COURSE = "steps:rpm=15/30/60/-60"
 COURSE_SAMPLES = 4000
-CYCLE_SAMPLES = 16  # at least, of what comes again in a course
+CYCLE_SAMPLES = 16  # at least, of what repeats in a course
 CYCLES = 24  # at most, in a picture 400 points wide
 ROUNDING = 2e-4  # of what the captures say: degrees, or percent of the radius
 
@@ -114,7 +114,7 @@ def reversals(values):
 
 
 def undersampled(values):
-    """Whether something comes again in fewer samples than show it, in the busiest quarter."""
+    """Whether something repeats in fewer samples than show it, in the busiest quarter."""
     quarter = max(1, values.size // 4)
     most = max(np.histogram(reversals(values), bins=np.arange(0, values.size + quarter, quarter))[0])
     return most > 2 * quarter / CYCLE_SAMPLES

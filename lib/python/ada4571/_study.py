@@ -3,6 +3,7 @@
 """Many captures, many sensors: a row each in an SQLite database."""
 import json
 import os
+import threading
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 
 from . import _core
@@ -25,7 +26,8 @@ class Study:
 
         diagnose=False leaves the diagnosis out. again: those too that failed or that another version
         did. reports: a folder for a page a capture. jobs: captures at a time, None: as many as
-        processors. progress(fraction, path) is called after each. A capture whose analysis never
+        processors. progress(fraction, path) is called after each; its exceptions, and Ctrl-C, end the
+        run, and what is done stays. A capture whose analysis never
         ends or crashes takes Python with it; `iio-angle study run` gives each a process of its own.
         """
         study = _core.Study(self.path, diagnose)
@@ -78,7 +80,14 @@ class Study:
 
 
 def _analysed(names, diagnose, reports, jobs):
-    """(name, row, reason) of each as it is done. Few wait at a time, of however many names."""
+    """(name, row, reason) of each as it is done. Few wait at a time, of however many names. Where it is
+    left early, as by Ctrl-C, what runs ends as well."""
+    left = threading.Event()
+
+    def look(fraction, what):
+        if left.is_set():
+            raise KeyboardInterrupt
+
     jobs = jobs or len(os.sched_getaffinity(0))
     names = iter(names)
     with ThreadPoolExecutor(jobs) as pool:
@@ -86,7 +95,7 @@ def _analysed(names, diagnose, reports, jobs):
         try:
             while True:
                 for name in names:
-                    running[pool.submit(_core.study_analyse, name, diagnose, reports)] = name
+                    running[pool.submit(_core.study_analyse, name, diagnose, reports, look)] = name
                     if len(running) >= 2 * jobs:
                         break
                 if not running:
@@ -94,4 +103,5 @@ def _analysed(names, diagnose, reports, jobs):
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     yield (running.pop(future), *future.result())
         finally:
+            left.set()
             pool.shutdown(wait=False, cancel_futures=True)

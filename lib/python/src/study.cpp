@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include "call.h"
+#include "watcher.h"
 
 namespace binding {
 
@@ -45,14 +46,22 @@ std::vector<std::string> waiting(const Study &study, bool again) {
   return out;
 }
 
-/// The row as text, for put(), and why there is not more in it.
+/// The row as text, for put(), and why there is not more in it. `progress` may end it by an
+/// exception.
 py::tuple analyse(const std::string &capture, bool diagnose,
-                  const std::optional<std::string> &reports) {
+                  const std::optional<std::string> &reports, const py::object &progress) {
+  Watcher watcher(progress);
   auto o = initialised(ada4571_study_options_init);
   o.diagnose = diagnose;
   o.report_folder = or_null(reports);
-  const auto row = made<StudyRow, ada4571_study_row>(
-      [&](ada4571_study_row **fresh) { return ada4571_study_analyse(capture.c_str(), &o, fresh); });
+  o.progress = Watcher::on_progress;
+  o.user = &watcher;
+  ada4571_study_row *fresh = nullptr;
+  const Outcome outcome =
+      released([&] { return ada4571_study_analyse(capture.c_str(), &o, &fresh); });
+  const StudyRow row(fresh);
+  watcher.raise_if_ended();
+  check(outcome);
   return py::make_tuple(ada4571_study_row_text(row.get()), ada4571_study_row_reason(row.get()));
 }
 
