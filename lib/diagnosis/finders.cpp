@@ -21,9 +21,8 @@ namespace {
 
 constexpr double kAbsentLevel = std::numeric_limits<double>::quiet_NaN();
 
-/// Below this what comes with time cannot be told from what comes with the angle: no whole turns
-/// can be held out.
-constexpr double kFewestTurns = criteria::kFewestUnits * 2.0 / 3.0; // a third is held out
+/// Below this what comes with time cannot be told from what comes with the angle.
+constexpr double kFewestTurns = criteria::kFewestTurnsToRepeat;
 
 /// Turns that the shaft makes, whatever their sense.
 double turns_of(const Residual &r) {
@@ -237,8 +236,7 @@ template <class Skip>
 std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, Skip skip) {
   const std::size_t n = r.time.size();
   const double span = n > 1 ? r.time.back() - r.time.front() : 0.0;
-  if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0 ||
-      turns_of(r) < criteria::kFewestTurnsToRepeat)
+  if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0 || turns_of(r) < kFewestTurns)
     return {};
   const double resolution = 1.0 / span;
   std::vector<double> power;
@@ -293,7 +291,7 @@ std::size_t sudden_step(const Residual &r, const std::vector<double> &a,
   // A turn at least, so that what repeats with the angle cancels.
   const std::size_t n = r.time.size();
   const auto reach =
-      static_cast<std::size_t>(static_cast<double>(n) / std::clamp(turns_of(r), 6.0, 25.0));
+      static_cast<std::size_t>(static_cast<double>(n) / std::clamp(turns_of(r), kFewestTurns, 25.0));
   std::vector<std::size_t> turned(n + 1, 0); // changes of sense so far
   for (std::size_t i = 1; i < n; ++i)
     turned[i + 1] = turned[i] + ((r.omega[i] < 0.0) != (r.omega[i - 1] < 0.0));

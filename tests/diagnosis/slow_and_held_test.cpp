@@ -239,6 +239,23 @@ KIND(a_tone_is_seen_in_a_few_turns_with_rests_between) {
   EXPECT_NEAR(f->values[1], sin_v, 0.05 * sin_v);
 }
 
+KIND(a_slip_is_seen_in_five_turns) {
+  Bench bench;
+  const double at_s = bench.within(1.5, 3.5), step_deg = bench.within(0.5, 3.0);
+  const auto shaft = [](double t) { return kTwoPi * t; };
+  Capture c = bench.capture(5000, 1000.0, 2, [&](double t) {
+    return shaft(t) + (t < at_s ? 0.0 : step_deg * kRadPerDeg);
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *f = named(d, "angle-slip");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_NEAR(f->values[0], at_s, 2e-3);
+  EXPECT_NEAR(f->values[1], step_deg, 0.02 * step_deg);
+}
+
 KIND(a_small_pair_before_a_coarse_converter_is_named) {
   Bench bench;
   const double rps = bench.within(4.0, 8.0), step_v = 5.0 / 256.0;
