@@ -244,7 +244,8 @@ bool Search::beyond_doubt(double size_v, const Model &model, std::size_t effect,
   const Effect &e = *model.effects[effect].effect;
   // What every pair has is no likeliest of many shapes that a coarse converter's error takes.
   if (e.info().prior_rank == 0)
-    doubt = std::min(doubt, second_order(*data_.scene, quick_, model) + next_of_supply(quick_, model));
+    doubt =
+        std::min(doubt, second_order(*data_.scene, quick_, model) + next_of_supply(quick_, model));
   if (size_v > doubt)
     return true;
   if (above_products(model, effect))

@@ -263,7 +263,8 @@ Lines lines_of(const Observations &data, const ResidualColumns &rest) {
 
 /// What is left along the radius. What has no name is chosen by what it takes out in all, of which
 /// the most may lie across: where it adds along the radius it stays.
-ResidualColumns radial_of(const Observations &data, ResidualColumns as_it_is, ResidualColumns less) {
+ResidualColumns radial_of(const Observations &data, ResidualColumns as_it_is,
+                          ResidualColumns less) {
   keep_radial(data, as_it_is);
   keep_radial(data, less);
   return mean_square(as_it_is.sin) + mean_square(as_it_is.cos) <

@@ -52,9 +52,9 @@ Components components(const Scene &scene, const ResidualColumns &r) {
   return out;
 }
 
-/// How long noise remembers itself: a converter that averages, or a filter before it, makes it alike
-/// in neighbouring samples. Its autocorrelation is what that of the residual has at short lags above
-/// its plateau, as structure is still the same some samples later. White: nothing.
+/// How long noise remembers itself: a converter that averages, or a filter before it, makes it
+/// alike in neighbouring samples. Its autocorrelation is what that of the residual has at short
+/// lags above its plateau, as structure is still the same some samples later. White: nothing.
 class Memory {
 public:
   Memory(const Scene &scene, const Observations &data, const Components &parts) {
@@ -63,7 +63,8 @@ public:
     if (turn > kTwoPi / least) // structure is not the same then
       return;
     std::vector<double> sum(2 * criteria::kMemory + 1, 0.0), count = sum;
-    const std::span<const int> judged(parts.judged.data(), std::min<std::size_t>(2, parts.judged.size()));
+    const std::span<const int> judged(parts.judged.data(),
+                                      std::min<std::size_t>(2, parts.judged.size()));
     for (std::size_t lag = 0; lag < sum.size(); ++lag)
       for (std::size_t i = 0; i + lag < data.size(); ++i) {
         if (data.time[i + lag] - data.time[i] >
@@ -362,8 +363,7 @@ void report_variance(const NoisePower &power, const Memory &memory, const std::v
   const double mean = all / n;
   // Variance of a square by its own scatter: 2 of a normal variable, more where a few values stand
   // out, which then prove less.
-  const double scatter =
-      memory.of_squares() * std::max(squares / n / (mean * mean) - 1.0, 2.0);
+  const double scatter = memory.of_squares() * std::max(squares / n / (mean * mean) - 1.0, 2.0);
   double chi2 = 0.0, worst = 0.0, above = 0.0;
   for (std::size_t b = 0; b < sum.size(); ++b) {
     if (count[b] == 0.0)
@@ -571,7 +571,8 @@ std::vector<Structure> find_structure(const Scene &scene, const Observations &da
   report_bins(parts, time, time_bins, of_means_v, least_rms_v, "time", "time", out);
   const std::vector<char> passes = where_outputs_pass(data, model);
   const NoisePower power(data, parts, passes);
-  report_variance(power, memory, time, time_bins, sigma_v, least_rms_v, "time", sentence_of_times, out);
+  report_variance(power, memory, time, time_bins, sigma_v, least_rms_v, "time", sentence_of_times,
+                  out);
   report_variance(power, memory, angle, 72, sigma_v, criteria::kWorthAWord * sigma_v, "angle",
                   sentence_of_places, out);
 

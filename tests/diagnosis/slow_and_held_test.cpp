@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// Benches on which something slow, something fast or the record itself hides what is there: gains that
-// wander, converters that average or hold, outputs at their stops, short records.
+// Benches on which something slow, something fast or the record itself hides what is there: gains
+// that wander, converters that average or hold, outputs at their stops, short records.
 
 #include <algorithm>
 #include <array>

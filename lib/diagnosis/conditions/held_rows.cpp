@@ -35,8 +35,8 @@ bool held_evenly(const std::vector<std::size_t> &first) {
   for (const auto &[length, count] : of_length) {
     const auto next = of_length.find(length + 1);
     if (length + 1 > 2 || next == of_length.end())
-      most = std::max(most, (length > 1 ? count : 0.0) +
-                                (next == of_length.end() ? 0.0 : next->second));
+      most = std::max(most,
+                      (length > 1 ? count : 0.0) + (next == of_length.end() ? 0.0 : next->second));
   }
   return most > criteria::kHeldEvenly * static_cast<double>(first.size() - 1);
 }
@@ -55,7 +55,8 @@ double both_differ(const Capture &c, const std::vector<std::size_t> &first) {
 std::optional<FreshReadings> fresh_readings(const Capture &capture) {
   const std::vector<std::size_t> first = first_rows(capture);
   if (first.size() < criteria::kFewestHeld ||
-      static_cast<double>(capture.size()) < criteria::kRowsHeld * static_cast<double>(first.size()) ||
+      static_cast<double>(capture.size()) <
+          criteria::kRowsHeld * static_cast<double>(first.size()) ||
       !held_evenly(first) || both_differ(capture, first) < criteria::kBothDiffer)
     return std::nullopt;
   FreshReadings out;
