@@ -236,7 +236,10 @@ template <class Skip>
 std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, Skip skip) {
   const std::size_t n = r.time.size();
   const double span = n > 1 ? r.time.back() - r.time.front() : 0.0;
-  if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0 || turns_of(r) < kFewestTurns)
+  if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0)
+    return {};
+  // At one speed a tone and what repeats with the angle are one but for the width of a line.
+  if (turns_of(r) < (r.several_speeds ? kFewestTurns : criteria::kFewestUnits))
     return {};
   const double resolution = 1.0 / span;
   std::vector<double> power;
