@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/products.h"
 #include "diagnosis/anonymous/discrepancy.h"
 #include "diagnosis/fit.h"
 #include "model/forward.h"
@@ -181,10 +182,10 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
         rows(k, static_cast<Eigen::Index>(2 * i + 1)) = dc;
       }
     }
-    gram.selfadjointView<Eigen::Lower>().rankUpdate(
-        rows.leftCols(static_cast<Eigen::Index>(2 * n)));
+    const auto block = rows.leftCols(static_cast<Eigen::Index>(2 * n));
+    add_squares(block, gram);
     if (coloured)
-      projected += coloured->project(first, rows.leftCols(static_cast<Eigen::Index>(2 * n)));
+      coloured->project(first, block, projected);
   }
   if (coloured)
     gram.triangularView<Eigen::Lower>() = gram - coloured->taken(projected);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/angle.h"
+#include "base/products.h"
 #include "diagnosis/anonymous/discrepancy.h"
 #include "diagnosis/criteria.h"
 #include "model/forward.h"
@@ -35,10 +36,10 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
     models.emplace_back(with_coordinates(model, moved), AlphaIs::reference);
     moved[k] = x[k];
   }
-  Normal out{Eigen::MatrixXd::Zero(parameters, parameters), Eigen::VectorXd::Zero(parameters)};
+  // Of the derivatives and, last, the residual.
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(parameters + 1, parameters + 1);
   const Conditions all = data.conditions();
-  Eigen::MatrixXd rows(parameters, 2 * kWaveBlock);
-  Eigen::VectorXd residual(2 * kWaveBlock);
+  Eigen::MatrixXd rows(parameters + 1, 2 * kWaveBlock);
   std::array<double, kWaveBlock> s0, c0, s1, c1;
   const Coloured *coloured = data.coloured.get();
   Eigen::MatrixXd projected;
@@ -48,12 +49,11 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
     const std::size_t n = std::min(kWaveBlock, data.size() - first);
     const Conditions at = all.slice(first, n);
     models[0].evaluate(at, s0.data(), c0.data());
-    const auto columns = static_cast<Eigen::Index>(2 * n);
     for (std::size_t i = 0; i < n; ++i) {
       double s = data.vsin[first + i] - s0[i], c = data.vcos[first + i] - c0[i];
       data.whiten(first + i, s0[i], c0[i], s, c);
-      residual[static_cast<Eigen::Index>(2 * i)] = s;
-      residual[static_cast<Eigen::Index>(2 * i + 1)] = c;
+      rows(parameters, static_cast<Eigen::Index>(2 * i)) = s;
+      rows(parameters, static_cast<Eigen::Index>(2 * i + 1)) = c;
     }
     for (Eigen::Index k = 0; k < parameters; ++k) {
       models[static_cast<std::size_t>(k) + 1].evaluate(at, s1.data(), c1.data());
@@ -65,21 +65,16 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
         rows(k, static_cast<Eigen::Index>(2 * i + 1)) = c;
       }
     }
-    out.matrix.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(columns));
-    out.right.noalias() += rows.leftCols(columns) * residual.head(columns);
-    out.rss += residual.head(columns).squaredNorm();
-    if (coloured) {
-      projected.leftCols(parameters) += coloured->project(first, rows.leftCols(columns));
-      projected.rightCols(1) += coloured->project(first, residual.head(columns).transpose());
-    }
+    const auto block = rows.leftCols(static_cast<Eigen::Index>(2 * n));
+    add_squares(block, products);
+    if (coloured)
+      coloured->project(first, block, projected);
   }
-  if (coloured) {
-    const Eigen::MatrixXd taken = coloured->taken(projected);
-    out.matrix -= taken.topLeftCorner(parameters, parameters);
-    out.right -= taken.topRightCorner(parameters, 1);
-    out.rss -= taken(parameters, parameters);
-  }
-  out.matrix.triangularView<Eigen::StrictlyUpper>() = out.matrix.transpose();
+  if (coloured)
+    products -= coloured->taken(projected);
+  products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
+  Normal out{products.topLeftCorner(parameters, parameters),
+             products.topRightCorner(parameters, 1), products(parameters, parameters)};
   if (data.vtemp_on_vcos_error > 0.0) {
     // One more measurement, weighted by its error against the noise of the samples.
     const double sigma = std::sqrt(out.rss / (2.0 * static_cast<double>(data.size())));
@@ -177,8 +172,7 @@ double sum_of_squares(const Observations &data, const Model &model, const Colour
       residual[static_cast<Eigen::Index>(2 * i + 1)] = rc;
     }
     if (coloured)
-      projected +=
-          coloured->project(first, residual.head(static_cast<Eigen::Index>(2 * n)).transpose());
+      coloured->project(first, residual.head(static_cast<Eigen::Index>(2 * n)).transpose(), projected);
   }
   return coloured ? std::max(0.0, sum - coloured->taken(projected)(0, 0)) : sum;
 }
@@ -257,7 +251,7 @@ void widen_by_scatter(const Observations &data, FitResult &result) {
     left[2 * i + 1] = c;
   }
   if (data.coloured)
-    left -= data.coloured->explained(data.coloured->project(0, left.transpose()));
+    left = data.coloured->unexplained(left);
   Eigen::MatrixXd score = Eigen::MatrixXd::Zero(parameters, static_cast<Eigen::Index>(stretches));
   std::vector<double> moved = x;
   for (Eigen::Index k = 0; k < parameters; ++k) {
@@ -276,7 +270,7 @@ void widen_by_scatter(const Observations &data, FitResult &result) {
     // What each sample moves the estimate by: generalized least squares weighs it against the
     // discrepancy.
     if (data.coloured)
-      column -= data.coloured->explained(data.coloured->project(0, column.transpose()));
+      column = data.coloured->unexplained(column);
     for (Eigen::Index i = 0; i < n; ++i)
       score(k, static_cast<Eigen::Index>(static_cast<std::size_t>(i) * stretches / data.size())) +=
           column[2 * i] * left[2 * i] + column[2 * i + 1] * left[2 * i + 1];

@@ -9,6 +9,7 @@
 #include <map>
 #include <tuple>
 
+#include "base/products.h"
 #include "diagnosis/criteria.h"
 
 namespace ada {
@@ -123,7 +124,7 @@ Coloured::Coloured(const Discrepancy &discrepancy, const Observations &data) {
           data.whiten(first + i, data.vsin[first + i], data.vcos[first + i],
                       block(k, static_cast<Eigen::Index>(2 * i)),
                       block(k, static_cast<Eigen::Index>(2 * i + 1)));
-    inner.selfadjointView<Eigen::Lower>().rankUpdate(block);
+    add_squares(block, inner);
     rows_.middleCols(static_cast<Eigen::Index>(2 * first), values) = block;
   }
   inner.triangularView<Eigen::StrictlyUpper>() = inner.transpose();
@@ -131,9 +132,9 @@ Coloured::Coloured(const Discrepancy &discrepancy, const Observations &data) {
   inner_.compute(inner);
 }
 
-Eigen::MatrixXd Coloured::project(std::size_t first,
-                                  const Eigen::Ref<const Eigen::MatrixXd> &values) const {
-  return rows_.middleCols(static_cast<Eigen::Index>(2 * first), values.cols()) * values.transpose();
+void Coloured::project(std::size_t first, const Eigen::Ref<const Eigen::MatrixXd> &values,
+                       Eigen::Ref<Eigen::MatrixXd> sum) const {
+  add_products(rows_.middleCols(static_cast<Eigen::Index>(2 * first), values.cols()), values, sum);
 }
 
 Eigen::MatrixXd Coloured::taken(const Eigen::Ref<const Eigen::MatrixXd> &p) const {

@@ -36,8 +36,10 @@ public:
   Coloured(const Discrepancy &discrepancy, const Observations &data);
 
   Eigen::Index columns() const { return rows_.rows(); }
-  /// Products of the columns with values of samples [first, first + n): `values` has 2n columns.
-  Eigen::MatrixXd project(std::size_t first, const Eigen::Ref<const Eigen::MatrixXd> &values) const;
+  /// Adds the products of the columns with values of samples [first, first + n) to `sum`: `values`
+  /// has 2n columns and a row for each column of `sum`.
+  void project(std::size_t first, const Eigen::Ref<const Eigen::MatrixXd> &values,
+               Eigen::Ref<Eigen::MatrixXd> sum) const;
   /// What the discrepancy takes out of a product matrix X X' whose rows project to `p`:
   /// p' S p with S the posterior covariance of the coefficients over sigma^2.
   Eigen::MatrixXd taken(const Eigen::Ref<const Eigen::MatrixXd> &p) const;
@@ -46,6 +48,12 @@ public:
   /// sample.
   Eigen::VectorXd explained(const Eigen::Ref<const Eigen::VectorXd> &p) const {
     return rows_.transpose() * inner_.solve(p);
+  }
+  /// What is left of values of all samples beside it.
+  Eigen::VectorXd unexplained(const Eigen::Ref<const Eigen::VectorXd> &values) const {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(columns());
+    project(0, values.transpose(), sum);
+    return values - explained(sum);
   }
 
 private:

@@ -10,6 +10,7 @@
 #include <complex>
 #include <map>
 
+#include "base/products.h"
 #include "diagnosis/anonymous/regression.h"
 
 namespace ada {
@@ -197,7 +198,7 @@ Eigen::MatrixXd weighted_gram(const Basis &basis, const Observations &data,
         data.whiten(first + i, left.model_sin[first + i], left.model_cos[first + i], rows(k, s),
                     rows(k, s + 1));
     }
-    out.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(static_cast<Eigen::Index>(2 * n)));
+    add_squares(rows.leftCols(static_cast<Eigen::Index>(2 * n)), out);
   }
   out.triangularView<Eigen::StrictlyUpper>() = out.transpose();
   return out;
