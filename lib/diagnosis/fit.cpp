@@ -353,15 +353,16 @@ void attach_errors(FitResult &result) {
     const Eigen::MatrixXd covariance =
         jacobian * result.covariance.block(first, first, n, n) * jacobian.transpose();
     e.std_errors.resize(centre.size(), 0.0);
-    for (std::size_t r = 0; r < centre.size(); ++r)
-      if (e.effect->info().parameters[r].role != Role::chosen) { // no fit moves those
-        const auto at = static_cast<Eigen::Index>(r);
+    for (std::size_t r = 0; r < centre.size(); ++r) {
+      const auto at = static_cast<Eigen::Index>(r);
+      if (!jacobian.row(at).isZero(0.0)) { // what no fit moves has its error from where it was chosen
         // A frequency is told in the time of the capture's own clock.
         const double of_clock = e.effect->info().parameters[r].unit == "Hz"
                                     ? criteria::kClock * centre[r]
                                     : 0.0;
         e.std_errors[r] = std::hypot(std::sqrt(std::max(0.0, covariance(at, at))), of_clock);
       }
+    }
     k += static_cast<std::size_t>(n);
   }
 }

@@ -41,13 +41,16 @@ void electrical(Wave &w) {
     w.ex[i] = 1.0;
     w.ey[i] = 0.0;
   }
-  for (auto rest = static_cast<unsigned>(w.periods); rest > 0; rest >>= 1) {
+  for (auto rest = static_cast<unsigned>(w.periods);;) {
     if ((rest & 1u) != 0)
       multiply(w.n, x, y, w.ex, w.ey);
-    double cx[kWaveBlock], cy[kWaveBlock];
-    std::copy(x, x + w.n, cx);
-    std::copy(y, y + w.n, cy);
-    multiply(w.n, cx, cy, x, y);
+    if ((rest >>= 1) == 0)
+      break;
+    for (std::size_t i = 0; i < w.n; ++i) {
+      const double square = x[i] * x[i] - y[i] * y[i];
+      y[i] *= 2.0 * x[i];
+      x[i] = square;
+    }
   }
 }
 
@@ -104,7 +107,13 @@ void ForwardModel::until_sampler(Wave &w, double delay_s, const double *shaft) c
   sincos_of(w.alpha, w.n, w.fy, w.fx);
   for (const Step &step : field_)
     step.effect->apply(step.values, w);
-  electrical(w);
+  if (field_.empty() && periods_ != 2) { // the field points where the magnet does
+    double x[kWaveBlock];
+    for (std::size_t i = 0; i < w.n; ++i)
+      x[i] = periods_ * w.alpha[i];
+    sincos_of(x, w.n, w.ey, w.ex);
+  } else
+    electrical(w);
   std::copy(w.ex, w.ex + w.n, w.c);
   std::copy(w.ey, w.ey + w.n, w.s);
   for (const Step &step : bridge_)

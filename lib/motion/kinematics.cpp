@@ -24,12 +24,17 @@ struct SlopeSums {
 };
 
 /// Slopes of straight lines over +-half samples. Sums run over a few windows only, each run about
-/// an origin of its own: over all of a long record they would lose the digits of a slope.
+/// an origin of its own: over all of a long record they would lose the digits of a slope. At the ends
+/// of the record a window lies to one side, and a line over it has the slope of its middle: from there
+/// the slope goes on as it changes over the next full windows.
 std::vector<double> local_slopes(std::span<const double> x, std::span<const double> y,
                                  std::size_t half) {
   const std::size_t n = x.size(), run = half + 1;
   std::vector<double> slope(n, 0.0);
   std::vector<SlopeSums> before;
+  const auto at_end = [&](std::size_t i) { return i < half || i + half >= n; };
+  const bool bends = half > 0 && n > 4 * half;
+  std::vector<double> off(bends ? n : 0); // from the middle of the window
   for (std::size_t first = 0; first < n; first += run) {
     const std::size_t end = std::min(n, first + run), begin = first > half ? first - half : 0;
     const std::size_t last = std::min(n, end + half), origin = (first + end) / 2;
@@ -42,6 +47,18 @@ std::vector<double> local_slopes(std::span<const double> x, std::span<const doub
       const double count = static_cast<double>(to - from);
       const double d = count * s.xx - s.x * s.x;
       slope[i] = d > 0.0 ? (count * s.xy - s.x * s.y) / d : (i > 0 ? slope[i - 1] : 0.0);
+      if (bends && at_end(i))
+        off[i] = x[i] - x[origin] - s.x / count;
+    }
+  }
+  if (bends) {
+    const auto bend = [&](std::size_t from, std::size_t to) {
+      return x[to] > x[from] ? (slope[to] - slope[from]) / (x[to] - x[from]) : 0.0;
+    };
+    const double first = bend(half, 2 * half), last = bend(n - 1 - 2 * half, n - 1 - half);
+    for (std::size_t i = 0; i < half; ++i) {
+      slope[i] += first * off[i];
+      slope[n - 1 - i] += last * off[n - 1 - i];
     }
   }
   return slope;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numeric>
 
 #include "base/angle.h"
 #include "base/robust.h"
@@ -76,6 +77,34 @@ std::vector<std::complex<double>> periodic_part(std::span<const double> time,
   return out;
 }
 
+/// The `share` quantile of what rows that were taken at like speed depart by, for each row: an error
+/// of the time of a reading grows with the speed, and so does what is usual.
+std::vector<double> common_at_speed(const std::vector<double> &departure,
+                                    std::span<const double> pair, std::size_t reach, double share) {
+  constexpr std::size_t kRowsOfSpeed = 400; // of which the quantile is known to 7 %
+  constexpr std::size_t kMostSpeeds = 16;
+  const std::size_t n = departure.size();
+  std::vector<double> speed(n);
+  for (std::size_t i = 0; i < n; ++i)
+    speed[i] = std::abs(pair[std::min(n - 1, i + reach)] - pair[i - std::min(i, reach)]);
+  std::vector<std::size_t> by_speed(n);
+  std::iota(by_speed.begin(), by_speed.end(), std::size_t{0});
+  std::stable_sort(by_speed.begin(), by_speed.end(),
+                   [&](std::size_t a, std::size_t b) { return speed[a] < speed[b]; });
+  const std::size_t groups = std::clamp(n / kRowsOfSpeed, std::size_t{1}, kMostSpeeds);
+  std::vector<double> out(n);
+  for (std::size_t g = 0; g < groups; ++g) {
+    const std::size_t first = g * n / groups, end = (g + 1) * n / groups;
+    std::vector<double> sizes;
+    for (std::size_t k = first; k < end; ++k)
+      sizes.push_back(std::abs(departure[by_speed[k]]));
+    const double usual = quantile(std::move(sizes), share);
+    for (std::size_t k = first; k < end; ++k)
+      out[by_speed[k]] = usual;
+  }
+  return out;
+}
+
 } // namespace
 
 RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair, double step) {
@@ -102,11 +131,8 @@ RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair
   for (std::size_t i = 0; i < n; ++i)
     off[i] = wrap_centred(reference[i] - sense * pair[i] - std::arg(sum), kTwoPi);
   const std::vector<double> departure = off_medians(off);
-  std::vector<double> sizes;
-  for (double d : departure)
-    sizes.push_back(std::abs(d));
-  const double limit = std::max({kFar * noise_between(off), kOfSteps * step,
-                                 kOfCommon * quantile(std::move(sizes), kCommon)});
+  const double least = std::max(kFar * noise_between(off), kOfSteps * step);
+  const std::vector<double> common = common_at_speed(departure, pair, kReach, kCommon);
   RowsApart out;
   // What a row departs by from the straight line between good rows on either side.
   const auto own = [&](std::size_t i) {
@@ -117,7 +143,7 @@ RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair
     return std::abs(wrap_centred(own(i) - departure[i], kTwoPi)) < kOfPair * std::abs(departure[i]);
   };
   for (std::size_t i = kReach; i + kReach < n; ++i)
-    if (std::abs(departure[i]) > limit && its_own(i)) {
+    if (std::abs(departure[i]) > std::max(least, kOfCommon * common[i]) && its_own(i)) {
       out.rows.push_back(static_cast<std::uint32_t>(i));
       out.by_rad.push_back(std::abs(wrap_centred(departure[i], kTwoPi)));
     }

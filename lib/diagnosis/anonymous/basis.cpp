@@ -83,6 +83,19 @@ double Basis::function(const Modulation &g, const Observations &data, std::size_
   return 1.0;
 }
 
+Basis Basis::part(const std::vector<Eigen::Index> &columns) const {
+  std::vector<char> in(terms_.size());
+  for (Eigen::Index column : columns)
+    in[static_cast<std::size_t>(column / 2)] = 1;
+  Basis out = *this;
+  out.terms_.clear();
+  out.groups_.clear();
+  for (std::size_t q = 0; q < terms_.size(); ++q)
+    if (in[q])
+      out.add(groups_[q].axis, groups_[q].order, terms_[q].exponent, terms_[q].modulation);
+  return out;
+}
+
 int Basis::unit() const {
   int out = 0;
   for (const Term &t : terms_)
@@ -97,6 +110,9 @@ void Basis::evaluate(const Observations &data, std::size_t first, std::size_t n,
   for (const Term &t : terms_)
     top = std::max({top, std::abs(t.exponent), t.modulation.of_angle() ? t.modulation.order : 0});
   std::vector<std::complex<double>> power(static_cast<std::size_t>(top / step) + 1);
+  std::vector<char> as_before(terms_.size()); // the modulation of the term before
+  for (std::size_t q = 1; q < terms_.size(); ++q)
+    as_before[q] = terms_[q].modulation == terms_[q - 1].modulation;
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t i = first + k;
     power[0] = 1.0;
@@ -104,6 +120,7 @@ void Basis::evaluate(const Observations &data, std::size_t first, std::size_t n,
     for (std::size_t m = 1; m < power.size(); ++m)
       power[m] = power[m - 1] * unit;
     const auto s = static_cast<Eigen::Index>(2 * k), c = s + 1;
+    double g = 1.0;
     for (std::size_t q = 0; q < terms_.size(); ++q) {
       const Term &term = terms_[q];
       const Modulation &by = term.modulation;
@@ -111,9 +128,10 @@ void Basis::evaluate(const Observations &data, std::size_t first, std::size_t n,
           power[static_cast<std::size_t>(std::abs(term.exponent) / step)];
       const std::complex<double> of_angle =
           power[static_cast<std::size_t>(by.of_angle() ? by.order / step : 0)];
-      const double g = by.kind == Modulation::angle_cos   ? of_angle.real()
-                       : by.kind == Modulation::angle_sin ? of_angle.imag()
-                                                          : function(by, data, i);
+      if (!as_before[q])
+        g = by.kind == Modulation::angle_cos   ? of_angle.real()
+            : by.kind == Modulation::angle_sin ? of_angle.imag()
+                                               : function(by, data, i);
       const double re = g * p.real(), im = g * (term.exponent < 0 ? -p.imag() : p.imag());
       const auto row = static_cast<Eigen::Index>(2 * q);
       out(row, s) = im; // c e^(jmx), c real: r_sin is the imaginary part

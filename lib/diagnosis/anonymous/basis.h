@@ -62,6 +62,9 @@ public:
   /// Adds the two columns of one complex coefficient.
   void add(Axis axis, int order, int exponent, Modulation modulation = {});
 
+  /// Of its terms those that have one of these columns, in their order.
+  Basis part(const std::vector<Eigen::Index> &columns) const;
+
   /// What all exponents and orders of the angle are multiples of: where turns cannot be compared the
   /// periods of a turn, which are thousands on a sine encoder.
   int unit() const;

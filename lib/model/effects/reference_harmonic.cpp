@@ -58,7 +58,30 @@ public:
     return out;
   }
 
+  // A gear's order is no whole number and is fitted along, once its size says where it lies: over
+  // many turns a little of it is much phase. A whole one is what it is.
+  std::vector<double> to_coordinates(Values v) const override {
+    std::vector<double> x = PolarEffect::to_coordinates(v);
+    if (order_is_free(v))
+      x.push_back(v[0]);
+    return x;
+  }
+  std::vector<double> from_coordinates(Values v, std::span<const double> x) const override {
+    std::vector<double> out = PolarEffect::from_coordinates(v, x.first(2));
+    if (x.size() > 2)
+      out[0] = x[2];
+    return out;
+  }
+  std::vector<double> steps(Values v) const override {
+    std::vector<double> h = PolarEffect::steps(v);
+    if (order_is_free(v))
+      h.push_back(kOrderStep);
+    return h;
+  }
+
 protected:
+  static constexpr double kOrderStep = 1e-6; ///< per turn: a thousandth of a radian in 160 turns
+  static bool order_is_free(Values v) { return v[1] != 0.0 && v[0] != std::round(v[0]); }
   double order(Values v) const override { return v[0]; }
   std::size_t amplitude_index() const override { return 1; }
   std::size_t phase_index() const override { return 2; }
