@@ -31,6 +31,9 @@ inline constexpr double kMostOfEpisodes = 0.1;
 /// aside), and share in which both channels change, as they do unless the converter is coarse.
 inline constexpr std::size_t kFewestHeld = 100;
 inline constexpr double kRowsHeld = 1.5, kHeldEvenly = 0.9, kBothDiffer = 0.8;
+/// Steps of a held reference: all but this part of the smallest and of the largest differ by this much
+/// where the speed does; those of one line by no more than two to one.
+inline constexpr double kFewSteps = 0.1, kStepsDiffer = 2.0;
 
 /// Of what a channel that lives moves at least, at its peak while the other passes its middle: there
 /// it moves by all of it, a stuck one by none.
@@ -137,6 +140,9 @@ inline constexpr double kOfRival = 0.5;
 /// Of what a cause explains, the most that a rival may leave for not being known to second order: a
 /// series whose second term were larger would not be known to first order either.
 inline constexpr double kMostBlurred = 0.3;
+/// Second-order terms over the product of two sizes, each rms of a channel over the amplitude: two
+/// causes act in either order, each on a vector whose channels' rms is 0.7 of it.
+inline constexpr double kSecondOrder = 4.0;
 
 /// A cause may move the signal by this much of what there is to explain. What is larger stands only
 /// because others cancel it: two true causes of one size leave two thirds of it unless three quarters

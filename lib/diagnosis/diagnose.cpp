@@ -1032,6 +1032,7 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
     Diagnosis out = diagnose(fresh->capture, given);
     out.samples = capture.size();
     out.rows_a_reading = fresh->rows_a_reading;
+    out.held_reference = fresh->of_reference;
     return out;
   }
   DiagnosisOptions options = given;

@@ -112,8 +112,10 @@ std::string to_json(const Diagnosis &d) {
   out["capture"] = {{"samples", d.samples},     {"duration_s", number(d.duration_s)},
                     {"turns", number(d.turns)}, {"periods_per_turn", d.periods_per_turn},
                     {"channels", d.channels},   {"has_reference", d.has_reference}};
-  if (d.rows_a_reading > 1.0)
+  if (d.rows_a_reading > 1.0) {
     out["capture"]["rows_a_reading"] = d.rows_a_reading;
+    out["capture"]["held"] = d.held_reference ? "reference" : "pair";
+  }
   const bool judged = d.verdict != Verdict::insufficient_data;
   if (judged)
     out["baseline"] = {{"model", d.baseline_name},

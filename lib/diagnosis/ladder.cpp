@@ -11,7 +11,9 @@
 #include <utility>
 
 #include "base/robust.h"
+#include "diagnosis/borne_out.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/doubt.h"
 #include "diagnosis/explain.h"
 #include "model/effect_text.h"
 
@@ -126,19 +128,63 @@ std::optional<FitResult> fit_by_direction(Parts parts, Model model) {
   return fit_with_errors(parts.train, model);
 }
 
-/// The whole model with its errors. Where nothing but noise is left across the vector, what is left
-/// along it is a length that wanders, with the air gap or the light, and says little of the pair.
-/// Only for an angle that is clearly better: what is small across and has no name is then not
-/// reckoned with.
-FitResult fit_whole(const Parts &parts, const Model &start) {
-  FitResult alike = fit_with_errors(parts.train, start);
-  std::optional<FitResult> apart = fit_by_direction(parts, start);
-  if (!apart)
-    return alike;
-  const auto angle_error = [&](const FitResult &f) {
-    return parts.rung(f.model).heldout.angle_error_rms_deg.value();
-  };
-  return angle_error(alike) > criteria::kNoWorse * angle_error(*apart) ? *std::move(apart) : alike;
+/// Whether an effect changes the figure that the pair draws, whatever turns it.
+bool shapes_the_figure(const Effect &effect) {
+  const Stage stage = effect.info().stage;
+  return is_static(effect) && (stage == Stage::bridge || stage == Stage::chain);
+}
+
+/// `one` with the numbers of the figure of `other`, and their errors.
+FitResult with_figure_of(const FitResult &other, FitResult one) {
+  std::vector<Eigen::Index> figure{0, 1, 2}; // amplitude and offsets
+  Eigen::Index first = 4;
+  for (std::size_t k = 0; k < one.model.effects.size(); ++k) {
+    EffectInstance &e = one.model.effects[k];
+    const auto n = static_cast<Eigen::Index>(e.effect->to_coordinates(e.values).size());
+    if (shapes_the_figure(*e.effect)) {
+      e.values = other.model.effects[k].values;
+      for (Eigen::Index c = 0; c < n; ++c)
+        figure.push_back(first + c);
+    }
+    first += n;
+  }
+  const double zero = one.model.baseline.angle_zero_deg;
+  one.model.baseline = other.model.baseline;
+  one.model.baseline.angle_zero_deg = zero;
+  for (Eigen::Index a : figure) {
+    one.covariance.row(a).setZero();
+    one.covariance.col(a).setZero();
+  }
+  one.covariance(figure, figure) = other.covariance(figure, figure);
+  return one;
+}
+
+/// Fits in which residuals across the vector weigh by their own scatter, in turn better ones as long
+/// as the length of the vector says so: a reference that creeps, plays or is late by a random time
+/// scatters there, and the length still says what figure the pair draws. Where the reference is off by
+/// so much that its error bends the length, at the angle that the pair itself gives.
+template <class Better>
+void fit_by_length(Parts parts, FitResult &best, Better better) {
+  parts.train.coloured.reset();
+  const Scatter left = scatter_of(parts.train, best.model);
+  if (left.across <= criteria::kMoreThanNoise * left.along)
+    return;
+  parts.weigh(Direction::motion, left.along / left.across);
+  if (FitResult apart = fit_with_errors(parts.train, fit(parts.train, best.model, 5).model);
+      apart.determined && better(apart, best))
+    best = std::move(apart);
+  parts.weigh(Direction::motion, kWeightOfOwnAngle);
+  constexpr int kPasses = 3; // each at the angle that the last one gave
+  for (int pass = 0; pass < kPasses; ++pass) {
+    parts.train = at_own_angle(std::move(parts.train), best.model);
+    const FitResult own = fit_with_errors(parts.train, best.model);
+    if (!own.determined)
+      return;
+    FitResult merged = with_figure_of(own, best);
+    if (!better(merged, best))
+      return;
+    best = std::move(merged);
+  }
 }
 
 } // namespace
@@ -215,6 +261,25 @@ RadiusLeft radius_left(const Observations &data, const Model &model) {
 
 namespace {
 
+/// The whole model with its errors. Where nothing but noise is left across the vector, what is left
+/// along it is a length that wanders, with the air gap or the light, and says little of the pair: only
+/// for an angle that is clearly better, as what is small across and has no name is then not reckoned
+/// with. Where more is left across it than along it, the reference says little, and the radius of
+/// held-out data is asked.
+FitResult fit_whole(const Parts &parts, const Model &start) {
+  FitResult alike = fit_with_errors(parts.train, start);
+  const auto angle_error = [&](const FitResult &f) {
+    return parts.rung(f.model).heldout.angle_error_rms_deg.value();
+  };
+  const auto radius = [&](const FitResult &f) { return radius_left(parts.heldout, f.model); };
+  if (std::optional<FitResult> apart = fit_by_direction(parts, start))
+    return angle_error(alike) > criteria::kNoWorse * angle_error(*apart) ? *std::move(apart) : alike;
+  fit_by_length(parts, alike, [&](const FitResult &one, const FitResult &other) {
+    return nats_between(radius(other), radius(one)) > criteria::kRivalNats;
+  });
+  return alike;
+}
+
 /// The whole model where the angle is read off the pair. What the motion leaves over bends the fit,
 /// and so may what has no name: the radius of held-out data, to which the motion gives nothing,
 /// says whether a fit without the one, by the radius alone, or by a radius that does not drift is
@@ -282,8 +347,10 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
   FitResult whole = weighs_alike           ? fit_whole(parts, found.fit.model)
                     : !parts.has_reference ? fit_without_reference(parts, found.fit.model)
                                            : fit_with_errors(parts.train, found.fit.model);
-  attach_errors(whole);
   const std::vector<double> clear = clearness_of(whole);
+  if (weighs_alike)
+    widen_by_what_is_not_borne_out(parts.train, whole);
+  attach_errors(whole);
   out.extended = std::move(whole.model);
   const Model &model = out.extended;
   for (std::size_t i = 0; i < found.order.size(); ++i) {

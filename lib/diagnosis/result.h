@@ -71,6 +71,7 @@ struct Diagnosis {
   // the capture
   std::size_t samples = 0;
   double rows_a_reading = 1.0; ///< more than one: each pair is held for several rows
+  bool held_reference = false; ///< it is the reference that is held, and not the pair
   double duration_s = 0.0, turns = 0.0;
   int periods_per_turn = 2;
   std::vector<std::string> channels;

@@ -50,8 +50,8 @@ std::string to_text(const Diagnosis &d) {
   std::string out = fmt::format("{} samples, {:.4g} s, {:.4g} turns, {}\n", d.samples, d.duration_s,
                                 d.turns, d.has_reference ? "with a reference" : "no reference");
   if (d.rows_a_reading > 1.0)
-    out += fmt::format("each pair is held for {:.3g} rows: the first of them is read\n",
-                       d.rows_a_reading);
+    out += fmt::format("{} is held for {:.3g} rows: the first of them is read\n",
+                       d.held_reference ? "the reference" : "each pair", d.rows_a_reading);
   if (d.verdict == Verdict::insufficient_data)
     return out + verdict_sentence(d) + "\n" + failed_checks(d);
   const Quality &base = d.baseline_quality.heldout;

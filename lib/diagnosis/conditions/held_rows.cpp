@@ -4,16 +4,20 @@
 #include "diagnosis/conditions/held_rows.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <map>
 
+#include "base/angle.h"
+#include "base/robust.h"
 #include "diagnosis/criteria.h"
 
 namespace ada {
 
 namespace {
 
-/// First rows of the readings, with the ends of the records and gaps among them.
-std::vector<std::size_t> first_rows(const Capture &c) {
+/// First rows of the readings of these columns, with the ends of the records and gaps among them.
+std::vector<std::size_t> first_rows(const Capture &c,
+                                    std::initializer_list<const std::vector<double> *> columns) {
   std::vector<char> begins(c.size(), 0);
   for (const auto *places : {&c.starts, &c.gaps})
     for (std::size_t i : *places)
@@ -21,7 +25,9 @@ std::vector<std::size_t> first_rows(const Capture &c) {
         begins[i] = 1;
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < c.size(); ++i)
-    if (i == 0 || begins[i] || c.vsin_v[i] != c.vsin_v[i - 1] || c.vcos_v[i] != c.vcos_v[i - 1])
+    if (i == 0 || begins[i] ||
+        std::any_of(columns.begin(), columns.end(),
+                    [&](const auto *v) { return (*v)[i] != (*v)[i - 1]; }))
       out.push_back(i);
   return out;
 }
@@ -50,15 +56,26 @@ double both_differ(const Capture &c, const std::vector<std::size_t> &first) {
   return both / static_cast<double>(first.size() - 1);
 }
 
-} // namespace
+/// Whether a reference that is held goes on by steps of many sizes: one of few lines waits for the
+/// next of them, whatever the time, and its steps are alike.
+bool steps_differ(const Capture &c, const std::vector<std::size_t> &first) {
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < first.size(); ++k)
+    steps.push_back(
+        std::abs(wrap_centred(c.reference_deg[first[k]] - c.reference_deg[first[k] - 1], 360.0)));
+  return quantile(steps, 1.0 - criteria::kFewSteps) >
+         criteria::kStepsDiffer * quantile(steps, criteria::kFewSteps);
+}
 
-std::optional<FreshReadings> fresh_readings(const Capture &capture) {
-  const std::vector<std::size_t> first = first_rows(capture);
-  if (first.size() < criteria::kFewestHeld ||
-      static_cast<double>(capture.size()) <
-          criteria::kRowsHeld * static_cast<double>(first.size()) ||
-      !held_evenly(first) || both_differ(capture, first) < criteria::kBothDiffer)
-    return std::nullopt;
+bool held(const Capture &capture, const std::vector<std::size_t> &first) {
+  return first.size() >= criteria::kFewestHeld &&
+         static_cast<double>(capture.size()) >=
+             criteria::kRowsHeld * static_cast<double>(first.size()) &&
+         held_evenly(first);
+}
+
+/// The rows `first` of a capture.
+FreshReadings only(const Capture &capture, const std::vector<std::size_t> &first) {
   FreshReadings out;
   out.rows_a_reading = static_cast<double>(capture.size()) / static_cast<double>(first.size());
   Capture &fresh = out.capture;
@@ -81,6 +98,22 @@ std::optional<FreshReadings> fresh_readings(const Capture &capture) {
     fresh.starts.push_back(place(i));
   for (std::size_t i : capture.gaps)
     fresh.gaps.push_back(place(i));
+  return out;
+}
+
+} // namespace
+
+std::optional<FreshReadings> fresh_readings(const Capture &capture) {
+  const std::vector<std::size_t> of_pair = first_rows(capture, {&capture.vsin_v, &capture.vcos_v});
+  if (held(capture, of_pair) && both_differ(capture, of_pair) >= criteria::kBothDiffer)
+    return only(capture, of_pair);
+  if (!capture.has_reference())
+    return std::nullopt;
+  const std::vector<std::size_t> of_reference = first_rows(capture, {&capture.reference_deg});
+  if (!held(capture, of_reference) || !steps_differ(capture, of_reference))
+    return std::nullopt;
+  FreshReadings out = only(capture, of_reference);
+  out.of_reference = true;
   return out;
 }
 

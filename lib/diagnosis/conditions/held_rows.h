@@ -14,11 +14,13 @@ namespace ada {
 struct FreshReadings {
   Capture capture;             ///< the first row of each reading
   double rows_a_reading = 1.0; ///< mean
+  bool of_reference = false;   ///< of the reference alone: the pair goes on between them
 };
 
 /// The readings of a capture that holds each pair for the same number of rows, or for two numbers next
 /// to each other; nothing where rows are readings. A coarse converter before a slow shaft repeats
-/// values as well, but not evenly, and one channel at a time.
+/// values as well, but not evenly, and one channel at a time. A reference that is read less often than
+/// the pair trails it in the same way: the rows in which it is fresh are the readings.
 std::optional<FreshReadings> fresh_readings(const Capture &capture);
 
 } // namespace ada

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Benches whose reference plays, jumps, is read too seldom or is driven by a gear; and shapes of which
+// nobody can say whose they are.
+
+#include <cmath>
+
+#include "bench.h"
+#include "diagnosis/conditions/held_rows.h"
+
+namespace ada::test {
+namespace {
+
+/// A shaft that turns at three speeds, one of them backwards, about a second each.
+std::function<double(double)> three_speeds(Bench &bench, double seconds) {
+  const double a = bench.within(0.7, 1.2), b = -bench.within(1.6, 2.4), c = bench.within(3.0, 4.0);
+  const double third = seconds / 3.0;
+  return [=](double t) {
+    double turns = a * std::min(t, third);
+    if (t > third)
+      turns += b * std::min(t - third, third);
+    if (t > 2.0 * third)
+      turns += c * (t - 2.0 * third);
+    return kTwoPi * turns;
+  };
+}
+
+KIND(a_reference_that_is_read_less_often_than_the_pair_is_read_where_it_is_fresh) {
+  Bench bench;
+  Capture c = bench.capture(12000, 1000.0, 2, three_speeds(bench, 12.0));
+  const auto rows = static_cast<std::size_t>(bench.within(5.0, 15.99));
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = c.reference_deg[i - i % rows];
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  EXPECT_TRUE(d.held_reference);
+  EXPECT_EQ(d.findings.size(), 2u) << names(d);
+  EXPECT_EQ(d.verdict, Verdict::explained);
+}
+
+TEST(HeldRows, ACoarseEncoderIsReadInEveryRow) {
+  Bench bench;
+  for (const bool steady : {true, false}) {
+    const double hz = bench.within(0.3, 0.6);
+    const auto angle = steady ? wandering(bench, hz, 0.0, 1.0) : three_speeds(bench, 12.0);
+    Capture c = bench.capture(12000, 1000.0, 2, angle);
+    const double step = 360.0 / std::floor(bench.within(90.0, 720.0));
+    for (double &r : c.reference_deg)
+      r = step * std::floor(r / step);
+    EXPECT_FALSE(fresh_readings(c)) << step;
+  }
+}
+
+KIND(a_reference_that_plays_bends_neither_mismatch_nor_quadrature) {
+  Bench bench;
+  Capture c = bench.capture(16000, 500.0, 2, [&](double t) {
+    const double period = t < 16.0 ? 8.0 : 3.2; // s, there and back
+    const double x = t / period - std::floor(t / period);
+    return kTwoPi * 0.55 * (1.0 - std::abs(2.0 * x - 1.0));
+  });
+  const double play = bench.within(0.2, 0.6);
+  double at = c.reference_deg.front();
+  for (double &r : c.reference_deg) {
+    at = std::clamp(at, r - 0.5 * play, r + 0.5 * play);
+    r = wrap(at, 360.0);
+  }
+  expect_pair(diagnose(c, {}), bench.pair);
+}
+
+KIND(a_reference_that_loses_its_index_bends_neither_mismatch_nor_quadrature) {
+  Bench bench;
+  Capture c = bench.capture(14000, 1000.0, 1, three_speeds(bench, 14.0));
+  double lost = 0.0;
+  std::size_t next = 2000;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    if (i == next) {
+      lost += bench.within(1.0, 3.0);
+      next += static_cast<std::size_t>(bench.within(1500.0, 3000.0));
+    }
+    c.reference_deg[i] = wrap(c.reference_deg[i] + lost, 360.0);
+  }
+  expect_pair(diagnose(c, {}), bench.pair, 5e-4);
+}
+
+KIND(the_order_of_a_gear_is_known_to_its_error) {
+  Bench bench;
+  const double hz = bench.within(2.0, 4.0), order = std::floor(bench.within(3.0, 9.0)) +
+                                                    bench.within(0.2, 0.8);
+  const auto turned = wandering(bench, hz, 0.2, 0.1);
+  Capture c = bench.capture(15000, 1000.0, 2, turned);
+  const double size = bench.within(0.1, 0.5), phase = bench.within(0.0, kTwoPi);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] =
+        wrap(c.reference_deg[i] + size * std::sin(order * turned(c.time_s[i]) + phase), 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  EXPECT_EQ(d.findings.size(), 3u) << names(d);
+  EXPECT_EQ(d.verdict, Verdict::explained);
+  const Finding *gear = named(d, "reference-harmonic");
+  ASSERT_TRUE(gear) << names(d);
+  ASSERT_GT(gear->std_errors[0], 0.0);
+  EXPECT_NEAR(gear->values[0], order, 4.0 * gear->std_errors[0]);
+  EXPECT_NEAR(gear->values[1], size, 4.0 * gear->std_errors[1]);
+}
+
+KIND(a_line_encoder_that_speeds_up_behind_a_low_pass_holds_to_the_end_of_the_record) {
+  Bench bench;
+  const int lines = static_cast<int>(bench.within(64.0, 257.0));
+  const double seconds = 0.6, from = 100.0 / lines, to = bench.within(2000.0, 3500.0) / lines,
+               corner = bench.within(4000.0, 7000.0), slope = (to - from) / seconds;
+  // What a filter of first order makes of a sine whose frequency changes slowly against it.
+  const auto lag = [&](double t) { return std::atan(lines * (from + slope * t) / corner); };
+  Capture c = bench.capture(24000, 40000.0, lines, [&](double t) {
+    return kTwoPi * (from * t + 0.5 * slope * t * t) - lag(t) / lines;
+  });
+  bench.pair.noise_v = 0.0;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double gain = std::cos(lag(c.time_s[i]));
+    c.vsin_v[i] = 2.5 + gain * (c.vsin_v[i] - 2.5);
+    c.vcos_v[i] = 2.5 + gain * (c.vcos_v[i] - 2.5);
+  }
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *low_pass = named(d, "low-pass-rolloff");
+  ASSERT_TRUE(low_pass) << names(d);
+  EXPECT_NEAR(low_pass->values[0], corner, 5e-3 * corner);
+  EXPECT_EQ(d.verdict, Verdict::explained);
+}
+
+KIND(readings_at_random_times_make_no_wrong_rows_of_the_reference) {
+  Bench bench;
+  const auto turned = three_speeds(bench, 12.0);
+  const double jitter = bench.within(2e-4, 5e-4);
+  std::mt19937_64 rng(fresh_seed());
+  std::normal_distribution<> late(0.0, jitter);
+  const Capture c = bench.capture(12000, 1000.0, 2, [&](double t) { return turned(t); });
+  Capture jittered = c;
+  for (std::size_t i = 0; i < c.size(); ++i)
+    jittered.reference_deg[i] = wrap(turned(c.time_s[i] + late(rng)) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(jittered, {});
+  expect_pair(d, bench.pair);
+  for (const Structure &s : d.structure)
+    EXPECT_EQ(s.description.find("the reference alone is wrong"), std::string::npos)
+        << s.description;
+}
+
+/// With one period a turn, harmonics that the two channels do not share may be taken for a sensor beside
+/// its axis, which then takes a part of the mismatch. The errors must hold the truth either way.
+KIND(a_third_harmonic_of_either_channel_is_within_the_errors) {
+  Bench bench;
+  const auto turned = three_speeds(bench, 12.0);
+  Capture c = bench.capture(10000, 833.0, 1, turned);
+  const double in_sin = bench.within(0.01, 0.025), in_cos = bench.within(-0.008, 0.008);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double psi = turned(c.time_s[i]) + bench.pair.zero_rad;
+    c.vsin_v[i] += in_sin * bench.pair.amplitude_v * std::sin(3.0 * psi);
+    c.vcos_v[i] += in_cos * bench.pair.amplitude_v * std::cos(3.0 * psi);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
+  ASSERT_TRUE(k && delta) << names(d);
+  const double second_order = 2e-3 * std::abs(bench.pair.k); // of the two ways to write a gain
+  EXPECT_NEAR(k->values[0], bench.pair.k, 3.0 * k->std_errors[0] + second_order);
+  EXPECT_NEAR(delta->values[0] * kRadPerDeg, bench.pair.delta_rad,
+              3.0 * delta->std_errors[0] * kRadPerDeg + 2e-3 * std::abs(bench.pair.delta_rad));
+}
+
+} // namespace
+} // namespace ada::test
