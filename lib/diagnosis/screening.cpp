@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <limits>
 #include <optional>
 
@@ -134,9 +135,9 @@ void angle_of_curve(Screened &look) {
   unwrap_believed(look);
 }
 
-/// Sample-to-sample noise from differences, in which slow signals vanish: the higher their order
-/// the better, while white noise is the same in all. The least of three orders.
-double white_noise(const Screened &look) {
+/// Sample-to-sample noise of a channel from differences, in which slow signals vanish: the higher
+/// their order the better, while white noise is the same in all. The least of three orders.
+double white_noise_of(const std::vector<double> &v, const std::vector<char> &usable) {
   double least = kInfinite;
   for (const std::vector<double> &weights :
        {std::vector<double>{1, -3, 3, -1}, std::vector<double>{1, -5, 10, -10, 5, -1},
@@ -146,19 +147,25 @@ double white_noise(const Screened &look) {
     for (double w : weights)
       norm2 += w * w;
     std::vector<double> d;
-    for (const auto *v : {&look.capture.vsin_v, &look.capture.vcos_v})
-      for (std::size_t i = reach; i < v->size(); ++i) {
-        if (!look.usable[i] || !look.usable[i - reach])
-          continue;
-        double sum = 0.0;
-        for (std::size_t k = 0; k <= reach; ++k)
-          sum += weights[k] * (*v)[i - k];
-        d.push_back(std::abs(sum));
-      }
+    for (std::size_t i = reach; i < v.size(); ++i) {
+      if (!usable[i] || !usable[i - reach])
+        continue;
+      double sum = 0.0;
+      for (std::size_t k = 0; k <= reach; ++k)
+        sum += weights[k] * v[i - k];
+      d.push_back(std::abs(sum));
+    }
     if (!d.empty())
       least = std::min(least, 1.4826 * quantile(std::move(d), 0.5) / std::sqrt(norm2));
   }
   return least < kInfinite ? least : 0.0;
+}
+
+/// Of a channel, rms of both: one of them may be the noisier.
+double white_noise(const Screened &look) {
+  return std::hypot(white_noise_of(look.capture.vsin_v, look.usable),
+                    white_noise_of(look.capture.vcos_v, look.usable)) /
+         std::numbers::sqrt2;
 }
 
 /// Residual of a channel against harmonics of the angle: what a first look can take for granted.

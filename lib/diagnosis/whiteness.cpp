@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <span>
 
@@ -29,6 +30,8 @@ struct Components {
   std::vector<double> of[4];
   std::vector<double> cos2, sin2; ///< of twice the electrical angle
   std::vector<int> judged; ///< without a reference only the radius is no matter of the motion
+  /// Noise of each from sample to sample over that of a channel in the mean.
+  double noise[4] = {1.0, 1.0, 1.0, 1.0};
 };
 
 Components components(const Scene &scene, const ResidualColumns &r) {
@@ -49,6 +52,13 @@ Components components(const Scene &scene, const ResidualColumns &r) {
     out.of[2][i] = (r.cos[i] * c + r.sin[i] * s) * inverse;
     out.of[3][i] = (r.sin[i] * c - r.cos[i] * s) * inverse;
   }
+  double own[4];
+  for (int k = 0; k < 4; ++k)
+    own[k] = noise_between(out.of[k]);
+  const double mean = std::hypot(own[0], own[1]) / std::numbers::sqrt2;
+  for (int k : out.judged)
+    if (k < 2 && mean > 0.0 && own[k] > 0.0)
+      out.noise[k] = own[k] / mean;
   return out;
 }
 
@@ -182,7 +192,7 @@ void report_bins(const Components &parts, const std::vector<int> &bin, int bins,
   int best = -1;
   BinTest strongest{0.0, 0.0};
   for (int k : parts.judged) {
-    const BinTest t = test_bins(parts.of[k], bin, bins, sigma);
+    const BinTest t = test_bins(parts.of[k], bin, bins, sigma * parts.noise[k]);
     if (t.z > 8.0 && t.rms_v > least && t.rms_v > strongest.rms_v) {
       strongest = t;
       best = k;
@@ -296,7 +306,9 @@ public:
   }
 
 private:
-  static constexpr double kLeastOfMean = 0.2; ///< a few wild samples must not make it vanish
+  /// Of the mean power: a channel with a tenth of the noise of the other. Standard errors of a law
+  /// below which it is not known to be more than nothing.
+  static constexpr double kLeastOfMean = 0.01, kErrors = 4.0;
   using Row = Eigen::Vector4d;
 
   double square(int component, std::size_t i) const {
@@ -321,7 +333,8 @@ private:
     return normal.ldlt().solve(right);
   }
   double at(const Row &of, std::size_t i) const {
-    return std::max({of.dot(row(i)), kLeastOfMean * of[0], 1e-300});
+    const double known = kErrors / std::sqrt(static_cast<double>(parts_.cos2.size()));
+    return std::max({of.dot(row(i)), std::max(kLeastOfMean, known) * of[0], 1e-300});
   }
 
   const Observations &data_;

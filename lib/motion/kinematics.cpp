@@ -514,7 +514,7 @@ std::vector<signed char> senses_of(std::span<const double> alpha) {
     }
     begun = begun || at > sense * alpha.front() + back;
     furthest = std::max(furthest, at);
-    if (at > furthest - 0.5 * back)
+    if (at >= furthest - 0.5 * back) // of an exact angle the two may be one number
       left = i + 1;
     out[i] = sense;
   }

@@ -147,4 +147,18 @@ TEST(SmoothMotion, what_is_rough_everywhere_is_not_left_out) {
 }
 
 } // namespace
+TEST(Senses, of_an_exact_angle_turn_at_each_reversal_however_far_it_is) {
+  // Without any noise, and so far out that neighbours of the furthest angle are rounded to it.
+  std::vector<double> alpha;
+  constexpr std::size_t kLeg = 3000;
+  for (std::size_t i = 0; i < 6 * kLeg; ++i) {
+    const auto leg = i / kLeg, at = i % kLeg;
+    alpha.push_back(1e-2 * static_cast<double>(leg % 2 == 0 ? at : kLeg - at) + 20.0);
+  }
+  const std::vector<signed char> sense = ada::senses_of(alpha);
+  for (std::size_t i = 0; i < alpha.size(); ++i)
+    if (i % kLeg > 2 && i % kLeg + 2 < kLeg)
+      ASSERT_EQ(sense[i], i / kLeg % 2 == 0 ? 1 : -1) << i;
+}
+
 } // namespace ada::test
