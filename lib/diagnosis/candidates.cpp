@@ -19,14 +19,6 @@ namespace {
 /// name of something else.
 constexpr std::ptrdiff_t kMostOfOne = 3;
 
-/// Effects that a model may hold more than once: each with another order, moment or frequency.
-bool may_repeat(const Effect &effect) {
-  for (const ParameterInfo &p : effect.info().parameters)
-    if (p.name == "order" || p.name == "frequency_hz")
-      return true;
-  return false;
-}
-
 bool same_choice(const EffectInstance &a, const Effect &effect, const std::vector<double> &values) {
   if (a.effect != &effect)
     return false;
@@ -78,7 +70,7 @@ std::vector<Variant> variants(const Scene &scene, const Residual &residual, cons
       continue;
     const auto present = std::count_if(model.effects.begin(), model.effects.end(),
                                        [&](const EffectInstance &e) { return e.effect == effect; });
-    if (present >= (may_repeat(*effect) ? kMostOfOne : 1))
+    if (present >= (effect->info().repeats ? kMostOfOne : 1))
       continue;
     const bool absent = effect->info().stage == Stage::record && !scene.has_reference;
     if (absent || (!tried.invisible && !effect->invisible(residual).empty()))
