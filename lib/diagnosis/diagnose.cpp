@@ -859,6 +859,10 @@ private:
         out_.structure.push_back(std::move(step));
     const double least = std::max(criteria::kWorthAWord * noise, criteria::kOfProcess * motion_v());
     for (BudgetLine line : out_.budget) {
+      // How a supply that is only inferred goes with the time is its own affair.
+      if (found_.disturbed == Direction::supply &&
+          (line.axis == Axis::time || line.axis == Axis::frequency))
+        continue;
       if (line.axis == Axis::time) // the steps have sentences of their own
         line.unnamed_rms_v =
             std::sqrt(std::max(0.0, line.unnamed_rms_v * line.unnamed_rms_v - steps_v2));

@@ -395,7 +395,8 @@ Unnamed unnamed_beside(const Scene &scene, const Parts &parts, const Model &mode
 namespace {
 
 /// Whether a supply that is not recorded leaves nothing but noise across it, and held-out data are
-/// likelier with it, which takes in a direction at every moment, than with whatever has no name.
+/// likelier with it, which takes in a direction at every moment, than with whatever has no name and
+/// does not go with the time: how the supply goes with the time, as a tone or slowly, is its own affair.
 bool is_likelier_as_supply(const Scene &scene, const Parts &parts, const SearchResult &found,
                            double noise_v) {
   if (found.disturbed != Direction::supply)
@@ -408,7 +409,8 @@ bool is_likelier_as_supply(const Scene &scene, const Parts &parts, const SearchR
   if (with.residual_rms_v * with.residual_rms_v > criteria::kClean * noise * noise)
     return false;
   return with.log_likelihood >
-         quality_with(anonymous_of(scene, parts, model), parts, model).log_likelihood;
+         quality_with(anonymous_of(scene, parts, model, {.over_time = false}), parts, model)
+             .log_likelihood;
 }
 
 } // namespace
