@@ -15,6 +15,7 @@
 
 #include "acquisition/scan_format.h"
 #include "base/error.h"
+#include "base/untouched.h"
 
 namespace ada {
 
@@ -47,6 +48,9 @@ public:
   /// not wait (-EAGAIN), on others it waits for a whole buffer.
   virtual std::ptrdiff_t refill() = 0;
   virtual const std::byte *data() const = 0;
+  /// Gives what is at data() away against another piece of memory, without a copy; false where a
+  /// buffer cannot.
+  virtual bool exchange(UntouchedBytes &) { return false; }
   /// Fd to poll for input; negative where the backend has none (network, USB).
   virtual int poll_fd() const = 0;
   /// Layout of the frames of the last refill: one offset a channel as given to create_buffer.

@@ -4,6 +4,9 @@
 #include "acquisition/iio_source.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
 #include <ctime>
 
 #include "acquisition/capture_stream.h"
@@ -31,6 +34,23 @@ std::int64_t own_clock_ns() {
   return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
+std::optional<RawForm> raw_form_of(const OpenedDevice &opened) {
+  if (!opened.timestamp)
+    return std::nullopt;
+  const auto &[stamp, element] = *opened.timestamp;
+  if (stamp.format() != ScanFormat{.bits = 64,
+                                   .storage = 64,
+                                   .is_signed = true,
+                                   .big_endian = std::endian::native == std::endian::big})
+    return std::nullopt;
+  const FrameLayout layout = compute_layout(opened.formats);
+  RawForm out{{}, layout.offsets[element], layout.frame_bytes};
+  for (const Signal &signal : opened.signals)
+    out.channels.push_back({signal.target, signal.decoder.format(), signal.decoder.scale(),
+                            layout.offsets[signal.element]});
+  return out;
+}
+
 std::string with_hint(const Error &e, const std::string &uri) {
   return e.what() + (e.status() == ADA4571_ERROR_PERMISSION ? permission_hint(uri) : "");
 }
@@ -38,7 +58,8 @@ std::string with_hint(const Error &e, const std::string &uri) {
 class IioSourceImpl final : public IioSource {
 public:
   explicit IioSourceImpl(const IioSourceOptions &options)
-      : options_(options), opened_(open_iio_device(options)), clock_(opened_.info.sample_rate_hz) {
+      : options_(options), opened_(open_iio_device(options)), raw_form_(raw_form_of(opened_)),
+        clock_(opened_.info.sample_rate_hz) {
     opened_.info.buffer_frames = buffer_frames(opened_, options_);
   }
 
@@ -49,6 +70,8 @@ public:
 
   void start() override;
   ReadResult read(std::span<Frame> out, milliseconds timeout) override;
+  const std::optional<RawForm> &raw_form() const override { return raw_form_; }
+  ReadOutcome read_raw(std::size_t most, milliseconds timeout, RawFrames &out) override;
   int poll_fd() override;
   void cancel() noexcept override;
   void stop() noexcept override;
@@ -67,14 +90,22 @@ private:
     WakeUp again;
   };
 
-  ReadResult read_frames(std::span<Frame> out, milliseconds timeout);
+  /// Waits until `take`, which is called for what is in hand, has taken some.
+  template <class Take> ReadOutcome read_until(Take take, milliseconds timeout);
+  template <class Take> ReadOutcome wait_until(Take take, milliseconds timeout);
   void reopen_after_loss();
   std::unique_ptr<CaptureStream> make_stream();
   std::size_t convert(std::span<Frame> out);
   void convert_piece(std::span<const std::byte> bytes, std::span<Frame> out);
+  bool take_raw(std::size_t most, RawFrames &out);
+  std::span<const std::byte> in_raw_form(std::span<const std::byte> bytes);
 
   IioSourceOptions options_;
   OpenedDevice opened_;
+  std::optional<RawForm> raw_form_;
+  std::vector<std::int64_t> times_ns_; ///< of raw frames whose timestamps do not tell
+  FrameLayout raw_layout_;             ///< of raw_form_
+  std::vector<std::byte> rearranged_;  ///< raw frames, where a server sends further channels
   SampleClock clock_;
   FrameAssembler assembler_;
   FrameLayout layout_;        ///< of the block in hand
@@ -127,6 +158,7 @@ void IioSourceImpl::reopen_after_loss() {
   try {
     opened_ = open_iio_device(options_, &cancellation_);
     opened_.info.buffer_frames = buffer_frames(opened_, options_);
+    raw_form_ = raw_form_of(opened_);
   } catch (const Error &e) {
     const bool away = e.status() == ADA4571_ERROR_NOT_FOUND;
     throw Error(away ? ADA4571_ERROR_DISCONNECTED : e.status(), e.what());
@@ -145,6 +177,9 @@ void IioSourceImpl::start() {
     clock_ = SampleClock(opened_.info.sample_rate_hz);
     layout_ = compute_layout(opened_.formats);
     assembler_.reset(layout_.frame_bytes);
+    raw_layout_ = layout_;
+    if (raw_form_)
+      times_ns_.reserve(opened_.info.buffer_frames);
     stream_ = make_stream();
     opened_.rate_before.reset(); // it is in use
     if (loop_)
@@ -180,42 +215,58 @@ int IioSourceImpl::poll_fd() {
 }
 
 ReadResult IioSourceImpl::read(std::span<Frame> out, milliseconds timeout) {
+  if (out.empty())
+    throw Error(ADA4571_ERROR_INVALID_ARGUMENT, "room for at least one frame is needed");
+  std::size_t count = 0;
+  const auto take = [&] { return (count = convert(out)) > 0; };
+  const ReadOutcome outcome = read_until(take, timeout);
+  return {outcome, count};
+}
+
+ReadOutcome IioSourceImpl::read_raw(std::size_t most, milliseconds timeout, RawFrames &out) {
+  if (!raw_form_)
+    throw Error(ADA4571_ERROR_UNSUPPORTED, display_name(opened_.device) +
+                                               " has no timestamps of 64 bits: its frames have to "
+                                               "be read one by one");
+  out = {};
+  return read_until([&] { return take_raw(most, out); }, timeout);
+}
+
+template <class Take> ReadOutcome IioSourceImpl::read_until(Take take, milliseconds timeout) {
   if (!loop_)
-    return read_frames(out, timeout);
+    return wait_until(take, timeout);
   try {
-    const ReadResult result = read_frames(out, timeout);
-    if (result.outcome == ReadOutcome::timeout)
+    const ReadOutcome outcome = wait_until(take, timeout);
+    if (outcome == ReadOutcome::timeout)
       loop_->again.clear();
     else
       loop_->again.ring();
-    return result;
+    return outcome;
   } catch (...) {
     loop_->again.ring();
     throw;
   }
 }
 
-ReadResult IioSourceImpl::read_frames(std::span<Frame> out, milliseconds timeout) {
+template <class Take> ReadOutcome IioSourceImpl::wait_until(Take take, milliseconds timeout) {
   if (cancellation_.raised())
-    return {ReadOutcome::cancelled, 0};
+    return ReadOutcome::cancelled;
   if (!stream_)
     throw Error(ADA4571_ERROR_STATE, "the source is not started");
-  if (out.empty())
-    throw Error(ADA4571_ERROR_INVALID_ARGUMENT, "room for at least one frame is needed");
   const auto deadline =
       timeout < milliseconds(0) ? Clock::time_point::max() : Clock::now() + timeout;
   try {
     for (;;) {
-      if (const std::size_t n = convert(out); n > 0)
-        return {ReadOutcome::frames, n};
+      if (take())
+        return ReadOutcome::frames;
       CaptureBlock block;
       switch (stream_->next(block, deadline)) {
       case CaptureStream::Event::cancelled:
-        return {ReadOutcome::cancelled, 0};
+        return ReadOutcome::cancelled;
       case CaptureStream::Event::timeout:
-        return {ReadOutcome::timeout, 0};
+        return ReadOutcome::timeout;
       case CaptureStream::Event::end:
-        return {ReadOutcome::end, 0};
+        return ReadOutcome::end;
       case CaptureStream::Event::data:
         if (block.layout->frame_bytes != layout_.frame_bytes ||
             block.layout->offsets != layout_.offsets) {
@@ -262,6 +313,46 @@ void IioSourceImpl::convert_piece(std::span<const std::byte> bytes, std::span<Fr
   const std::byte *at = bytes.data() + layout_.offsets[element];
   for (std::size_t i = 0; i < out.size(); ++i, at += stride)
     out[i].time_s = clock_.accept(decoder.raw(at), block_ns_);
+}
+
+/// What every raw frame costs is in here, so there is no work a sample.
+bool IioSourceImpl::take_raw(std::size_t most, RawFrames &out) {
+  const auto bytes = assembler_.take(most);
+  if (bytes.empty())
+    return false;
+  out.form = &*raw_form_;
+  out.count = bytes.size() / layout_.frame_bytes;
+  out.bytes = in_raw_form(bytes);
+  const std::byte *const stamps = out.bytes.data() + raw_form_->timestamp_byte;
+  if (const auto origin = clock_.accept_even(stamps, raw_form_->frame_bytes, out.count)) {
+    out.origin_ns = *origin;
+    out.longest_step_ns = clock_.longest_even_step_ns();
+    return true;
+  }
+  constexpr double kNanoseconds = 1e9;
+  times_ns_.resize(out.count);
+  for (std::size_t i = 0; i < out.count; ++i)
+    times_ns_[i] = std::llround(clock_.accept(out.timestamp(i), block_ns_) * kNanoseconds);
+  out.times_ns = times_ns_;
+  out.origin_ns = static_cast<std::int64_t>(static_cast<std::uint64_t>(out.timestamp(0)) -
+                                            static_cast<std::uint64_t>(times_ns_[0]));
+  return true;
+}
+
+/// Of a server that sends what other clients want as well, only what is ours.
+std::span<const std::byte> IioSourceImpl::in_raw_form(std::span<const std::byte> bytes) {
+  const FrameLayout &ours = raw_layout_;
+  if (ours.frame_bytes == layout_.frame_bytes && ours.offsets == layout_.offsets)
+    return bytes;
+  const std::size_t count = bytes.size() / layout_.frame_bytes;
+  rearranged_.assign(count * ours.frame_bytes, std::byte{});
+  for (std::size_t e = 0; e < opened_.formats.size(); ++e) {
+    const std::byte *from = bytes.data() + layout_.offsets[e];
+    std::byte *to = rearranged_.data() + ours.offsets[e];
+    for (std::size_t i = 0; i < count; ++i, from += layout_.frame_bytes, to += ours.frame_bytes)
+      std::memcpy(to, from, opened_.formats[e].element_bytes());
+  }
+  return rearranged_;
 }
 
 DriverCalibration IioSourceImpl::read_driver_calibration() {

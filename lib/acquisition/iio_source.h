@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "acquisition/channel_choice.h"
+#include "acquisition/raw_frames.h"
 #include "acquisition/source.h"
 
 namespace ada {
@@ -45,6 +46,12 @@ public:
   /// Writes the values that are there; all or nothing as far as the kernel allows: a refusal puts
   /// back what was written before it and throws with the kernel's reason.
   virtual void write_driver_calibration(const DriverCalibration &calibration) = 0;
+  /// How the device's own integers lie in its frames, where a recording can keep them: they have
+  /// timestamps, and no value is beyond what a capture may hold.
+  virtual const std::optional<RawForm> &raw_form() const = 0;
+  /// As read(), without a sample converted; UNSUPPORTED where there is no raw_form().
+  virtual ReadOutcome read_raw(std::size_t most, std::chrono::milliseconds timeout,
+                               RawFrames &out) = 0;
   /// What was asked for, with device and channels as found, for a stored configuration.
   virtual IioSourceOptions resolved_options() const = 0;
 };

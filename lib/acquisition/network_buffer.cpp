@@ -72,6 +72,12 @@ public:
   }
 
   const std::byte *data() const override { return bytes_.data(); }
+  bool exchange(UntouchedBytes &other) override {
+    if (other.size() != bytes_.size())
+      other.resize(bytes_.size());
+    bytes_.swap(other);
+    return true;
+  }
   int poll_fd() const override { return -1; }
   void cancel() noexcept override { connection_.cancel(); }
   const FrameLayout &layout() override { return layout_; }
@@ -116,7 +122,7 @@ private:
   std::vector<ScanFormat> formats_;
   std::vector<long> indices_;
   ServerConnection connection_;
-  std::vector<std::byte> bytes_;
+  UntouchedBytes bytes_;
   std::vector<unsigned> mask_, seen_, laid_out_; ///< what was asked for, came last, layout_ is of
   std::vector<std::byte> mask_text_;
   std::string read_command_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <span>
 
@@ -19,6 +20,12 @@ constexpr double kPeriodGain = 0.005;
 
 /// A loss may be taken back by the next few frames only.
 constexpr unsigned kTakeBackFrames = 32;
+
+/// Steps of even timestamps differ by so much of a period at most. The loop, which takes back a
+/// tenth of its error a frame, is then never a third of a period off: it would count no loss.
+constexpr double kEven = 0.03;
+constexpr double kEvenAtFirst = 0.15;
+constexpr double kLongestEven_ns = 1e9;
 
 /// How far timestamps may run ahead of this machine's clock: buffers and slow lines deliver late,
 /// and then much at once, but not by minutes.
@@ -93,6 +100,45 @@ double SampleClock::accept(std::int64_t timestamp_ns, std::optional<std::int64_t
   return latest_ns_ * 1e-9;
 }
 
+std::int64_t SampleClock::longest_even_step_ns() const {
+  return static_cast<std::int64_t>((1.0 + kEven) * period_ns_);
+}
+
+std::optional<std::int64_t> SampleClock::accept_even(const std::byte *first, std::size_t stride,
+                                                     std::size_t count) {
+  if (count < kLearn || frames_ < kLearn || since_loss_ <= kTakeBackFrames ||
+      !(period_ns_ > 0.0 && period_ns_ < kLongestEven_ns) ||
+      latest_ns_ > static_cast<double>(elapsed_ns_) ||
+      elapsed_ns_ > std::numeric_limits<std::int64_t>::max() / 2)
+    return std::nullopt;
+  const auto shortest = static_cast<std::uint64_t>(std::ceil((1.0 - kEven) * period_ns_));
+  const std::uint64_t range = static_cast<std::uint64_t>(longest_even_step_ns()) - shortest;
+  std::uint64_t last = static_cast<std::uint64_t>(last_ns_);
+  bool uneven = false;
+  for (std::size_t i = 0; i < count; ++i, first += stride) {
+    std::uint64_t stamp; // unsigned, as a broken device may send anything
+    std::memcpy(&stamp, first, sizeof stamp);
+    uneven |= stamp - last - shortest > range;
+    last = stamp;
+  }
+  const std::int64_t origin = static_cast<std::int64_t>(static_cast<std::uint64_t>(last_ns_) -
+                                                        static_cast<std::uint64_t>(elapsed_ns_));
+  const double mean =
+      static_cast<double>(last - static_cast<std::uint64_t>(last_ns_)) / static_cast<double>(count);
+  // Where the loop expected them the first one is near.
+  const double error = (static_cast<double>(elapsed_ns_) + mean - expected_ns_) / period_ns_;
+  if (uneven || std::abs(error) > kEvenAtFirst)
+    return std::nullopt;
+  elapsed_ns_ += static_cast<std::int64_t>(last - static_cast<std::uint64_t>(last_ns_));
+  last_ns_ = static_cast<std::int64_t>(last);
+  latest_ns_ = static_cast<double>(elapsed_ns_);
+  frames_ += count;
+  repeats_ = 0;
+  period_ns_ = mean;
+  expected_ns_ = latest_ns_ + mean;
+  return origin;
+}
+
 /// The step of the timestamps, or a period in its place.
 std::int64_t SampleClock::believed_step(std::int64_t step, std::optional<std::int64_t> own_ns) {
   const std::int64_t room = std::numeric_limits<std::int64_t>::max() - elapsed_ns_;
@@ -136,7 +182,7 @@ void SampleClock::track(std::int64_t elapsed, std::int64_t previous) {
     return;
   }
   double error = (static_cast<double>(elapsed) - expected_ns_) / period_ns_;
-  ++since_loss_;
+  since_loss_ = std::min(since_loss_ + 1, kTakeBackFrames + 1);
   if (error > 0.5) {
     const double missing = std::round(error);
     count_loss(static_cast<std::int64_t>(missing));

@@ -38,6 +38,15 @@ public:
   /// came, by a clock of this machine that counts sleep and is never set.
   double accept(std::int64_t timestamp_ns, std::optional<std::int64_t> own_ns = std::nullopt);
 
+  /// The same for many frames at once, whose timestamps (words of this machine, `stride` bytes
+  /// apart) go on so evenly that none is missing between them and none is doubtful: each is by as
+  /// much after the first frame as its timestamp is after the result. Where they do not, or too
+  /// little is known yet, nothing is taken.
+  std::optional<std::int64_t> accept_even(const std::byte *first, std::size_t stride,
+                                          std::size_t count);
+  /// What accept_even() takes no step of timestamps beyond.
+  std::int64_t longest_even_step_ns() const;
+
   /// For a device without timestamps: seconds by the nominal rate.
   double accept_untimed();
 

@@ -47,6 +47,8 @@ void validate(const ScanFormat &format, std::string_view channel);
 struct LinearScale {
   double offset = 0.0;
   double scale_v = 1.0;
+
+  bool operator==(const LinearScale &) const = default;
 };
 
 /// Byte offsets of the elements of one frame and the bytes of the frame. The kernel aligns each

@@ -35,9 +35,13 @@ public:
                  milliseconds timeout, std::size_t block_bytes, std::size_t blocks,
                  std::string name)
       : cancellation_(cancellation), factory_(std::move(factory)), frames_(frames),
-        timeout_(timeout), name_(std::move(name)), slots_(std::max<std::size_t>(blocks, 2)) {
+        timeout_(timeout), name_(std::move(name)), slots_(std::max<std::size_t>(blocks, 2)),
+        ring_(slots_.size()) {
     for (Slot &slot : slots_)
       slot.bytes.resize(block_bytes);
+    free_.reserve(slots_.size());
+    for (std::size_t i = slots_.size(); i-- > 0;)
+      free_.push_back(i);
     buffer_ = factory_(frames_, timeout_,
                        cancellation_); // in the caller's thread, so that it sees the error
     thread_ = std::thread([this] { run(); });
@@ -72,7 +76,7 @@ public:
         return Event::cancelled;
       const bool ended = ended_.load(); // before the look at the ring: its last blocks count
       if (const std::size_t taken = taken_.load(); filled_.load() != taken) {
-        const Slot &slot = slots_[taken % slots_.size()];
+        const Slot &slot = slots_[ring_[taken % ring_.size()]];
         block = {std::span(slot.bytes).first(slot.used), &slot.layout};
         lent_ = true;
         return Event::data;
@@ -91,7 +95,7 @@ public:
 
 private:
   struct Slot {
-    std::vector<std::byte> bytes;
+    UntouchedBytes bytes;
     std::size_t used = 0;
     FrameLayout layout;
   };
@@ -169,17 +173,23 @@ private:
   /// frames, and the timestamps tell.
   void push(std::size_t n) {
     const std::size_t filled = filled_.load();
-    while (filled - taken_.load() == slots_.size()) {
+    while (filled - taken_.load() == ring_.size()) {
       if (stopping())
         return;
       room_.wait(Clock::time_point::max());
     }
-    Slot &slot = slots_[filled % slots_.size()];
-    if (slot.bytes.size() < n)
-      slot.bytes.resize(n); // only where the server sends more than was asked for
-    std::memcpy(slot.bytes.data(), buffer_->data(), n);
+    for (const std::size_t taken = taken_.load(); given_back_ != taken; ++given_back_)
+      free_.push_back(ring_[given_back_ % ring_.size()]);
+    Slot &slot = slots_[free_.back()];
+    if (!buffer_->exchange(slot.bytes)) {
+      if (slot.bytes.size() < n)
+        slot.bytes.resize(n); // only where the server sends more than was asked for
+      std::memcpy(slot.bytes.data(), buffer_->data(), n);
+    }
     slot.used = n;
     slot.layout = buffer_->layout();
+    ring_[filled % ring_.size()] = free_.back();
+    free_.pop_back();
     filled_.store(filled + 1);
     arrived_.ring();
   }
@@ -194,7 +204,12 @@ private:
   std::mutex buffer_mutex_; ///< guards the pointer between the end and re-creation
   std::unique_ptr<IioBuffer> buffer_;
 
-  std::vector<Slot> slots_; ///< slot i holds block i, and those a multiple of the size before it
+  std::vector<Slot> slots_;
+  std::vector<std::size_t>
+      ring_; ///< the slot of block i, and of those a multiple of the size before
+  std::vector<std::size_t>
+      free_;                   ///< the thread's; last the one given back last, still in the cache
+  std::size_t given_back_ = 0; ///< the thread's: how many of the blocks taken are in free_
   std::atomic<std::size_t> filled_{0}; ///< blocks ever written, by the thread
   std::atomic<std::size_t> taken_{0};  ///< blocks ever used up, by the reader
   std::atomic<bool> stop_{false}, ended_{false};

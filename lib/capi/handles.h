@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "acquisition/raw_frames.h"
 #include "acquisition/source.h"
 #include "model/effect.h"
 #include "model/model.h"
@@ -15,11 +16,15 @@
 namespace ada {
 class Simulation;
 struct RecordingToFit;
-}
+} // namespace ada
 
 namespace ada::capi {
 /// A parameter as callers see it; defined in model.cpp.
 ada4571_parameter to_parameter(const ParameterInfo &info, double value, double std_error);
+/// The block that was read last, and the form of all of them (UNSUPPORTED where there are none);
+/// defined in source.cpp.
+const RawFrames &block_of(const ada4571_source &source);
+const RawForm &raw_form_of(const ada4571_source &source);
 } // namespace ada::capi
 
 struct ada4571_model {

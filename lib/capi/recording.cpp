@@ -81,6 +81,8 @@ ada::ChannelSet channels_of(const ada4571_recording_info &info) {
   return {info.has_vtemp != 0, info.has_vdd != 0, info.has_reference != 0};
 }
 
+constexpr double kMostShift_s = 4e9;
+
 ada::CaptureWriter &open_writer(ada4571_writer *writer) {
   require(writer, "writer");
   if (!writer->impl)
@@ -198,6 +200,40 @@ ada4571_status ada4571_writer_write(ada4571_writer *writer, const ada4571_frame 
       impl.write({frames, count});
     } catch (...) {
       writer->impl.reset(); // a file with a part missing must not appear, whatever comes next
+      throw;
+    }
+  });
+}
+
+ada4571_status ada4571_writer_open_blocks(const char *path, const ada4571_recording_info *info,
+                                          const ada4571_source *source, int resume,
+                                          ada4571_writer **writer) {
+  return guard([&] {
+    require(path, "path");
+    require_struct(info, "info");
+    require(source, "source");
+    require(writer, "writer");
+    auto impl = ada::open_growing_raw_writer(path, from_info(*info),
+                                             ada::capi::raw_form_of(*source), resume != 0);
+    *writer = new ada4571_writer{std::move(impl)};
+  });
+}
+
+ada4571_status ada4571_writer_write_block(ada4571_writer *writer, const ada4571_source *source,
+                                          size_t count, double shift_s) {
+  return guard([&] {
+    ada::CaptureWriter &impl = open_writer(writer);
+    require(source, "source");
+    const ada::RawFrames &block = ada::capi::block_of(*source);
+    if (count > block.count)
+      throw ada::Error(ADA4571_ERROR_INVALID_ARGUMENT,
+                       "count is more than the block that was read last has frames");
+    if (!(std::fabs(shift_s) <= kMostShift_s))
+      throw ada::Error(ADA4571_ERROR_INVALID_ARGUMENT, "shift_s must be from -4e9 to 4e9");
+    try {
+      impl.write_raw(block.first(count), std::llround(shift_s * 1e9));
+    } catch (...) {
+      writer->impl.reset(); // as above
       throw;
     }
   });

@@ -22,6 +22,7 @@ struct ada4571_source {
   PinsConfig pins;              ///< of the stored configuration
   std::string calibration_file; ///< of the stored configuration, empty: none
   std::optional<bool> gain_control;
+  RawFrames block{}; ///< that ada4571_source_read_block gave last
 
   /// Calibration attributes and a storable address belong to an IIO device only.
   IioSource &device(const char *what) const {
@@ -83,6 +84,18 @@ ada4571_read_outcome translate(ReadOutcome outcome) {
 
 } // namespace
 
+const RawFrames &ada::capi::block_of(const ada4571_source &source) {
+  return source.block;
+}
+
+const RawForm &ada::capi::raw_form_of(const ada4571_source &source) {
+  const std::optional<RawForm> &form = source.device("blocks").raw_form();
+  if (!form)
+    throw Error(ADA4571_ERROR_UNSUPPORTED, "the device gives no timestamps with its samples, so it "
+                                           "has no blocks");
+  return *form;
+}
+
 extern "C" {
 
 void ada4571_source_options_init(ada4571_source_options *options) {
@@ -106,6 +119,13 @@ void ada4571_source_info_init(ada4571_source_info *info) {
   info->description = info->serial = "";
   info->gain_control = -1;
   info->timestamp_clock = -1;
+}
+
+void ada4571_block_init(ada4571_block *block) {
+  if (!block)
+    return;
+  *block = {};
+  block->struct_size = sizeof *block;
 }
 
 void ada4571_source_statistics_init(ada4571_source_statistics *statistics) {
@@ -196,6 +216,7 @@ ada4571_status ada4571_source_get_info(const ada4571_source *source, ada4571_sou
 ada4571_status ada4571_source_start(ada4571_source *source) {
   return guard([&] {
     require(source, "source");
+    source->block = {};
     source->impl->start();
   });
 }
@@ -216,10 +237,42 @@ ada4571_status ada4571_source_read(ada4571_source *source, ada4571_frame *frames
     require(outcome, "outcome");
     if (capacity == 0)
       throw Error(ADA4571_ERROR_INVALID_ARGUMENT, "capacity must be at least 1");
+    source->block = {};
     const ReadResult result =
         source->impl->read({frames, capacity}, std::chrono::milliseconds(timeout_ms));
     *count = result.count;
     *outcome = translate(result.outcome);
+  });
+}
+
+ada4571_status ada4571_source_read_block(ada4571_source *source, size_t capacity, int timeout_ms,
+                                         ada4571_block *block, ada4571_read_outcome *outcome) {
+  return guard([&] {
+    require(source, "source");
+    require_struct(block, "block");
+    require(outcome, "outcome");
+    if (capacity == 0)
+      throw Error(ADA4571_ERROR_INVALID_ARGUMENT, "capacity must be at least 1");
+    source->block = {};
+    RawFrames frames;
+    const ReadOutcome result =
+        source->device("blocks").read_raw(capacity, std::chrono::milliseconds(timeout_ms), frames);
+    source->block = frames;
+    block->count = frames.count;
+    block->first_time_s = frames.count > 0 ? frames.time_s(0) : 0.0;
+    block->last_time_s = frames.count > 0 ? frames.time_s(frames.count - 1) : 0.0;
+    *outcome = translate(result);
+  });
+}
+
+ada4571_status ada4571_source_block_time(const ada4571_source *source, size_t index,
+                                         double *time_s) {
+  return guard([&] {
+    require(source, "source");
+    require(time_s, "time_s");
+    if (index >= source->block.count)
+      throw Error(ADA4571_ERROR_INVALID_ARGUMENT, "index is past the last frame of the block");
+    *time_s = source->block.time_s(index);
   });
 }
 
@@ -241,6 +294,7 @@ ada4571_status ada4571_source_cancel(ada4571_source *source) {
 ada4571_status ada4571_source_stop(ada4571_source *source) {
   return guard([&] {
     require(source, "source");
+    source->block = {};
     source->impl->stop();
   });
 }

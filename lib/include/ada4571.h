@@ -164,6 +164,13 @@ typedef struct ada4571_source_statistics {
   uint64_t bad_times;
 } ada4571_source_statistics;
 
+/* Frames of a device that stay as it gave them; see ada4571_source_read_block(). */
+typedef struct ada4571_block {
+  size_t struct_size;
+  size_t count;                     /* frames */
+  double first_time_s, last_time_s; /* of the first and the last of them */
+} ada4571_block;
+
 typedef enum ada4571_read_outcome {
   ADA4571_READ_FRAMES = 0,    /* at least one frame */
   ADA4571_READ_TIMEOUT = 1,   /* none in time; an ordinary event, read again */
@@ -174,6 +181,7 @@ typedef enum ada4571_read_outcome {
 ADA4571_API void ada4571_source_options_init(ada4571_source_options *options);
 ADA4571_API void ada4571_source_info_init(ada4571_source_info *info);
 ADA4571_API void ada4571_source_statistics_init(ada4571_source_statistics *statistics);
+ADA4571_API void ada4571_block_init(ada4571_block *block);
 
 /* Opens what the stored configuration NAME describes: NAME.toml in the user's configuration
  * folder ($XDG_CONFIG_HOME/ada4571, ~/.config/ada4571), then in /etc/ada4571. A NAME with a slash
@@ -204,6 +212,15 @@ ADA4571_API ada4571_status ada4571_source_set_buffer(ada4571_source *source, siz
 ADA4571_API ada4571_status ada4571_source_read(ada4571_source *source, ada4571_frame *frames,
                                                size_t capacity, int timeout_ms, size_t *count,
                                                ada4571_read_outcome *outcome);
+/* Reads as ada4571_source_read() does, but converts no sample: the frames stay in the source until the
+ * next read, start or stop, for ada4571_writer_write_block(). `block` and `outcome` are written on
+ * ADA4571_OK. ADA4571_ERROR_UNSUPPORTED for a source that is no device, or one without timestamps. */
+ADA4571_API ada4571_status ada4571_source_read_block(ada4571_source *source, size_t capacity,
+                                                     int timeout_ms, ada4571_block *block,
+                                                     ada4571_read_outcome *outcome);
+/* time_s of frame `index` of the block that was read last. */
+ADA4571_API ada4571_status ada4571_source_block_time(const ada4571_source *source, size_t index,
+                                                     double *time_s);
 /* A descriptor for poll, epoll or an event loop, of any source. While it is readable (POLLIN) a read
  * with timeout_ms 0 has something to tell: frames, the end, a cancel, or a loss. After that read it
  * stays readable until one gives ADA4571_READ_TIMEOUT; the first after start may be for nothing. At
@@ -337,6 +354,21 @@ ADA4571_API ada4571_status ada4571_writer_open(const char *path, const ada4571_r
 ADA4571_API ada4571_status ada4571_writer_open_growing(const char *path,
                                                        const ada4571_recording_info *info,
                                                        int resume, ada4571_writer **writer);
+/* The same for the blocks of a device: the file holds the converter's own words, and no sample is
+ * converted. What can be read of it is the same. ADA4571_ERROR_UNSUPPORTED where
+ * ada4571_writer_open_growing() is to be used: for a source that gives no blocks, a device whose
+ * scales a recording cannot hold, and with `resume` for a recording that was written from frames.
+ * `has_*` of the info are not looked at. */
+ADA4571_API ada4571_status ada4571_writer_open_blocks(const char *path,
+                                                      const ada4571_recording_info *info,
+                                                      const ada4571_source *source, int resume,
+                                                      ada4571_writer **writer);
+/* The first `count` frames of the block that `source` read last, shift_s (up to 4e9) later than they
+ * say. After a failed one the file is given up, as after _write. A device that came back with other
+ * channels or scales is ADA4571_ERROR_UNUSABLE_DATA. */
+ADA4571_API ada4571_status ada4571_writer_write_block(ada4571_writer *writer,
+                                                      const ada4571_source *source, size_t count,
+                                                      double shift_s);
 /* A further "# key = value" line; before the first frame. */
 ADA4571_API ada4571_status ada4571_writer_metadata(ada4571_writer *writer, const char *key,
                                                    const char *value);

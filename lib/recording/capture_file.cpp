@@ -22,6 +22,10 @@ bool ends_with(std::string_view text, std::string_view end) {
 
 } // namespace
 
+void CaptureWriter::write_raw(const RawFrames &, std::int64_t) {
+  throw Error(ADA4571_ERROR_STATE, "this recording takes frames, no blocks of a device");
+}
+
 Capture read_capture(const std::string &path) {
   return *open_recording(path)->whole();
 }

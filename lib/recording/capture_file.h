@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "acquisition/raw_frames.h"
 #include "base/frame.h"
 #include "recording/capture.h"
 #include "recording/columns.h"
@@ -31,6 +32,11 @@ public:
   /// Time must not decrease, and every channel of the file must be a finite number: what is
   /// written can be read again. Throws Error(ADA4571_ERROR_INVALID_ARGUMENT).
   virtual void write(std::span<const Frame> frames) = 0;
+  /// Whether write_raw() is to be used in the place of write().
+  virtual bool takes_raw() const { return false; }
+  /// Frames of the form that the writer was opened for, `shift_ns` later than they say; another
+  /// form is Error(ADA4571_ERROR_UNUSABLE_DATA).
+  virtual void write_raw(const RawFrames &frames, std::int64_t shift_ns);
   /// Frames are missing before the next one. The text form shows that by its time column alone.
   virtual void mark_gap() {}
   /// Throws Error(ADA4571_ERROR_STATE) when no frame was written.

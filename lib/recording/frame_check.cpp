@@ -42,12 +42,25 @@ void FrameCheck::accept(const Frame &frame) {
                 "frame " + std::to_string(frames_) + ": " + std::string(column.name) +
                     (std::isnan(value) ? " is not a number" : " is out of range"));
   }
-  if (frames_ > 0 && frame.time_s < last_time_)
+  accept_time(frame.time_s);
+  ++frames_;
+}
+
+void FrameCheck::accept_time(double time_s) {
+  if (frames_ > 0 && time_s < last_time_)
     throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
                 "frame " + std::to_string(frames_) + ": time_s goes back from " +
-                    shortest(last_time_) + " to " + shortest(frame.time_s));
-  last_time_ = frame.time_s;
-  ++frames_;
+                    shortest(last_time_) + " to " + shortest(time_s));
+  last_time_ = time_s;
+}
+
+void FrameCheck::accept_all(double first_s, double last_s, std::size_t count) {
+  if (!(std::fabs(first_s) <= kMaxTimeS && std::fabs(last_s) <= kMaxTimeS))
+    throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
+                "frame " + std::to_string(frames_) + ": time_s is out of range");
+  accept_time(first_s);
+  last_time_ = last_s;
+  frames_ += count;
 }
 
 void FrameCheck::require_frames() const {

@@ -20,6 +20,8 @@ public:
 
   void add_metadata(std::string_view key, std::string_view value);
   void accept(const Frame &frame);
+  /// Many at once, whose values are within their limits and whose times do not go back.
+  void accept_all(double first_s, double last_s, std::size_t count);
   /// Call once, when finishing.
   void require_frames() const;
 
@@ -28,6 +30,8 @@ public:
   std::size_t frames() const { return frames_; }
 
 private:
+  void accept_time(double time_s);
+
   CaptureMetadata meta_;
   ChannelSet channels_;
   std::set<std::string, std::less<>> keys_;

@@ -22,4 +22,11 @@ std::unique_ptr<CaptureWriter> open_growing_writer(const std::string &path,
                                                    const CaptureMetadata &meta,
                                                    const ChannelSet &channels, bool resume);
 
+/// The same for frames as the device gives them (write_raw()): the data file holds the converter's
+/// words, and no sample is converted. Throws Error(ADA4571_ERROR_UNSUPPORTED) where a recording
+/// cannot hold that form, or the one that is to go on has another one that write() can go on in.
+std::unique_ptr<CaptureWriter> open_growing_raw_writer(const std::string &path,
+                                                       const CaptureMetadata &meta,
+                                                       const RawForm &form, bool resume);
+
 } // namespace ada

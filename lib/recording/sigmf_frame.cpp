@@ -98,6 +98,13 @@ std::string datatype_of(const SampleType &type) {
   return {}; // 64-bit integers: SigMF has no name for them
 }
 
+bool always_within(const SigmfChannel &channel, double limit) {
+  if (channel.type.is_float)
+    return false;
+  const double range = std::exp2(channel.type.word.bits);
+  return (range + std::fabs(channel.offset)) * std::fabs(channel.scale) <= limit;
+}
+
 void decode_channel(const SigmfChannel &channel, std::span<const std::byte> frames,
                     std::size_t frame_bytes, double *out) {
   const std::size_t count = frames.size() / frame_bytes;

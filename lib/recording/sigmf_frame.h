@@ -41,6 +41,9 @@ struct SigmfChannel {
   double scale = 1.0, offset = 0.0;
 };
 
+/// Whether every number that the words of a channel can hold is within the limit of its column.
+bool always_within(const SigmfChannel &channel, double limit);
+
 /// Values of one channel of `frames`, whole frames of `frame_bytes`.
 void decode_channel(const SigmfChannel &channel, std::span<const std::byte> frames,
                     std::size_t frame_bytes, double *out);

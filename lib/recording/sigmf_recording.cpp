@@ -172,8 +172,7 @@ private:
     std::array<std::int64_t, 1024> block;
     for (std::size_t i = 0; i < out.size(); i += block.size()) {
       const std::size_t count = std::min(block.size(), out.size() - i);
-      decode_integers(channel,
-                      frames.subspan(i * meta_.frame_bytes, count * meta_.frame_bytes),
+      decode_integers(channel, frames.subspan(i * meta_.frame_bytes, count * meta_.frame_bytes),
                       meta_.frame_bytes, block.data());
       for (std::size_t k = 0; k < count; ++k) {
         std::int64_t elapsed = 0;
@@ -200,18 +199,10 @@ private:
     }
   }
 
-  /// Whether every number that the words of a channel can hold is within the limit of its column.
-  static bool always_valid(const SigmfChannel &channel, double limit) {
-    if (channel.type.is_float)
-      return false;
-    const double range = std::exp2(channel.type.word.bits);
-    return (range + std::fabs(channel.offset)) * std::fabs(channel.scale) <= limit;
-  }
-
   void check_blocks() {
     ColumnMask checked = 0;
     for (std::size_t c = 0; c < kColumns.size(); ++c)
-      if (columns_[c] && (c == 0 || !always_valid(*columns_[c], kColumns[c].limit)))
+      if (columns_[c] && (c == 0 || !always_within(*columns_[c], kColumns[c].limit)))
         checked |= 1u << c;
     if (checked == 0 && !meta_.data_crc32)
       return;

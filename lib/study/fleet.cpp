@@ -52,6 +52,19 @@ bool is_chosen(const std::string &cause, const std::string &parameter) {
   return false;
 }
 
+/// Whether a number cannot be negative: an amplitude, a noise.
+bool is_amount(const std::string &cause, const std::string &parameter) {
+  if (!is_cause(cause))
+    return parameter != "offset_sin_v" && parameter != "offset_cos_v";
+  const Effect *effect = find_effect(cause);
+  if (effect == nullptr)
+    return false;
+  for (const ParameterInfo &p : effect->info().parameters)
+    if (p.name == parameter)
+      return p.minimum >= 0.0;
+  return false;
+}
+
 /// Turns a direction so that the cut lies opposite to where most of them point.
 void unwrap(Column &column, double cycle) {
   std::complex<double> sum = 0.0;
@@ -252,6 +265,7 @@ private:
       if (column.value.empty())
         continue;
       column.measured = !is_chosen(key.first, key.second);
+      column.amount = is_amount(key.first, key.second);
       if (const double cycle = cycle_of(key.first, key.second); cycle > 0.0)
         unwrap(column, cycle);
       fleet_.columns.push_back(std::move(column));

@@ -25,6 +25,7 @@ struct Column {
   /// Whether it is a number that can be more or less: not a place that a search chose (an order, a
   /// moment), and not a direction that points everywhere.
   bool measured = true;
+  bool amount = false; ///< cannot be negative
 };
 
 /// Words that come again and again, each kept once, by number; 0 is the empty one.

@@ -173,7 +173,7 @@ std::vector<Outlier> find_outliers(const Fleet &f, const std::vector<CauseSummar
     if (!c.measured || c.parameter == "found")
       continue;
     const OfSensors s = by_sensor(f, c);
-    const std::vector<Distance> far = distances(s.value, s.std_error);
+    const std::vector<Distance> far = distances(s.value, s.std_error, c.amount);
     for (std::size_t k = 0; k < far.size(); ++k) {
       p.push_back(far[k].p);
       all.push_back({column, s.row[k], far[k].z, s.value[k]});

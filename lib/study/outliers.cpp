@@ -88,16 +88,116 @@ std::vector<Distance> distances_on(const Scale &scale) {
   return out;
 }
 
+// ---- few sensors: each against the others ----
+
+constexpr std::size_t kMany = 60; ///< from here on each side has a course of its own
+constexpr std::size_t kLeast = 5;
+constexpr std::size_t kLeastForTail = 30; ///< six in the outer fifth of the others
+constexpr double kMostOutliers = 0.2;     ///< share: more are a group
+
+/// One number against the others.
+struct Deleted {
+  double mean = 0.0, variance = 0.0; ///< of the others, and what it is known worse than they
+  double p = 1.0;                    ///< Student's, of one more number of their distribution
+};
+
+/// x, and of it those that are `kept`.
+struct Kept {
+  const Scale &scale;
+  double typical_error;
+  std::vector<std::size_t> kept;
+
+  Deleted deleted(std::size_t i) const {
+    const auto others = static_cast<double>(kept.size() - 1);
+    double mean = 0.0, squares = 0.0;
+    for (const std::size_t k : kept)
+      mean += k == i ? 0.0 : scale.x[k] / others;
+    for (const std::size_t k : kept)
+      squares += k == i ? 0.0 : (scale.x[k] - mean) * (scale.x[k] - mean);
+    const double variance = squares / (others - 1.0), error = scale.std_error[i];
+    if (!(variance > 0.0))
+      return {};
+    const double more2 = std::max(0.0, error * error - typical_error * typical_error);
+    const boost::math::students_t t(others - 1.0);
+    const double distance = std::abs(scale.x[i] - mean);
+    const double by_t = distance / std::sqrt(variance * (1.0 + 1.0 / others) + more2);
+    return {mean, variance + more2, 2.0 * boost::math::cdf(boost::math::complement(t, by_t))};
+  }
+};
+
+/// p by the exponential that continues the outer fifth of the others, both sides as one: they are
+/// too few for a tail each.
+double tail_of_others(const std::vector<double> &x, const std::vector<std::size_t> &others,
+                      double value) {
+  std::vector<double> of;
+  for (const std::size_t k : others)
+    of.push_back(x[k]);
+  const double middle = median(of);
+  for (double &v : of)
+    v = std::abs(v - middle);
+  std::sort(of.begin(), of.end());
+  const auto first = static_cast<std::size_t>((1.0 - kOuter) * static_cast<double>(of.size()));
+  const double begin = 0.5 * (of[first - 1] + of[first]);
+  const auto beyond = static_cast<double>(of.size() - first);
+  double mean = 0.0;
+  for (std::size_t k = first; k < of.size(); ++k)
+    mean += (of[k] - begin) / beyond;
+  const double reach = std::abs(value - middle);
+  return reach > begin && mean > 0.0
+             ? beyond / static_cast<double>(of.size()) * std::exp(-(reach - begin) / mean)
+             : 1.0;
+}
+
+/// The generalised extreme studentised deviate (Rosner 1983): the farthest is judged against all
+/// others and taken away, then the next, so that two do not hide each other; where one is far, so
+/// are those before it.
+std::vector<Distance> distances_of_few(const Scale &scale) {
+  const std::size_t count = scale.x.size();
+  std::vector<Distance> out(count);
+  Kept rest{scale, median(scale.std_error), {}};
+  for (std::size_t i = 0; i < count; ++i)
+    rest.kept.push_back(i);
+  const auto most = std::max<std::size_t>(
+      1, static_cast<std::size_t>(kMostOutliers * static_cast<double>(count)));
+  std::vector<std::pair<std::size_t, Deleted>> taken;
+  for (std::size_t k = 0; k < most; ++k) {
+    std::size_t farthest = rest.kept.front();
+    Deleted far;
+    for (const std::size_t i : rest.kept)
+      if (const Deleted d = rest.deleted(i); d.p < far.p) {
+        far = d;
+        farthest = i;
+      }
+    std::erase(rest.kept, farthest);
+    if (count >= kLeastForTail)
+      far.p = std::max(far.p, tail_of_others(scale.x, rest.kept, scale.x[farthest]));
+    taken.emplace_back(farthest, far);
+  }
+  Deleted least;
+  for (auto step = taken.rbegin(); step != taken.rend(); ++step) {
+    const auto &[i, far] = *step;
+    if (far.p < least.p)
+      least = far;
+    if (least.variance > 0.0)
+      out[i] = {(scale.x[i] - least.mean) / std::sqrt(least.variance), least.p};
+  }
+  return out;
+}
+
 } // namespace
 
-std::vector<Distance> distances(std::span<const double> values,
-                                std::span<const double> std_errors) {
-  if (values.size() < 10)
+std::vector<Distance> distances(std::span<const double> values, std::span<const double> std_errors,
+                                bool amounts) {
+  const bool few = values.size() < kMany;
+  if (values.size() < kLeast)
     return std::vector<Distance>(values.size());
+  const auto on = few ? distances_of_few : distances_on;
   Scale as_is{{values.begin(), values.end()}, {std_errors.begin(), std_errors.end()}};
   as_is.std_error.resize(values.size(), 0.0);
-  if (std::any_of(values.begin(), values.end(), [](double v) { return !(v > 0.0); }))
-    return distances_on(as_is);
+  // Few numbers that can be negative are all positive by chance.
+  if ((few && !amounts) ||
+      std::any_of(values.begin(), values.end(), [](double v) { return !(v > 0.0); }))
+    return on(as_is);
   Scale logs = as_is;
   for (std::size_t i = 0; i < values.size(); ++i) {
     logs.x[i] = std::log(values[i]);
@@ -106,12 +206,12 @@ std::vector<Distance> distances(std::span<const double> values,
   const double skew = lopsided(as_is.x), skew_of_logs = lopsided(logs.x);
   const double plain = kPlainlyLopsided * lopsided_by_chance(values.size());
   if (skew_of_logs > std::max(plain, skew))
-    return distances_on(as_is);
-  std::vector<Distance> out = distances_on(logs);
+    return on(as_is);
+  std::vector<Distance> out = on(logs);
   if (skew > std::max(plain, skew_of_logs))
     return out;
   // Either scale may be theirs: a number is as far as it is on the one where it is nearer.
-  const std::vector<Distance> other = distances_on(as_is);
+  const std::vector<Distance> other = on(as_is);
   for (std::size_t i = 0; i < out.size(); ++i)
     if (other[i].p > out[i].p)
       out[i] = other[i];

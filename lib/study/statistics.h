@@ -77,18 +77,22 @@ std::vector<Population> populations(std::span<const double> x);
 std::size_t population_of(double x, const std::vector<Population> &populations);
 
 struct Distance {
-  double z = 0.0; ///< robust standard deviations from the median
+  double z = 0.0; ///< standard deviations of the bulk, which it does not sway, from its middle
   double p = 1.0; ///< of one so far away, under the worse of two tails
 };
 
 /// How far each number is from the bulk, on the scale (their own, or the logarithm's) on which its
 /// two sides are more alike; where chance may have made the difference, on the one where it is
-/// nearer. The spread is the median absolute deviation of its own side; the tail is Student's (its
-/// degrees of freedom those that the efficiency of the deviation leaves) or the exponential that
-/// continues the outer fifth of the side, whichever is longer. `std_error`, where it is not empty,
-/// of each number: one that is known worse than most (the median) counts as far less by what that
-/// adds to the spread.
-std::vector<Distance> distances(std::span<const double> x, std::span<const double> std_error = {});
+/// nearer. From 60 numbers on the spread is the median absolute deviation of its own side; the tail
+/// is Student's (its degrees of freedom those that the efficiency of the deviation leaves) or the
+/// exponential that continues the outer fifth of the side, whichever is longer. Fewer are judged
+/// one by one against all others (the generalised extreme studentised deviate, Rosner 1983), up to
+/// a fifth of them far; from 30 on by the exponential through the outer fifth of the others as
+/// well. Of fewer than five, none is far. `std_error`, where it is not empty, of each number: one
+/// that is known worse than most (the median) counts as far less by what that adds to the spread.
+/// `amounts`: the numbers cannot be negative; of few others no logarithm is taken.
+std::vector<Distance> distances(std::span<const double> x, std::span<const double> std_error = {},
+                                bool amounts = true);
 
 double median(std::vector<double> x);               ///< NaN for none
 double median_deviation(std::span<const double> x); ///< times 1.4826

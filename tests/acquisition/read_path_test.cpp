@@ -23,6 +23,7 @@
 #include "acquisition/iio_source.h"
 #include "ada4571.h"
 #include "served.h"
+#include "support/temp_folder.h"
 
 namespace {
 
@@ -166,6 +167,53 @@ TEST(ReadPath, reading_a_network_device_and_converting_neither_allocates_nor_loc
   ada4571_converter_free(converter);
   ada4571_model_free(model);
   ada4571_source_free(source);
+}
+
+TEST(ReadPath, recording_blocks_of_a_network_device_does_not_allocate) {
+  const Served served(served_pair(kU16, kU16, 10000.0));
+  const TempFolder folder;
+  ada4571_source_options options;
+  ada4571_source_options_init(&options);
+  const std::string uri = served.uri(), path = folder / "c.sigmf-meta";
+  options.uri = uri.c_str();
+  options.buffer_frames = 100;
+  ada4571_source *source = nullptr;
+  ASSERT_EQ(ada4571_source_open(&options, &source), ADA4571_OK) << ada4571_last_error();
+  ada4571_recording_info info;
+  ada4571_recording_info_init(&info);
+  info.sample_rate_hz = 10000.0;
+  ada4571_writer *writer = nullptr;
+  ASSERT_EQ(ada4571_writer_open_blocks(path.c_str(), &info, source, 0, &writer), ADA4571_OK)
+      << ada4571_last_error();
+  ASSERT_EQ(ada4571_source_start(source), ADA4571_OK) << ada4571_last_error();
+  ada4571_block block;
+  ada4571_block_init(&block);
+  ada4571_read_outcome outcome = ADA4571_READ_FRAMES;
+  std::size_t read = 0;
+  const auto record_until = [&](std::size_t wanted) {
+    while (read < wanted) {
+      ASSERT_EQ(ada4571_source_read_block(source, SIZE_MAX, 1000, &block, &outcome), ADA4571_OK);
+      ASSERT_NE(outcome, ADA4571_READ_END);
+      ASSERT_EQ(ada4571_writer_write_block(writer, source, block.count, 0.0), ADA4571_OK)
+          << ada4571_last_error();
+      read += block.count;
+    }
+  };
+  record_until(300);
+  Calls calls;
+  {
+    const Counted counted(calls);
+    record_until(5000);
+  }
+  EXPECT_EQ(calls.allocations, 0u);
+  EXPECT_EQ(ada4571_writer_finish(writer), ADA4571_OK) << ada4571_last_error();
+  ada4571_writer_free(writer);
+  ada4571_source_free(source);
+  ada4571_recording *recording = nullptr;
+  ASSERT_EQ(ada4571_recording_open(path.c_str(), &recording), ADA4571_OK) << ada4571_last_error();
+  EXPECT_EQ(ada4571_recording_get_info(recording, &info), ADA4571_OK);
+  EXPECT_EQ(info.samples, read);
+  ada4571_recording_free(recording);
 }
 
 /// A buffer with an fd to poll, as that of a local device, fed through a pipe.

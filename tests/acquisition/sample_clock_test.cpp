@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <random>
 #include <set>
+#include <vector>
 
 #include "acquisition/sample_clock.h"
 #include "support/seed.h"
@@ -233,6 +235,73 @@ TEST(SampleClock, NonsenseGivesTimesOfTheRateAndNoLosses) {
     EXPECT_NEAR(last, 0.1999, 1e-3);
     EXPECT_EQ(clock.statistics().lost, 0u);
     EXPECT_GT(clock.statistics().bad_times, 1900u);
+  }
+}
+
+/// Blocks of a stream with losses and jitter: taken at once where they are even, frame by frame
+/// where not, they give the times and the losses of frame by frame.
+TEST(SampleClock, EvenBlocksAtOnceCountTheSame) {
+  std::mt19937_64 random(ada::test::fresh_seed());
+  std::size_t at_once = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    Stream stream;
+    stream.sigma = trial % 3 == 0 ? 0.0 : trial % 3 == 1 ? 0.003 : 0.05;
+    for (int k = 0; k < 6; ++k) {
+      const int at = 200 + static_cast<int>(random() % 9000);
+      for (int length = 1 + static_cast<int>(random() % 9); length > 0; --length)
+        stream.missing.insert(at + length);
+    }
+    std::vector<std::int64_t> stamps;
+    stream.run(10'000, random, [&](std::int64_t t) { stamps.push_back(t); });
+    SampleClock one(10000.0), blocks(10000.0);
+    for (std::size_t first = 0; first < stamps.size();) {
+      const std::size_t count =
+          std::min(stamps.size() - first, std::size_t{1} + ada::test::below(random, 400));
+      const auto origin = blocks.accept_even(reinterpret_cast<const std::byte *>(&stamps[first]),
+                                             sizeof(std::int64_t), count);
+      at_once += origin ? count : 0;
+      for (std::size_t i = first; i < first + count; ++i) {
+        const double time = one.accept(stamps[i]);
+        const double other =
+            origin ? static_cast<double>(stamps[i] - *origin) * 1e-9 : blocks.accept(stamps[i]);
+        ASSERT_NEAR(other, time, 1e-12);
+      }
+      first += count;
+    }
+    ASSERT_EQ(blocks.statistics().frames, one.statistics().frames);
+    ASSERT_EQ(blocks.statistics().lost, stream.missing.size());
+    ASSERT_EQ(blocks.statistics().lost, one.statistics().lost);
+    ASSERT_EQ(blocks.statistics().gaps, one.statistics().gaps);
+  }
+  EXPECT_GT(at_once, 60u * 10'000u / 4);
+}
+
+TEST(SampleClock, NothingDoubtfulIsTakenAtOnce) {
+  std::mt19937_64 random(ada::test::fresh_seed());
+  for (int kind = 0; kind < 5; ++kind) {
+    SampleClock clock(10000.0);
+    for (int i = 0; i < 200; ++i)
+      clock.accept(kStart + 100'000 * i);
+    std::vector<std::int64_t> block;
+    for (int i = 200; i < 300; ++i)
+      block.push_back(kStart + 100'000 * i);
+    const std::size_t at = ada::test::below(random, 98) + 1;
+    if (kind == 0) // one is missing
+      for (std::size_t i = at; i < block.size(); ++i)
+        block[i] += 100'000;
+    else if (kind == 1)
+      block[at] = block[at - 1]; // shared
+    else if (kind == 2)
+      block[at] = std::numeric_limits<std::int64_t>::min();
+    else if (kind == 3)
+      block[at] = 0;
+    else
+      for (std::int64_t &t : block) // all late: frames are missing before the first
+        t += 300'000;
+    EXPECT_FALSE(clock.accept_even(reinterpret_cast<const std::byte *>(block.data()),
+                                   sizeof(std::int64_t), block.size()))
+        << kind;
+    EXPECT_EQ(clock.statistics().frames, 200u);
   }
 }
 

@@ -152,6 +152,28 @@ const std::map<std::string, Case> &source_cases() {
          EXPECT_EQ(ada4571_source_read(h.source, &frame, 1, 0, &count, &outcome),
                    ADA4571_ERROR_STATE);
        }},
+      {"ada4571_block_init", init_takes_null(ada4571_block_init)},
+      {"ada4571_source_read_block",
+       [](const Handles &h) {
+         auto block = initialised(ada4571_block_init);
+         ada4571_read_outcome outcome = ADA4571_READ_END;
+         REFUSED(ada4571_source_read_block(nullptr, 1, 0, &block, &outcome));
+         REFUSED(ada4571_source_read_block(h.source, 1, 0, nullptr, &outcome));
+         REFUSED(ada4571_source_read_block(h.source, 1, 0, &block, nullptr));
+         REFUSED(ada4571_source_read_block(h.source, 0, 0, &block, &outcome));
+         EXPECT_EQ(ada4571_source_read_block(h.source, 1, 0, &block, &outcome),
+                   ADA4571_ERROR_UNSUPPORTED);
+         block.struct_size = 0;
+         REFUSED(ada4571_source_read_block(h.source, 1, 0, &block, &outcome));
+       }},
+      {"ada4571_source_block_time",
+       [](const Handles &h) {
+         double time_s = 7.0;
+         REFUSED(ada4571_source_block_time(nullptr, 0, &time_s));
+         REFUSED(ada4571_source_block_time(h.source, 0, &time_s));
+         REFUSED(ada4571_source_block_time(h.source, 0, nullptr));
+         EXPECT_EQ(time_s, 7.0);
+       }},
       {"ada4571_source_cancel",
        [](const Handles &h) {
          REFUSED(ada4571_source_cancel(nullptr));
@@ -282,6 +304,22 @@ const std::map<std::string, Case> &recording_cases() {
          info.struct_size = 0;
          REFUSED(ada4571_writer_open_growing("x.sigmf-meta", &info, 0, &writer));
        }},
+      {"ada4571_writer_open_blocks",
+       [](const Handles &h) {
+         Untouched<ada4571_writer> writer;
+         auto info = initialised(ada4571_recording_info_init);
+         REFUSED(ada4571_writer_open_blocks(nullptr, &info, h.source, 0, &writer));
+         REFUSED(ada4571_writer_open_blocks("x.sigmf-meta", nullptr, h.source, 0, &writer));
+         REFUSED(ada4571_writer_open_blocks("x.sigmf-meta", &info, nullptr, 0, &writer));
+         REFUSED(ada4571_writer_open_blocks("x.sigmf-meta", &info, h.source, 0, nullptr));
+         // A recording or simulation has none.
+         EXPECT_EQ(ada4571_writer_open_blocks("x.sigmf-meta", &info, h.source, 0, &writer),
+                   ADA4571_ERROR_UNSUPPORTED);
+         info.struct_size = 0;
+         REFUSED(ada4571_writer_open_blocks("x.sigmf-meta", &info, h.source, 0, &writer));
+       }},
+      {"ada4571_writer_write_block",
+       [](const Handles &h) { REFUSED(ada4571_writer_write_block(nullptr, h.source, 0, 0.0)); }},
       {"ada4571_writer_metadata",
        [](const Handles &) { REFUSED(ada4571_writer_metadata(nullptr, "key", "value")); }},
       {"ada4571_writer_write",
@@ -794,8 +832,7 @@ const std::map<std::string, Case> &study_cases() {
       {"ada4571_study_row_reason",
        [](const Handles &) { EXPECT_STREQ(ada4571_study_row_reason(nullptr), ""); }},
       {"ada4571_study_row_free", free_takes_null(ada4571_study_row_free)},
-      {"ada4571_study_put",
-       [](const Handles &) { REFUSED(ada4571_study_put(nullptr, "{}")); }},
+      {"ada4571_study_put", [](const Handles &) { REFUSED(ada4571_study_put(nullptr, "{}")); }},
       {"ada4571_study_merge",
        [](const Handles &) {
          const char *part = "part.db";

@@ -4,6 +4,7 @@
 #include "recording/growing_writer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <filesystem>
 #include <random>
@@ -267,6 +268,158 @@ TEST_F(GrowingWriterTest, EveryStageOfAReplacementCanBeRead) {
   EXPECT_EQ(read_capture(meta_path_).identity, capture_identity(newer));
   std::filesystem::rename(folder_ / meta.dataset, data_path_); // its data in place
   EXPECT_EQ(read_capture(meta_path_).identity, capture_identity(newer));
+}
+
+/// Frames of a converter with a word of every kind, and what they are in volts.
+class RawRecording : public GrowingWriterTest {
+protected:
+  static RawForm form() {
+    RawForm out;
+    const ScanFormat words[] = {{12, 16, 4, 1, true, true},
+                                {16, 16, 0, 1, false, false},
+                                {24, 32, 8, 1, true, false},
+                                {64, 64, 0, 1, true, std::endian::native == std::endian::big}};
+    const FrameLayout layout = compute_layout(words);
+    double Frame::*const targets[] = {&Frame::vsin_v, &Frame::vcos_v, &Frame::vdd_v};
+    for (std::size_t c = 0; c < 3; ++c)
+      out.channels.push_back({targets[c],
+                              words[c],
+                              {c == 0 ? 2048.5 : 0.0, 1e-4 / (3.0 + static_cast<double>(c))},
+                              layout.offsets[c]});
+    out.timestamp_byte = layout.offsets[3];
+    out.frame_bytes = layout.frame_bytes;
+    return out;
+  }
+
+  /// `times`: the timestamps, from kOrigin on.
+  RawFrames frames(const std::vector<std::int64_t> &times) {
+    bytes_.assign(times.size() * form_.frame_bytes, std::byte{});
+    for (std::byte &b : bytes_)
+      b = static_cast<std::byte>(rng_());
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const std::int64_t word = kOrigin + times[i];
+      std::memcpy(bytes_.data() + i * form_.frame_bytes + form_.timestamp_byte, &word, sizeof word);
+    }
+    expect_volts();
+    return {&form_, bytes_, times.size(), kOrigin, {}, 101'000};
+  }
+
+  void expect_volts() {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const RawChannel &channel = form_.channels[c];
+      std::vector<double> volts(bytes_.size() / form_.frame_bytes);
+      ElementDecoder(channel.format, channel.scale, "x")
+          .volts(bytes_.data() + channel.byte, form_.frame_bytes, volts.size(), volts.data(), 1);
+      expected_[c].insert(expected_[c].end(), volts.begin(), volts.end());
+    }
+  }
+
+  static std::vector<std::int64_t> even(std::size_t count, std::int64_t first = 0) {
+    std::vector<std::int64_t> out(count);
+    for (std::size_t i = 0; i < count; ++i)
+      out[i] = first + 100'000 * static_cast<std::int64_t>(i);
+    return out;
+  }
+
+  std::unique_ptr<CaptureWriter> open_raw(bool resume = false) {
+    return open_growing_raw_writer(meta_path_, capture_.meta, form_, resume);
+  }
+
+  void expect_read_back() const {
+    const Capture back = read_capture(meta_path_);
+    EXPECT_EQ(back.vsin_v, expected_[0]);
+    EXPECT_EQ(back.vcos_v, expected_[1]);
+    EXPECT_EQ(back.vdd_v, expected_[2]);
+  }
+
+  static constexpr std::int64_t kOrigin = 1'700'000'000'123'456'789;
+  RawForm form_ = form();
+  std::vector<std::byte> bytes_;
+  std::vector<double> expected_[3];
+};
+
+TEST_F(RawRecording, IsReadBackAsTheVoltsOfItsWordsWhileItGrowsAndAfterwards) {
+  const auto writer = open_raw();
+  ASSERT_TRUE(writer->takes_raw());
+  for (std::size_t block = 0; block < 3; ++block) {
+    writer->write_raw(frames(even(700, static_cast<std::int64_t>(block) * 70'000'000)), 0);
+    if (block == 0) { // as the device gave them
+      EXPECT_EQ(read_file(data_path_),
+                std::string(reinterpret_cast<const char *>(bytes_.data()), bytes_.size()));
+    }
+    expect_read_back();
+  }
+  writer->finish();
+  expect_read_back();
+  const Capture back = read_capture(meta_path_);
+  for (std::size_t i = 0; i < back.size(); ++i)
+    ASSERT_NEAR(back.time_s[i], 1e-4 * static_cast<double>(i), 1e-10);
+  EXPECT_TRUE(back.gaps.empty());
+}
+
+TEST_F(RawRecording, TimesThatTheTimestampsDoNotTellTakeTheirPlace) {
+  const auto writer = open_raw();
+  writer->write_raw(frames(even(100)), 0);
+  std::vector<std::int64_t> times = even(100, 10'000'000);
+  for (std::size_t i = 50; i < times.size(); ++i)
+    times[i] += 400'000;                                       // a gap
+  RawFrames odd = frames(std::vector<std::int64_t>(100, -77)); // the timestamps stand still
+  odd.times_ns = times;
+  writer->write_raw(odd, 0);
+  writer->write_raw(frames(even(100, 0)), 40'000'000); // a device that came back
+  writer->finish();
+  expect_read_back();
+  const Capture back = read_capture(meta_path_);
+  EXPECT_NEAR(back.time_s[149], 0.0149, 1e-10);
+  EXPECT_NEAR(back.time_s[150], 0.0154, 1e-10);
+  EXPECT_NEAR(back.time_s[200], 0.04, 1e-10);
+  EXPECT_EQ(back.gaps, (std::vector<std::size_t>{150, 200}));
+}
+
+TEST_F(RawRecording, GoesOnWhereItEnded) {
+  open_raw()->write_raw(frames(even(500)), 0);
+  write_file(data_path_, read_file(data_path_) + "abc"); // part of a frame, as a crash leaves it
+  const auto writer = open_raw(true);
+  writer->write_raw(frames(even(300, 5'000'000'000)), 0);
+  writer->finish();
+  expect_read_back();
+  const Capture back = read_capture(meta_path_);
+  ASSERT_EQ(back.size(), 800u);
+  EXPECT_GT(back.time_s[500], back.time_s[499]);
+  EXPECT_NEAR(back.time_s[799] - back.time_s[500], 0.0299, 1e-9);
+  EXPECT_NE(std::find(back.gaps.begin(), back.gaps.end(), 500u), back.gaps.end());
+}
+
+TEST_F(RawRecording, IsNotMixedWithAnotherForm) {
+  ada4571_status status = ADA4571_OK;
+  {
+    const auto writer = open_raw();
+    writer->write_raw(frames(even(500)), 0);
+    const Frame frame = frame_at(capture_, 0);
+    EXPECT_NE(failure([&] { writer->write({&frame, 1}); }), "");
+    RawForm other = form_;
+    other.channels[1].scale.scale_v *= 2.0;
+    RawFrames scaled = frames(even(10, 50'000'000));
+    scaled.form = &other;
+    EXPECT_NE(failure([&] { writer->write_raw(scaled, 0); }, &status), "");
+    EXPECT_EQ(status, ADA4571_ERROR_UNUSABLE_DATA);
+  }
+  EXPECT_NE(failure([&] { open(true); }, &status), "");
+  EXPECT_EQ(status, ADA4571_ERROR_UNUSABLE_DATA);
+  form_.channels[1].scale.scale_v *= 2.0;
+  EXPECT_NE(failure([&] { open_raw(true); }, &status), "");
+  EXPECT_EQ(status, ADA4571_ERROR_UNUSABLE_DATA);
+  form_.channels[1].scale.scale_v = 1e9; // beyond what a capture may hold
+  EXPECT_NE(failure([&] { open_raw(false); }, &status), "");
+  EXPECT_EQ(status, ADA4571_ERROR_UNSUPPORTED);
+}
+
+TEST_F(RawRecording, OneOfDoublesGoesOnWithFrames) {
+  write(*open(), 0, 100);
+  ada4571_status status = ADA4571_OK;
+  EXPECT_NE(failure([&] { open_raw(true); }, &status), "");
+  EXPECT_EQ(status, ADA4571_ERROR_UNSUPPORTED);
+  EXPECT_EQ(read_capture(meta_path_).size(), 100u);
 }
 
 } // namespace

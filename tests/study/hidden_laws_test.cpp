@@ -4,6 +4,7 @@
 // Laws hidden in drawn fleets are found with their numbers, and in fleets without any nothing is.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -120,6 +121,38 @@ TEST_F(HiddenLaws, OneSensorFarFromTheOthers) {
   EXPECT_EQ(s.outliers.front().capture, odd.capture);
   EXPECT_EQ(s.outliers.front().parameter, "amplitude_v");
   EXPECT_LT(s.outliers.front().z, -8.0);
+}
+
+TEST_F(HiddenLaws, OneSensorFarFromAFewOthers) {
+  for (const int sensors : {5, 8, 12, 20}) {
+    Laws laws;
+    laws.sensors = sensors;
+    std::vector<Row> rows = draw.draw(laws);
+    Row &odd = rows[static_cast<std::size_t>(draw.uniform(0.0, sensors - 0.001))];
+    // 54 standard deviations: what takes five sensors, of a dozen numbers each, to be sure.
+    for (Quantity &q : odd.quantities)
+      if (q.parameter == "amplitude_v")
+        q.value *= 0.25;
+    const Summary s = summarise(make_fleet(rows, true));
+    ASSERT_FALSE(s.outliers.empty()) << sensors;
+    EXPECT_EQ(s.outliers.front().capture, odd.capture);
+    EXPECT_EQ(s.outliers.front().parameter, "amplitude_v");
+    EXPECT_LT(s.outliers.front().z, -8.0);
+  }
+}
+
+TEST_F(HiddenLaws, NoOutlierIsInventedInSmallFleets) {
+  int outliers = 0;
+  for (int fleet = 0; fleet < 400; ++fleet) {
+    Laws laws;
+    laws.sensors = std::array{5, 8, 12, 20}[static_cast<std::size_t>(fleet % 4)];
+    const Summary s = of(draw, laws);
+    outliers += s.outliers.empty() ? 0 : 1;
+    for (const Outlier &o : s.outliers)
+      std::printf("outlier: %s\n", o.sentence.c_str());
+  }
+  std::printf("of 400 small empty fleets with an outlier %d\n", outliers);
+  EXPECT_LE(outliers, 16); // one in a hundred are 4, with a standard deviation of 2: six more
 }
 
 TEST_F(HiddenLaws, DriftOfTheBenchOverTheDay) {

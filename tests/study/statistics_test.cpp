@@ -7,6 +7,10 @@
 #include <cmath>
 #include <random>
 
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/non_central_t.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <gtest/gtest.h>
 
 #include "study/fleet.h"
@@ -159,6 +163,144 @@ TEST(Statistics, DistancesCallNothingFarInOneDistribution) {
   EXPECT_EQ(distances(x, error)[16].p, distances(x)[16].p);
   error[17] = 1.0;
   EXPECT_LT(distances(x, error)[17].p, 1e-5);
+}
+
+constexpr std::size_t kFewSensors[] = {5, 8, 12, 20};
+constexpr double kChanceOfFleet = 0.01;
+
+class FewSensors : public ::testing::Test {
+protected:
+  std::mt19937_64 rng{test::fresh_seed()};
+  std::normal_distribution<double> normal;
+
+  std::vector<double> fleet(std::size_t count) {
+    std::vector<double> x(count);
+    for (double &v : x)
+      v = normal(rng);
+    return x;
+  }
+
+  /// Which are far, at one false one in a hundred fleets.
+  static std::vector<std::size_t> far(const std::vector<double> &x, bool amounts = false) {
+    std::vector<double> p;
+    for (const Distance &d : distances(x, {}, amounts))
+      p.push_back(d.p);
+    const std::vector<double> adjusted = holm(p);
+    std::vector<std::size_t> out;
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (adjusted[i] < kChanceOfFleet)
+        out.push_back(i);
+    return out;
+  }
+
+  /// What the deleted deviate of one of `count` must pass.
+  static double limit(std::size_t count) {
+    const auto n = static_cast<double>(count);
+    return boost::math::quantile(boost::math::students_t(n - 2.0), 1.0 - kChanceOfFleet / n / 2.0);
+  }
+
+  /// The distance in true standard deviations at which all but one in a thousand are named: neither
+  /// the number nor the deviation of the others is worse than in one of two thousand.
+  static double surely(std::size_t count) {
+    const auto n = static_cast<double>(count);
+    constexpr double kHalf = 0.0005;
+    const double wide = std::sqrt(
+        boost::math::quantile(boost::math::chi_squared(n - 2.0), 1.0 - kHalf) / (n - 2.0));
+    const double low = boost::math::quantile(boost::math::normal(), 1.0 - kHalf);
+    return (limit(count) * wide + low) * std::sqrt(n / (n - 1.0));
+  }
+};
+
+// Of 8 standard deviations as many are named as the best test can: by the non-central t.
+TEST_F(FewSensors, OneOutlierOfEightDeviationsAsOftenAsCanBe) {
+  constexpr int kTrials = 500;
+  for (const std::size_t count : kFewSensors) {
+    int named = 0;
+    for (int trial = 0; trial < kTrials; ++trial) {
+      std::vector<double> x = fleet(count);
+      const std::size_t odd = test::below(rng, count);
+      x[odd] = trial % 2 == 0 ? 8.0 + normal(rng) : -8.0 + normal(rng);
+      const std::vector<std::size_t> found = far(x);
+      named += std::count(found.begin(), found.end(), odd) > 0 ? 1 : 0;
+    }
+    const auto n = static_cast<double>(count);
+    const double power = boost::math::cdf(boost::math::complement(
+        boost::math::non_central_t(n - 2.0, 8.0 / std::sqrt(n / (n - 1.0))), limit(count)));
+    const double expected = kTrials * power, chance = std::sqrt(expected * (1.0 - power));
+    std::printf("%zu sensors, 8 deviations: %d of %d named, %.1f expected\n", count, named, kTrials,
+                expected);
+    EXPECT_GE(named, expected - 5.0 * chance - 1.0) << count;
+  }
+}
+
+TEST_F(FewSensors, OneOutlierFarEnoughIsNamedAndNoOther) {
+  constexpr int kTrials = 300;
+  for (const std::size_t count : kFewSensors) {
+    const double distance = std::max(8.0, surely(count));
+    int missed = 0, wrong = 0;
+    for (int trial = 0; trial < kTrials; ++trial) {
+      std::vector<double> x = fleet(count);
+      const std::size_t odd = test::below(rng, count);
+      x[odd] += (trial % 2 == 0 ? 1.0 : -1.0) *
+                std::uniform_real_distribution<double>(distance, 3.0 * distance)(rng);
+      const std::vector<std::size_t> found = far(x);
+      const bool is_found = std::count(found.begin(), found.end(), odd) > 0;
+      missed += is_found ? 0 : 1;
+      wrong += found.size() > (is_found ? 1U : 0U) ? 1 : 0;
+    }
+    std::printf("%zu sensors, from %.1f deviations on: %d of %d missed, %d with another\n", count,
+                distance, missed, kTrials, wrong);
+    EXPECT_LE(missed, 5) << count; // of one in a thousand, 0.3: six come once in a million runs
+    EXPECT_LE(wrong, 13) << count; // of one in a hundred, 3: six deviations more
+  }
+}
+
+TEST_F(FewSensors, TwoOutliersDoNotHideEachOther) {
+  for (const std::size_t count : {std::size_t{12}, std::size_t{20}, std::size_t{45}}) {
+    std::ptrdiff_t both = 0;
+    for (int trial = 0; trial < 100; ++trial) {
+      std::vector<double> x = fleet(count);
+      x[1] = 25.0 + normal(rng);
+      x[4] = 27.0 + normal(rng);
+      const std::vector<std::size_t> found = far(x);
+      both +=
+          std::count(found.begin(), found.end(), 1U) + std::count(found.begin(), found.end(), 4U);
+    }
+    EXPECT_GE(both, 198) << count;
+  }
+}
+
+// At most one fleet in a hundred, be its numbers normal or their logarithms.
+TEST_F(FewSensors, EmptyFleetsStayEmpty) {
+  constexpr int kTrials = 1000;
+  for (const std::size_t count :
+       {std::size_t{5}, std::size_t{8}, std::size_t{12}, std::size_t{20}, std::size_t{45}}) {
+    int of_normal = 0, of_amounts = 0;
+    for (int trial = 0; trial < kTrials; ++trial) {
+      std::vector<double> x = fleet(count);
+      of_normal += far(x).empty() ? 0 : 1;
+      for (double &v : x)
+        v = std::exp(0.5 * v);
+      of_amounts += far(x, true).empty() ? 0 : 1;
+    }
+    std::printf("%zu sensors, empty: %d and %d of %d with an outlier\n", count, of_normal,
+                of_amounts, kTrials);
+    // One in a hundred of 1000 are 10, with a standard deviation of 3.2: six of them more.
+    EXPECT_LE(of_normal, 29) << count;
+    EXPECT_LE(of_amounts, 29) << count;
+  }
+}
+
+TEST_F(FewSensors, NumbersThatDoNotVaryOrAreHardlyKnown) {
+  EXPECT_TRUE(far(std::vector<double>(12, 3.0)).empty());
+  EXPECT_TRUE(far({1.0, 2.0, 3.0, 1e300}).empty()); // too few to say
+  std::vector<double> x = fleet(20);
+  x[7] = 30.0;
+  EXPECT_LT(distances(x)[7].p, 1e-7);
+  EXPECT_GT(distances(x)[7].z, 15.0);
+  std::vector<double> error(20, 0.1);
+  error[7] = 15.0;
+  EXPECT_GT(distances(x, error)[7].p, 1e-3);
 }
 
 TEST(Statistics, DatesAndNamesInTheirOrder) {

@@ -29,7 +29,24 @@ bool is_sigmf(const std::string &path) {
   return path.ends_with(".sigmf-meta") || path.ends_with(".sigmf-data");
 }
 
-Writer open_writer(const Source &source, const Options &options) {
+/// A recording's file, and whether it takes the device's blocks or frames in volts.
+struct Output {
+  Writer writer;
+  bool blocks = false;
+};
+
+/// The recording of the device's own words; nothing where device or recording are of another kind.
+Writer open_blocks(const Source &source, const Options &options,
+                   const ada4571_recording_info &header) {
+  ada4571_writer *writer = nullptr;
+  const ada4571_status status = ada4571_writer_open_blocks(
+      options.output.c_str(), &header, source.get(), int{options.resume}, &writer);
+  if (status != ADA4571_ERROR_UNSUPPORTED)
+    check_usage(status);
+  return Writer(writer);
+}
+
+Output open_output(const Source &source, const Options &options) {
   const auto info = source_info(source);
   auto header = initialised(ada4571_recording_info_init);
   header.supply_v = info.supply_v;
@@ -44,43 +61,34 @@ Writer open_writer(const Source &source, const Options &options) {
   header.origin = info.description;
   const ada4571_recording_info *wanted = &header;
   const char *path = options.output.c_str();
-  if (is_sigmf(options.output) || options.resume)
-    return make_as_asked<Writer>(ada4571_writer_open_growing, path, wanted, int{options.resume});
-  return make_as_asked<Writer>(ada4571_writer_open, path, wanted);
+  if (!is_sigmf(options.output))
+    return {make_as_asked<Writer>(ada4571_writer_open, path, wanted), false};
+  if (Writer writer = open_blocks(source, options, header))
+    return {std::move(writer), true};
+  return {make_as_asked<Writer>(ada4571_writer_open_growing, path, wanted, int{options.resume}),
+          false};
 }
 
 /// Writes frames until as many, or as long, as was asked for.
 class Recorder {
 public:
   Recorder(const Options &options, const Source &source)
-      : options_(options), writer_(open_writer(source, options)),
+      : options_(options), source_(source), output_(open_output(source, options)),
         bytes_a_frame_(converter_bytes(source_info(source))) {}
 
-  /// False when there is enough, or when it has taken too long.
-  bool take(std::span<const ada4571_frame> frames) {
-    if (frames.empty())
-      return !late();
-    if (count_ == 0) {
-      first_s_ = frames.front().time_s;
-      began_ = Clock::now();
-    }
-    const std::size_t n = wanted_of(frames);
-    writable_ = false;
-    check(ada4571_writer_write(writer_.get(), frames.data(), n));
-    writable_ = true;
-    count_ += n;
-    if (n > 0)
-      last_s_ = frames[n - 1].time_s;
-    show_progress();
-    complete_ = n < frames.size() || (options_.samples > 0 && count_ == options_.samples);
-    return !complete_ && !late();
+  /// Reads until there is enough, or until it has taken too long.
+  void run(LiveReader &reader) {
+    if (output_.blocks)
+      reader.run_blocks([this](const DeviceBlock &block) { return take(block); });
+    else
+      reader.run([this](std::span<const ada4571_frame> frames) { return take(frames); });
   }
 
   void finish() {
     progress_.clear();
     if (count_ == 0)
       throw Failure(kUnusable, "no sample came, so nothing was written");
-    check(ada4571_writer_finish(writer_.get()));
+    check(ada4571_writer_finish(output_.writer.get()));
     note("{} samples, {:.3f} s\n", count_, last_s_ - first_s_);
   }
 
@@ -119,15 +127,63 @@ private:
   /// What comes late, by buffers, slow lines and a clock that is off, is still waited for.
   static constexpr double kLate = 1.1, kLate_s = 5;
 
-  std::size_t wanted_of(std::span<const ada4571_frame> frames) const {
-    std::size_t n = frames.size();
+  bool take(std::span<const ada4571_frame> frames) {
+    return take(
+        frames.size(), [&](std::size_t i) { return frames[i].time_s; },
+        [&](std::size_t n) {
+          return ada4571_writer_write(output_.writer.get(), frames.data(), n);
+        });
+  }
+
+  bool take(const DeviceBlock &block) {
+    const auto time_s = [&](std::size_t i) {
+      if (i + 1 == block.count)
+        return block.last_s;
+      double time = block.first_s - block.shift_s;
+      if (i > 0)
+        check(ada4571_source_block_time(source_.get(), i, &time));
+      return time + block.shift_s;
+    };
+    return take(block.count, time_s, [&](std::size_t n) {
+      return ada4571_writer_write_block(output_.writer.get(), source_.get(), n, block.shift_s);
+    });
+  }
+
+  /// So many frames of these times, which do not decrease. False when there is enough, or when it
+  /// has taken too long.
+  template <class Time, class Write> bool take(std::size_t count, Time time_s, Write write) {
+    if (count == 0)
+      return !late();
+    if (count_ == 0) {
+      first_s_ = time_s(0);
+      began_ = Clock::now();
+    }
+    const std::size_t n = wanted_of(count, time_s);
+    writable_ = false;
+    check(write(n));
+    writable_ = true;
+    count_ += n;
+    if (n > 0)
+      last_s_ = time_s(n - 1);
+    show_progress();
+    complete_ = n < count || (options_.samples > 0 && count_ == options_.samples);
+    return !complete_ && !late();
+  }
+
+  template <class Time> std::size_t wanted_of(std::size_t count, Time time_s) const {
+    std::size_t n = count;
     if (options_.samples > 0)
       n = static_cast<std::size_t>(std::min<std::uint64_t>(n, options_.samples - count_));
-    if (options_.duration_s > 0) {
-      const double end_s = first_s_ + options_.duration_s - kRounding_s;
-      const auto end = std::find_if(frames.begin(), frames.end(),
-                                    [end_s](const ada4571_frame &f) { return f.time_s >= end_s; });
-      n = std::min<std::size_t>(n, static_cast<std::size_t>(end - frames.begin()));
+    const double end_s = first_s_ + options_.duration_s - kRounding_s;
+    if (!(options_.duration_s > 0) || n == 0 || time_s(n - 1) < end_s)
+      return n;
+    std::size_t low = 0; // frames below are wanted, from n on they are not
+    while (low < n) {
+      const std::size_t middle = low + (n - low) / 2;
+      if (time_s(middle) < end_s)
+        low = middle + 1;
+      else
+        n = middle;
     }
     return n;
   }
@@ -157,7 +213,8 @@ private:
   }
 
   const Options &options_;
-  Writer writer_;
+  const Source &source_;
+  Output output_;
   double bytes_a_frame_; ///< as the converter gives them
   Progress progress_;
   std::uint64_t count_ = 0;
@@ -179,7 +236,7 @@ int run(const Options &options) {
   // To the end of the verb: what was captured is kept, however often a signal comes.
   LiveReader reader(source, options.reconnect);
   try {
-    reader.run([&](std::span<const ada4571_frame> frames) { return recorder.take(frames); });
+    recorder.run(reader);
   } catch (const Failure &) {
     recorder.keep();
     throw;

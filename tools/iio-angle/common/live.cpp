@@ -3,6 +3,7 @@
 #include "common/live.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
 #include <thread>
 
@@ -38,9 +39,9 @@ LiveReader::LiveReader(const Source &source, bool reconnect, std::chrono::second
     : source_(source), reconnect_(reconnect), patience_(patience),
       stop_([&source] { ada4571_source_cancel(source.get()); }) {}
 
-void LiveReader::greet_return(const ada4571_frame &first) {
+void LiveReader::greet_return(double first_s) {
   const double away_s = std::chrono::duration<double>(Clock::now() - last_).count();
-  shift_s_ = any_ ? last_s_ + away_s - first.time_s : 0.0;
+  shift_s_ = any_ ? last_s_ + away_s - first_s : 0.0;
   const auto missed =
       static_cast<std::uint64_t>(std::max(0.0, away_s * source_info(source_).sample_rate_hz - 1));
   ++before_.returns;
@@ -48,18 +49,16 @@ void LiveReader::greet_return(const ada4571_frame &first) {
   note("back after {:.1f} s: about {} samples missed\n", away_s, missed);
 }
 
-bool LiveReader::hand_over(std::span<ada4571_frame> frames, const Take &take) {
-  if (!frames.empty()) {
+bool LiveReader::hand_over(const Came &came, const Hand &hand) {
+  if (came.count > 0) {
     if (away_)
-      greet_return(frames.front());
-    for (ada4571_frame &frame : frames)
-      frame.time_s += shift_s_;
+      greet_return(came.first_s);
     last_ = Clock::now();
-    last_s_ = frames.back().time_s;
+    last_s_ = came.last_s + shift_s_;
     any_ = true;
   }
-  const bool wanted = take(frames);
-  if (!frames.empty())
+  const bool wanted = hand(came.count);
+  if (came.count > 0)
     away_ = false;
   return wanted;
 }
@@ -69,14 +68,14 @@ void LiveReader::end_connection() {
   counted_ = true;
 }
 
-bool LiveReader::wait_for_return(const std::string &why, const Take &take) {
+bool LiveReader::wait_for_return(const std::string &why, const Hand &hand) {
   end_connection();
   if (!away_)
     note("lost: {}; trying again every second\n", why);
   away_ = true;
   for (;;) {
     for (int i = 0; i < kRetryMs / kPollMs; ++i) {
-      if (StopSignal::requested() || !take({}))
+      if (StopSignal::requested() || !hand(0))
         return false;
       std::this_thread::sleep_for(std::chrono::milliseconds(kPollMs));
     }
@@ -90,21 +89,51 @@ bool LiveReader::wait_for_return(const std::string &why, const Take &take) {
   }
 }
 
-void LiveReader::run(const Take &take) {
+void LiveReader::run(const std::function<bool(std::span<const ada4571_frame>)> &take) {
+  std::vector<ada4571_frame> frames(kBlockFrames);
+  const auto read = [&](Came &came, ada4571_read_outcome &outcome) {
+    const ada4571_status status = ada4571_source_read(source_.get(), frames.data(), frames.size(),
+                                                      kPollMs, &came.count, &outcome);
+    if (came.count > 0) {
+      came.first_s = frames.front().time_s;
+      came.last_s = frames[came.count - 1].time_s;
+    }
+    return status;
+  };
+  loop(read, [&](std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i)
+      frames[i].time_s += shift_s_;
+    return take({frames.data(), count});
+  });
+}
+
+void LiveReader::run_blocks(const std::function<bool(const DeviceBlock &)> &take) {
+  auto block = initialised(ada4571_block_init);
+  const auto read = [&](Came &came, ada4571_read_outcome &outcome) {
+    const ada4571_status status =
+        ada4571_source_read_block(source_.get(), SIZE_MAX, kPollMs, &block, &outcome);
+    if (status == ADA4571_OK)
+      came = {block.count, block.first_time_s, block.last_time_s};
+    return status;
+  };
+  loop(read, [&](std::size_t count) {
+    return take({count, block.first_time_s + shift_s_, block.last_time_s + shift_s_, shift_s_});
+  });
+}
+
+void LiveReader::loop(const Read &read, const Hand &hand) {
   check(ada4571_source_start(source_.get()));
   counted_ = false;
-  std::vector<ada4571_frame> frames(kBlockFrames);
   last_ = Clock::now();
   Clock::time_point heard = last_; // or a new connection made
   while (!StopSignal::requested()) {
-    std::size_t count = 0;
+    Came came;
     ada4571_read_outcome outcome = ADA4571_READ_END;
-    const ada4571_status status =
-        ada4571_source_read(source_.get(), frames.data(), frames.size(), kPollMs, &count, &outcome);
-    const bool silent = status == ADA4571_OK && count == 0 && Clock::now() - heard > patience_;
+    const ada4571_status status = read(came, outcome);
+    const bool silent = status == ADA4571_OK && came.count == 0 && Clock::now() - heard > patience_;
     // Where no sample ever came, waiting will not bring one.
     if (reconnect_ && (is_absence(status) || (silent && any_))) {
-      if (!wait_for_return(silent ? "no sample came for 10 s" : ada4571_last_error(), take))
+      if (!wait_for_return(silent ? "no sample came for 10 s" : ada4571_last_error(), hand))
         break;
       heard = Clock::now();
       continue;
@@ -118,9 +147,9 @@ void LiveReader::run(const Take &take) {
                                       "does the server play a recording with a gap?"
                                     : "no sample came for 10 s: is the trigger set and running "
                                       "(--trigger), and the sample rate not zero (--rate)?");
-    if (count > 0)
+    if (came.count > 0)
       heard = Clock::now();
-    if (!hand_over({frames.data(), count}, take))
+    if (!hand_over(came, hand))
       break;
   }
   end_connection();
@@ -162,9 +191,10 @@ std::chrono::seconds patience(const SourceOptions &source) {
 }
 
 void add_reconnect_option(CLI::App &verb, bool &reconnect) {
-  auto *wait = verb.add_flag("--reconnect", reconnect,
-                             std::string("when the device or server is lost, wait until it is back") +
-                                 (reconnect ? " (default)" : ""));
+  auto *wait =
+      verb.add_flag("--reconnect", reconnect,
+                    std::string("when the device or server is lost, wait until it is back") +
+                        (reconnect ? " (default)" : ""));
   verb.add_flag_callback(
           "--no-reconnect", [&reconnect] { reconnect = false; },
           std::string("end with status 1 instead") + (reconnect ? "" : " (default)"))

@@ -29,6 +29,13 @@ struct Losses {
   std::uint64_t missed = 0;  ///< meanwhile, by the sample rate; 0 where that is unknown
 };
 
+/// Frames of a device that stay as it gave them.
+struct DeviceBlock {
+  std::size_t count = 0;
+  double first_s = 0, last_s = 0; ///< shifted as the times of frames are
+  double shift_s = 0;
+};
+
 /// Reads a source block after block. While it lives, signals end the reading and nothing else: work
 /// that must be finished afterwards is finished before it goes.
 class LiveReader {
@@ -43,6 +50,8 @@ public:
   /// nothing comes. Throws when nothing comes for too long and when the source is lost, unless
   /// it reconnects. Times go on through an absence.
   void run(const std::function<bool(std::span<const ada4571_frame>)> &take);
+  /// The same without a sample converted.
+  void run_blocks(const std::function<bool(const DeviceBlock &)> &take);
 
   /// Between the loss of the source and the first frame after its return.
   bool away() const { return away_; }
@@ -54,11 +63,20 @@ public:
 
 private:
   using Clock = std::chrono::steady_clock;
-  using Take = std::function<bool(std::span<const ada4571_frame>)>;
+  /// What was read, without the shift of its times.
+  struct Came {
+    std::size_t count = 0;
+    double first_s = 0, last_s = 0;
+  };
+  /// Status, what came and how it ended.
+  using Read = std::function<ada4571_status(Came &, ada4571_read_outcome &)>;
+  /// Takes what was read last, false when it is enough; count 0: nothing came.
+  using Hand = std::function<bool(std::size_t count)>;
 
-  void greet_return(const ada4571_frame &first);
-  bool hand_over(std::span<ada4571_frame> frames, const Take &take);
-  bool wait_for_return(const std::string &why, const Take &take);
+  void loop(const Read &read, const Hand &hand);
+  void greet_return(double first_s);
+  bool hand_over(const Came &came, const Hand &hand);
+  bool wait_for_return(const std::string &why, const Hand &hand);
   void end_connection();
 
   const Source &source_;
@@ -72,7 +90,7 @@ private:
   bool away_ = false;
   bool any_ = false; ///< a frame has come
   bool ended_ = false;
-  StopSignal stop_;  ///< last: it ends before what it touches
+  StopSignal stop_; ///< last: it ends before what it touches
 };
 
 /// A device that gives nothing for long is not set up; a capture may have a gap of any length.
