@@ -755,8 +755,8 @@ private:
                                          : std::max(values[0], values[1]);
   }
 
-  /// V rms of a channel that the random processes with a name and the steps of a reference leave
-  /// over: what is smaller is of their kind. A slow process goes on above the half waves that its
+  /// V rms of a channel that the random processes with a name and the steps of a reference or of a coarse
+  /// converter leave over: what is smaller is of their kind. A slow process goes on above the half waves that its
   /// course was taken out by, and comes with what does not go on in time the less, the more periods
   /// lie in each of them.
   double random_v(bool in_time = true) const {
@@ -772,6 +772,8 @@ private:
         sum += std::pow(process_v(info, e.values), 2) / waves * alike;
     }
     sum += std::pow(reference_step_rad() * scene_.periods * channel_rms_v(), 2) / 12.0;
+    // Steps that no noise blurs err by the place, and so with whatever the place goes with.
+    sum += std::pow(scene_.coarse_step_v, 2) / 12.0;
     return std::sqrt(sum);
   }
 

@@ -157,8 +157,9 @@ TEST(Senses, of_an_exact_angle_turn_at_each_reversal_however_far_it_is) {
   }
   const std::vector<signed char> sense = ada::senses_of(alpha);
   for (std::size_t i = 0; i < alpha.size(); ++i)
-    if (i % kLeg > 2 && i % kLeg + 2 < kLeg)
+    if (i % kLeg > 2 && i % kLeg + 2 < kLeg) {
       ASSERT_EQ(sense[i], i / kLeg % 2 == 0 ? 1 : -1) << i;
+    }
 }
 
 } // namespace ada::test
