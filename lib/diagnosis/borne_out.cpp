@@ -31,17 +31,21 @@ Eigen::VectorXd signal(const Observations &data, const Model &model) {
   return stacked(r.model_sin, r.model_cos);
 }
 
-/// The order m of the strongest term c e^(j m x) of a signal, c complex and x the electrical angle.
+/// The order m of the strongest term c e^(j m x) of a signal, c complex and x the angle of the turn, but
+/// for the offsets and the vector itself, which every model has.
 int strongest_order(const Observations &data, int periods, const Eigen::VectorXd &left) {
-  const int highest = criteria::kNamedPeriods + 1;
+  const int highest = (criteria::kNamedPeriods + 1) * periods,
+            step = periods <= criteria::kMostPeriodsInTurns ? 1 : periods;
   double most = 0.0;
-  int order = 0;
-  for (int m = -highest; m <= highest; ++m) {
+  int order = 2 * periods;
+  for (int m = -highest; m <= highest; m += step) {
+    if (m == 0 || m == periods)
+      continue;
     std::complex<double> sum;
     for (std::size_t i = 0; i < data.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(2 * i);
       sum += std::complex<double>(left[at + 1], left[at]) *
-             std::polar(1.0, -m * periods * data.alpha[i]);
+             std::polar(1.0, -m * data.alpha[i]);
     }
     if (std::norm(sum) > most) {
       most = std::norm(sum);
@@ -52,10 +56,10 @@ int strongest_order(const Observations &data, int periods, const Eigen::VectorXd
 }
 
 /// Rows of real and imaginary c of such a term.
-Eigen::MatrixXd term(const Observations &data, int periods, int order) {
+Eigen::MatrixXd term(const Observations &data, int order) {
   Eigen::MatrixXd out(2, static_cast<Eigen::Index>(2 * data.size()));
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const std::complex<double> z = std::polar(1.0, order * periods * data.alpha[i]);
+    const std::complex<double> z = std::polar(1.0, order * data.alpha[i]);
     const auto sin = static_cast<Eigen::Index>(2 * i), cos = sin + 1;
     out(0, sin) = z.imag();
     out(0, cos) = z.real();
@@ -137,7 +141,7 @@ void widen_by_what_is_not_borne_out(const Observations &all, FitResult &result) 
     Eigen::VectorXd move = coefficients(rows, shape), alone = shape - rows.transpose() * move;
     for (Eigen::Index k = 0; k + 1 < own; k += 2) {
       const int order = strongest_order(data, model.periods_per_turn, alone);
-      const Eigen::MatrixXd more = term(data, model.periods_per_turn, order);
+      const Eigen::MatrixXd more = term(data, order);
       rows.conservativeResize(rows.rows() + 2, Eigen::NoChange);
       rows.bottomRows(2) = more;
       move = coefficients(rows, shape);
