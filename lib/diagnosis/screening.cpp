@@ -283,6 +283,9 @@ bool screen_stuck(Screened &look, const Effect &effect) {
     // that lives moves by no less than this, at its very peak.
     const double moved = std::min(1.0, 0.5 * bulk(last(1 - k)).width() / whole);
     const double least = whole * (1.0 - std::sqrt(1.0 - moved * moved));
+    // Of less than a step of its converter nobody knows whether it moved.
+    if (least < converter_step(*channels[k]))
+      continue;
     const double spread = robust_spread(last(k));
     if (spread > 0.01 * whole || bulk(last(k)).width() > criteria::kStuckMoves * least)
       continue;

@@ -135,36 +135,37 @@ struct BinTest {
   double rms_v; ///< structure in the component, noise taken off
 };
 
-/// `sigma`: of that noise; 0: the scatter within the bins.
+/// `sigma`: of that noise; 0: the scatter within each bin, which may differ from one to another.
 BinTest test_bins(const std::vector<double> &component, const std::vector<int> &bin, int bins,
                   double sigma) {
-  std::vector<double> sum(static_cast<std::size_t>(bins), 0.0), count = sum;
+  std::vector<double> sum(static_cast<std::size_t>(bins), 0.0), count = sum, squares = sum;
   for (std::size_t i = 0; i < component.size(); ++i) {
     if (bin[i] < 0)
       continue;
-    sum[static_cast<std::size_t>(bin[i])] += component[i];
-    count[static_cast<std::size_t>(bin[i])] += 1.0;
+    const auto b = static_cast<std::size_t>(bin[i]);
+    sum[b] += component[i];
+    squares[b] += component[i] * component[i];
+    count[b] += 1.0;
   }
   constexpr double kFewest = 8.0;
-  double between = 0.0, used = 0.0, n = 0.0;
+  double between = 0.0, used = 0.0, n = 0.0, within = 0.0, spread = 0.0;
   for (std::size_t b = 0; b < sum.size(); ++b) {
     if (count[b] < kFewest)
       continue;
     between += sum[b] * sum[b] / count[b];
     used += 1.0;
     n += count[b];
+    // What noise alone would give: the variance of the bin, which c values know to 2 / (c - 1).
+    const double own = std::max(0.0, squares[b] - sum[b] * sum[b] / count[b]) / (count[b] - 1.0);
+    within += own;
+    spread += 2.0 * own * own * count[b] / (count[b] - 1.0);
   }
   if (used < 2.0)
     return {0.0, 0.0};
-  if (sigma == 0.0) {
-    double all = 0.0;
-    for (std::size_t i = 0; i < component.size(); ++i)
-      if (bin[i] >= 0 && count[static_cast<std::size_t>(bin[i])] >= kFewest)
-        all += component[i] * component[i];
-    sigma = std::sqrt(std::max(all - between, 0.0) / (n - used));
-    if (sigma == 0.0)
-      return {0.0, 0.0};
-  }
+  if (sigma == 0.0)
+    return spread > 0.0 ? BinTest{(between - within) / std::sqrt(spread),
+                                  std::sqrt(std::max(0.0, between - within) / n)}
+                        : BinTest{0.0, 0.0};
   const double chi2 = between / (sigma * sigma);
   return {(chi2 - used) / std::sqrt(2.0 * used), sigma * std::sqrt(std::max(0.0, chi2 - used) / n)};
 }
