@@ -536,6 +536,8 @@ private:
   /// Slow processes, read off what everything else leaves over; their courses are taken out of the
   /// data. Whether they moved the pair by more than its noise, and so may have hidden something.
   bool take_out_processes() {
+    if (found_.disturbed == Direction::supply) // what goes on slowly along it is the supply's
+      return false;
     Parts white = parts_;
     white.train.coloured.reset();
     // What is carried without a name is a part of what the anonymous model holds.
@@ -774,6 +776,10 @@ private:
     sum += std::pow(reference_step_rad() * scene_.periods * channel_rms_v(), 2) / 12.0;
     // Steps that no noise blurs err by the place, and so with whatever the place goes with.
     sum += std::pow(scene_.coarse_step_v, 2) / 12.0;
+    // A supply that is only inferred is weighed down to the noise along one of two directions, and goes
+    // with whatever changes as slowly as it does.
+    if (found_.disturbed == Direction::supply)
+      sum += 0.5 * unnamed_.selection.noise_v2;
     return std::sqrt(sum);
   }
 
