@@ -26,9 +26,9 @@ struct Columns {
   std::size_t stride;
 };
 
-// Tiles of three vectors of rows of `a` by four rows of `b`: twelve sums, which together with what they
-// are made of fit into sixteen registers. Sums are variables, not arrays: a vector of scalable length
-// is no member of anything.
+// Tiles of three vectors of rows of `a` by four rows of `b`: twelve sums, which together with what
+// they are made of fit into sixteen registers. Sums are variables, not arrays: a vector of scalable
+// length is no member of anything.
 template <class D>
 HWY_INLINE void tile_3x4(D d, Columns a, Columns b, std::size_t columns, double *sums) {
   const std::size_t lanes = hn::Lanes(d);
@@ -102,8 +102,8 @@ HWY_INLINE void add_tile(const double *sums, std::size_t height, std::size_t wid
 /// All rows of `a`, from `row` on, in tiles of one vector of the type D, the last of which overlaps
 /// the one before; returns the rows that are done.
 template <class D>
-std::size_t rows_of(D d, std::size_t row, Columns a, std::size_t rows, Columns b,
-                    std::size_t width, std::size_t columns, double *out, std::size_t stride) {
+std::size_t rows_of(D d, std::size_t row, Columns a, std::size_t rows, Columns b, std::size_t width,
+                    std::size_t columns, double *out, std::size_t stride) {
   const std::size_t lanes = hn::Lanes(d);
   HWY_ALIGN double sums[4 * HWY_MAX_BYTES / sizeof(double)];
   while (row < rows && rows >= lanes) {
@@ -148,7 +148,8 @@ void add_products(const double *a, std::size_t rows_a, std::size_t stride_a, con
       std::size_t at = width == 4 ? row : 0;
       const Columns rows{from_a, stride_a}, by{from_b + k, stride_b};
       at = rows_of(d, at, rows, rows_a, by, width, n, out + k * stride, stride);
-      at = rows_of(hn::CappedTag<double, 2>(), at, rows, rows_a, by, width, n, out + k * stride, stride);
+      at = rows_of(hn::CappedTag<double, 2>(), at, rows, rows_a, by, width, n, out + k * stride,
+                   stride);
       rows_of(hn::CappedTag<double, 1>(), at, rows, rows_a, by, width, n, out + k * stride, stride);
     }
   }
@@ -192,17 +193,17 @@ HWY_EXPORT(add_to_vector);
 
 void add_products(const Eigen::Ref<const Eigen::MatrixXd> &a,
                   const Eigen::Ref<const Eigen::MatrixXd> &b, Eigen::Ref<Eigen::MatrixXd> out) {
-  const auto rows_a = static_cast<std::size_t>(a.rows()), rows_b = static_cast<std::size_t>(b.rows()),
+  const auto rows_a = static_cast<std::size_t>(a.rows()),
+             rows_b = static_cast<std::size_t>(b.rows()),
              columns = static_cast<std::size_t>(a.cols()),
              stride_a = static_cast<std::size_t>(a.outerStride()),
              stride_b = static_cast<std::size_t>(b.outerStride());
   if (rows_b == 1)
     HWY_DYNAMIC_DISPATCH(add_to_vector)
-    (a.data(), rows_a, stride_a, b.data(), stride_b, columns, out.data());
-  else
-    HWY_DYNAMIC_DISPATCH(add_products)
-    (a.data(), rows_a, stride_a, b.data(), rows_b, stride_b, columns, out.data(),
-     static_cast<std::size_t>(out.outerStride()), false);
+  (a.data(), rows_a, stride_a, b.data(), stride_b, columns, out.data());
+  else HWY_DYNAMIC_DISPATCH(add_products)(a.data(), rows_a, stride_a, b.data(), rows_b, stride_b,
+                                          columns, out.data(),
+                                          static_cast<std::size_t>(out.outerStride()), false);
 }
 
 void add_squares(const Eigen::Ref<const Eigen::MatrixXd> &a, Eigen::Ref<Eigen::MatrixXd> out) {

@@ -9,8 +9,8 @@
 
 namespace ada {
 
-/// out += a b'. A column of `a` and of `b` is a sample, a row a quantity of it; out(i, k) belongs to
-/// row i of `a` and row k of `b`.
+/// out += a b'. A column of `a` and of `b` is a sample, a row a quantity of it; out(i, k) belongs
+/// to row i of `a` and row k of `b`.
 void add_products(const Eigen::Ref<const Eigen::MatrixXd> &a,
                   const Eigen::Ref<const Eigen::MatrixXd> &b, Eigen::Ref<Eigen::MatrixXd> out);
 

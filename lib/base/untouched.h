@@ -14,9 +14,7 @@ namespace ada {
 
 /// Leaves new elements as they are.
 template <class T> struct UntouchedAllocator : std::allocator<T> {
-  template <class U> struct rebind {
-    using other = UntouchedAllocator<U>;
-  };
+  template <class U> struct rebind { using other = UntouchedAllocator<U>; };
   template <class U> void construct(U *at) noexcept { ::new (static_cast<void *>(at)) U; }
   template <class U, class... Arguments> void construct(U *at, Arguments &&...arguments) {
     ::new (static_cast<void *>(at)) U(std::forward<Arguments>(arguments)...);

@@ -31,8 +31,8 @@ Eigen::VectorXd signal(const Observations &data, const Model &model) {
   return stacked(r.model_sin, r.model_cos);
 }
 
-/// The order m of the strongest term c e^(j m x) of a signal, c complex and x the angle of the turn, but
-/// for the offsets and the vector itself, which every model has.
+/// The order m of the strongest term c e^(j m x) of a signal, c complex and x the angle of the
+/// turn, but for the offsets and the vector itself, which every model has.
 int strongest_order(const Observations &data, int periods, const Eigen::VectorXd &left) {
   const int highest = (criteria::kNamedPeriods + 1) * periods,
             step = periods <= criteria::kMostPeriodsInTurns ? 1 : periods;
@@ -44,8 +44,7 @@ int strongest_order(const Observations &data, int periods, const Eigen::VectorXd
     std::complex<double> sum;
     for (std::size_t i = 0; i < data.size(); ++i) {
       const auto at = static_cast<Eigen::Index>(2 * i);
-      sum += std::complex<double>(left[at + 1], left[at]) *
-             std::polar(1.0, -m * data.alpha[i]);
+      sum += std::complex<double>(left[at + 1], left[at]) * std::polar(1.0, -m * data.alpha[i]);
     }
     if (std::norm(sum) > most) {
       most = std::norm(sum);
@@ -84,12 +83,14 @@ Eigen::VectorXd coefficients(const Eigen::MatrixXd &rows, const Eigen::VectorXd 
 void widen_by_what_is_not_borne_out(const Observations &all, FitResult &result) {
   constexpr std::size_t kEnough = 4000; // a shape is known by fewer than its size is
   constexpr double kAsLikely = 0.5;     // of either reading
-  Observations data = all.select(thin([&] {
-    std::vector<std::uint32_t> indices(all.size());
-    for (std::size_t i = 0; i < indices.size(); ++i)
-      indices[i] = static_cast<std::uint32_t>(i);
-    return indices;
-  }(), kEnough, 100));
+  Observations data = all.select(thin(
+      [&] {
+        std::vector<std::uint32_t> indices(all.size());
+        for (std::size_t i = 0; i < indices.size(); ++i)
+          indices[i] = static_cast<std::uint32_t>(i);
+        return indices;
+      }(),
+      kEnough, 100));
   const Model &model = result.model;
   const std::vector<double> x = coordinates_of(model), step = coordinate_steps(model);
   const auto parameters = static_cast<Eigen::Index>(x.size());
@@ -148,10 +149,11 @@ void widen_by_what_is_not_borne_out(const Observations &all, FitResult &result) 
       alone = shape - rows.transpose() * move;
     }
     // By how much the data then are less likely.
-    const double nats = samples_each * (2.0 * alone.dot(left) + alone.squaredNorm()) / (2.0 * variance);
+    const double nats =
+        samples_each * (2.0 * alone.dot(left) + alone.squaredNorm()) / (2.0 * variance);
     const double size = std::sqrt(shape.squaredNorm()), beyond = std::sqrt(alone.squaredNorm());
-    const double blurred =
-        std::min(criteria::kMostBlurred, criteria::kSecondOrder * at_rest / model.baseline.amplitude_v);
+    const double blurred = std::min(criteria::kMostBlurred,
+                                    criteria::kSecondOrder * at_rest / model.baseline.amplitude_v);
     if (!move.allFinite() || (nats > criteria::kRivalNats && beyond > blurred * size))
       continue;
     for (Eigen::Index a = 0; a < m; ++a)

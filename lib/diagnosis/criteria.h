@@ -18,25 +18,26 @@ inline constexpr std::size_t kFewestSamples = 12;
 /// Share of the electrical circle that must be seen: below a third an ellipse's centre and its axes
 /// are one in the data (Kanatani, Statistical Optimization, 1996, on short arcs).
 inline constexpr double kLeastCoverage = 0.33;
-/// The same beside a reference: with the angle known, centre and axes are a linear regression. Of 60
-/// degrees its worst direction has 1/600 of the weight of a whole turn: 10,000 samples know it as 17
-/// do there.
+/// The same beside a reference: with the angle known, centre and axes are a linear regression. Of
+/// 60 degrees its worst direction has 1/600 of the weight of a whole turn: 10,000 samples know it
+/// as 17 do there.
 inline constexpr double kLeastCoverageByReference = 1.0 / 6.0;
-/// Of the samples may lie in episodes that are not the sensor's. An estimate: with more of them it is
-/// no longer plain which of the two states is the sensor's own.
+/// Of the samples may lie in episodes that are not the sensor's. An estimate: with more of them it
+/// is no longer plain which of the two states is the sensor's own.
 inline constexpr double kMostOfEpisodes = 0.1;
 
-/// Readings that are held for several rows each: so many of them, rows a reading in the mean, share of
-/// them that stands for one or two numbers of rows (starts, gaps and readings that happen to be alike
-/// aside), and share in which both channels change, as they do unless the converter is coarse.
+/// Readings that are held for several rows each: so many of them, rows a reading in the mean, share
+/// of them that stands for one or two numbers of rows (starts, gaps and readings that happen to be
+/// alike aside), and share in which both channels change, as they do unless the converter is
+/// coarse.
 inline constexpr std::size_t kFewestHeld = 100;
 inline constexpr double kRowsHeld = 1.5, kHeldEvenly = 0.9, kBothDiffer = 0.8;
-/// Steps of a held reference: all but this part of the smallest and of the largest differ by this much
-/// where the speed does; those of one line by no more than two to one.
+/// Steps of a held reference: all but this part of the smallest and of the largest differ by this
+/// much where the speed does; those of one line by no more than two to one.
 inline constexpr double kFewSteps = 0.1, kStepsDiffer = 2.0;
 
-/// Of what a channel that lives moves at least, at its peak while the other passes its middle: there
-/// it moves by all of it, a stuck one by none.
+/// Of what a channel that lives moves at least, at its peak while the other passes its middle:
+/// there it moves by all of it, a stuck one by none.
 inline constexpr double kStuckMoves = 0.25;
 
 /// Samples about reversals and changes of speed are left out only while at least this part stays.
@@ -47,16 +48,18 @@ inline constexpr double kClock = 29e-6;
 
 // --- the hold-out
 
-/// Turns from which on whole turns are held out: two of six judge, and each of them sees all angles.
+/// Turns from which on whole turns are held out: two of six judge, and each of them sees all
+/// angles.
 inline constexpr double kFewestUnits = 6.0;
 /// Runs of samples where parts of a turn are held out: an order up to a sixth of it still has
 /// training samples on both sides within half its period.
 inline constexpr std::size_t kArcs = 240;
-/// A stop: neighbours further apart than this many times the noise at rest, and than this, rad, have
-/// moved. Eight standard deviations come by chance once in 1e15.
+/// A stop: neighbours further apart than this many times the noise at rest, and than this, rad,
+/// have moved. Eight standard deviations come by chance once in 1e15.
 inline constexpr double kStopMovesNoise = 8.0, kStopMovesRad = 0.1 * kRadPerDeg;
-/// Records of one sensor from which on every third judges as a whole: two conditions of six. Of fewer
-/// each may be the only one at its temperature or its speed, which the others must not have to guess.
+/// Records of one sensor from which on every third judges as a whole: two conditions of six. Of
+/// fewer each may be the only one at its temperature or its speed, which the others must not have
+/// to guess.
 inline constexpr std::size_t kFewestRecords = 6;
 /// Stops from which on every third one judges, and readings a stop.
 inline constexpr std::size_t kFewestStops = 6;
@@ -66,7 +69,8 @@ inline constexpr double kLeastAtRest = 0.75;
 
 // --- the anonymous model
 
-/// Samples that it is fitted to and judged on: enough for 0.5 % of the noise in each of 100 columns.
+/// Samples that it is fitted to and judged on: enough for 0.5 % of the noise in each of 100
+/// columns.
 inline constexpr std::size_t kAnonymousTrain = 8000, kAnonymousHeldout = 4000;
 inline constexpr std::size_t kRemainderSamples = 30000;
 /// Orders of the turn that are looked at: a map of the error has no finer detail that is worth its
@@ -81,9 +85,9 @@ inline constexpr double kSamplesPerOrder = 6.0;
 /// Samples from which on lines of the spectrum are looked for.
 inline constexpr std::size_t kFewestForLines = 1000;
 
-/// Functions slow in time: at most so many half waves over the record, each of which lasts this many
-/// electrical periods, so that none follows the shaft, and no more than two to a round of what repeats
-/// with the angle, as those are the angle's.
+/// Functions slow in time: at most so many half waves over the record, each of which lasts this
+/// many electrical periods, so that none follows the shaft, and no more than two to a round of what
+/// repeats with the angle, as those are the angle's.
 inline constexpr double kMostTrends = 32.0, kPeriodsPerTrend = 1.5, kTrendsPerRound = 2.0;
 /// Steps in time: stretches that are compared (three on either side of a place, and enough places
 /// to know what is usual), samples in each, and steps at most. A jump counts from this many of its
@@ -101,8 +105,8 @@ inline constexpr double kMostColumns = 0.4;
 inline constexpr int kNamedOrders = 16;
 /// The same in electrical periods: a third harmonic turns back and lies four of them off.
 inline constexpr int kNamedPeriods = 4;
-/// Across a supply that is not recorded nothing but noise may be left, by its power. An estimate: the
-/// noise is known to a tenth, and uneven between the channels.
+/// Across a supply that is not recorded nothing but noise may be left, by its power. An estimate:
+/// the noise is known to a tenth, and uneven between the channels.
 inline constexpr double kClean = 1.6;
 /// Structure is worth a word from this part of the noise on: it then adds 0.7 % to the whole.
 inline constexpr double kWorthAWord = 0.12;
@@ -115,16 +119,16 @@ inline constexpr double kNeighbourWeight[2] = {1.0, 0.5};
 /// The variance of a coefficient that nothing is seen of, as a part of what the data resolve.
 inline constexpr double kLeastOfResolution = 0.01;
 
-/// Angle error of a model with more in it over that with less: a held-out part of a thousand samples
-/// tells it to 2 %.
+/// Angle error of a model with more in it over that with less: a held-out part of a thousand
+/// samples tells it to 2 %.
 inline constexpr double kNoWorse = 1.02;
-/// The radius that one fit leaves over that of another: a held-out part of a hundred samples tells it
-/// to 7 %.
+/// The radius that one fit leaves over that of another: a held-out part of a hundred samples tells
+/// it to 7 %.
 inline constexpr double kRadiusWorse = 1.1;
 
-/// A cause that helps in one part of the record and harms in another: the harm may be this part of the
-/// help. The stretches that tell are each worth so many nats, of which chance makes none negative
-/// (their standard deviation is the root of twice as many), and hold so many turns.
+/// A cause that helps in one part of the record and harms in another: the harm may be this part of
+/// the help. The stretches that tell are each worth so many nats, of which chance makes none
+/// negative (their standard deviation is the root of twice as many), and hold so many turns.
 inline constexpr double kMostHarm = 0.25, kNatsOfStretch = 20.0, kTurnsOfStretch = 1.0;
 inline constexpr double kMostStretchesOfGain = 20.0;
 inline constexpr std::size_t kFewestStretchesOfGain = 4;
@@ -145,21 +149,21 @@ inline constexpr double kMostBlurred = 0.3;
 inline constexpr double kSecondOrder = 4.0;
 
 /// A cause may move the signal by this much of what there is to explain. What is larger stands only
-/// because others cancel it: two true causes of one size leave two thirds of it unless three quarters
-/// of their shapes are the same and of opposite sign.
+/// because others cancel it: two true causes of one size leave two thirds of it unless three
+/// quarters of their shapes are the same and of opposite sign.
 inline constexpr double kMostOfDiscrepancy = 1.5;
 /// For the same reason two to four causes together must move it by half of what the largest of them
 /// does alone.
 inline constexpr double kLeastOfGroup = 0.5;
 /// Mean square of a cause of one order, chosen among many, over that of the orders without a name
-/// (their power-weighted mean): of orders drawn alike from a structure with many of them one in e^3,
-/// 5 %, has as much.
+/// (their power-weighted mean): of orders drawn alike from a structure with many of them one in
+/// e^3, 5 %, has as much.
 inline constexpr double kAboveComb = 3.0;
 /// Square of the standard errors, a mean over its coordinates, by which a finding must differ from
 /// none: three of them, which chance makes once in 400.
 inline constexpr double kClear = 9.0;
-/// The same where a finding takes most of what is left: two of them, chance once in twenty. With less
-/// its own size, and its sign, are not known.
+/// The same where a finding takes most of what is left: two of them, chance once in twenty. With
+/// less its own size, and its sign, are not known.
 inline constexpr double kUnclear = 4.0;
 
 // --- naming causes
@@ -170,9 +174,9 @@ inline constexpr std::size_t kQuick = 16000, kCoarse = 6000;
 /// at most.
 inline constexpr std::size_t kShortlist = 5, kShortlistOfAxis = 2;
 inline constexpr int kMostEffects = 10;
-/// A cause must be worth this many nats on held-out data, and more for each coordinate: the likeliest
-/// of some fifty shapes gains e^-12 of them by chance, and a coordinate that is fitted to nothing one
-/// nat on the average.
+/// A cause must be worth this many nats on held-out data, and more for each coordinate: the
+/// likeliest of some fifty shapes gains e^-12 of them by chance, and a coordinate that is fitted to
+/// nothing one nat on the average.
 inline constexpr double kLeastNats = 12.0, kNatsPerCoordinate = 3.0;
 /// What every pair has need only be likelier than not by this, beside what has no name.
 inline constexpr double kExpectedNats = 0.0;
@@ -187,19 +191,19 @@ inline constexpr std::size_t kMostShaken = 6; ///< effects; beyond so many the w
 /// Of a converter's coarse step, what a cause must explain at least: its error is no noise, and
 /// looks like a little of many effects.
 inline constexpr double kOfStep = 0.1;
-/// Two causes this correlated are one and the same in the data: both together would cancel each other
-/// at sizes that mean nothing. Unless far more is gained than by chance: two speeds just tell two lags
-/// apart.
+/// Two causes this correlated are one and the same in the data: both together would cancel each
+/// other at sizes that mean nothing. Unless far more is gained than by chance: two speeds just tell
+/// two lags apart.
 inline constexpr double kEntangled = 0.995, kNearlyOne = 0.999, kFarMoreNats = 1000.0;
 /// Part of the best worth from which on another candidate does about as well.
 inline constexpr double kAsWell = 0.98;
-/// What scatters by less than this above noise may be noise. An estimate: 0.44 of the power of noise
-/// may lie hidden in it, which the held-out angle is asked about as well.
+/// What scatters by less than this above noise may be noise. An estimate: 0.44 of the power of
+/// noise may lie hidden in it, which the held-out angle is asked about as well.
 inline constexpr double kMoreThanNoise = 1.2;
 /// A rival that comes this close, in nats, cannot be rejected: odds of e^8 are 3000 to one.
 inline constexpr double kRivalNats = 8.0;
-/// What a cause leaves over of the one that yields to it: as a part of what either explains, and as a
-/// part of the noise, where what stands clear of it tells the two apart.
+/// What a cause leaves over of the one that yields to it: as a part of what either explains, and as
+/// a part of the noise, where what stands clear of it tells the two apart.
 inline constexpr double kSlight = 0.02, kHidden = 0.5;
 /// Prior cost of a motion whose own ripple happens to look like an error of the reference, nats.
 inline constexpr double kCoincidence = 20.0;
@@ -208,9 +212,10 @@ inline constexpr double kCoincidence = 20.0;
 
 /// What one cause may leave over of what several explain, as a part of the mean square.
 inline constexpr double kLittle = 0.1;
-/// What the few functions of the speed may leave of what many slow ones explain, as a part of the mean
-/// square. A process that wanders follows them to nine tenths by chance in one record of six, and to
-/// this part in none of a thousand; where the speed is the cause only their own roughness is left.
+/// What the few functions of the speed may leave of what many slow ones explain, as a part of the
+/// mean square. A process that wanders follows them to nine tenths by chance in one record of six,
+/// and to this part in none of a thousand; where the speed is the cause only their own roughness is
+/// left.
 inline constexpr double kNearlyAll = 0.01;
 /// Nats by which a cause of the noise must raise the likelihood: one in e^12 by chance.
 inline constexpr double kNatsOfNoise = 12.0;
@@ -218,8 +223,8 @@ inline constexpr double kNatsOfNoise = 12.0;
 inline constexpr double kMoreVariance = 1.1;
 /// Mean step of an even clock over its median one, with a third of the turns held out.
 inline constexpr double kUneven = 1.2;
-/// Highest corner of flicker noise that is tried, over half the sample rate: the density there falls
-/// as 1/f to within an eighth, as without any white noise.
+/// Highest corner of flicker noise that is tried, over half the sample rate: the density there
+/// falls as 1/f to within an eighth, as without any white noise.
 inline constexpr double kHighestCorner = 8.0;
 /// Power of a noise at low frequencies over that of the errors of what was taken out there by a
 /// fit: what has no more than they may be they.
@@ -227,15 +232,15 @@ inline constexpr double kOfFit = 4.0;
 /// Structure of up to this part of what random causes leave over is of their kind; more of it says
 /// that they are no noise.
 inline constexpr double kOfRandom = 0.5, kOfProcess = 1.2;
-/// Mean square of the steps of a reference over that of an even spread, which it may reach where the
-/// shaft dwells.
+/// Mean square of the steps of a reference over that of an even spread, which it may reach where
+/// the shaft dwells.
 inline constexpr double kOfSteps = 1.5;
-/// Mean square of white noise over what its differences from sample to sample give: with 8000 samples
-/// that is one to 3 %, and a tenth is worth a word.
+/// Mean square of white noise over what its differences from sample to sample give: with 8000
+/// samples that is one to 3 %, and a tenth is worth a word.
 inline constexpr double kAlmostWhite = 1.1;
-/// Samples over which noise may remember itself: converters average up to so many, and structure that
-/// turns once in the square of it is the same over twice as many. A memory counts from this many of
-/// its standard errors on: chance gives it once in ten thousand.
+/// Samples over which noise may remember itself: converters average up to so many, and structure
+/// that turns once in the square of it is the same over twice as many. A memory counts from this
+/// many of its standard errors on: chance gives it once in ten thousand.
 inline constexpr std::size_t kMemory = 8;
 inline constexpr double kClearErrors = 4.0;
 /// Lines of an octave that tell its power to a quarter, and the factor by which it may be off.

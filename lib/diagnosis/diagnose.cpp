@@ -561,8 +561,8 @@ private:
     if (found.empty() || goes_with_speed(slow, whole, white, named))
       return false;
     unnamed_ = std::move(slow);
-    slow_waves_ = std::max(slow_waves_,
-                           unnamed_.selection.orders[static_cast<std::size_t>(Axis::time)]);
+    slow_waves_ =
+        std::max(slow_waves_, unnamed_.selection.orders[static_cast<std::size_t>(Axis::time)]);
     take_out_courses(found);
     double moved_v2 = 0.0;
     for (const RandomCause &c : found)
@@ -603,8 +603,8 @@ private:
       explained_noise_ = std::max(noise_, left);
   }
 
-  /// Whether the speed, with fewer functions, explains as well what a slow process would, up to what
-  /// chance lets them follow. `whole_v2`: what there is without either.
+  /// Whether the speed, with fewer functions, explains as well what a slow process would, up to
+  /// what chance lets them follow. `whole_v2`: what there is without either.
   bool goes_with_speed(const Anonymous &slow, double whole_v2, const Parts &white,
                        const Model &named) const {
     if (!scene_.several_speeds && !scene_.both_directions)
@@ -640,8 +640,8 @@ private:
   }
 
   /// A slow process that has a name is taken out of what is looked at from now on: its course is
-  /// known. Offsets are subtracted; a gain divides what turns, so that what goes in proportion to it
-  /// is constant again.
+  /// known. Offsets are subtracted; a gain divides what turns, so that what goes in proportion to
+  /// it is constant again.
   void take_out_courses(const std::vector<RandomCause> &processes) {
     const auto courses_of = [&](Pattern pattern) {
       Selection out;
@@ -726,8 +726,8 @@ private:
     in_bursts_ = left.bursts;
   }
 
-  /// Where nothing is seen to be left over, and the best model that names nothing still leaves clearly
-  /// less of held-out data, the named model does not explain the capture.
+  /// Where nothing is seen to be left over, and the best model that names nothing still leaves
+  /// clearly less of held-out data, the named model does not explain the capture.
   void note_what_the_anonymous_model_does_better() {
     const double named2 = std::pow(last_.heldout.residual_rms_v, 2) - std::pow(random_v(), 2);
     const double anonymous2 = std::pow(out_.anonymous.residual_rms_v, 2);
@@ -757,27 +757,26 @@ private:
                                          : std::max(values[0], values[1]);
   }
 
-  /// V rms of a channel that the random processes with a name and the steps of a reference or of a coarse
-  /// converter leave over: what is smaller is of their kind. A slow process goes on above the half waves that its
-  /// course was taken out by, and comes with what does not go on in time the less, the more periods
-  /// lie in each of them.
+  /// V rms of a channel that the random processes with a name and the steps of a reference or of a
+  /// coarse converter leave over: what is smaller is of their kind. A slow process goes on above
+  /// the half waves that its course was taken out by, and comes with what does not go on in time
+  /// the less, the more periods lie in each of them.
   double random_v(bool in_time = true) const {
     const double waves = std::max(1, slow_waves_);
-    const double alike =
-        in_time ? 1.0 : crosstalk(periods_in_all(), waves) / criteria::kLittle;
+    const double alike = in_time ? 1.0 : crosstalk(periods_in_all(), waves) / criteria::kLittle;
     double sum = 0.0;
     for (const EffectInstance &e : seen_random_) {
       const EffectInfo &info = e.effect->info();
       if (info.evidence == Evidence::noise && info.character == Character::process)
-        sum += e.values[0] * e.values[0]; // what else is left over is not its own
+        sum += e.values[0] * e.values[0];        // what else is left over is not its own
       else if (info.evidence != Evidence::noise) // white noise has no structure of its own
         sum += std::pow(process_v(info, e.values), 2) / waves * alike;
     }
     sum += std::pow(reference_step_rad() * scene_.periods * channel_rms_v(), 2) / 12.0;
     // Steps that no noise blurs err by the place, and so with whatever the place goes with.
     sum += std::pow(scene_.coarse_step_v, 2) / 12.0;
-    // A supply that is only inferred is weighed down to the noise along one of two directions, and goes
-    // with whatever changes as slowly as it does.
+    // A supply that is only inferred is weighed down to the noise along one of two directions, and
+    // goes with whatever changes as slowly as it does.
     if (found_.disturbed == Direction::supply)
       sum += 0.5 * unnamed_.selection.noise_v2;
     return std::sqrt(sum);

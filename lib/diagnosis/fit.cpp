@@ -73,8 +73,8 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
   if (coloured)
     products -= coloured->taken(projected);
   products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
-  Normal out{products.topLeftCorner(parameters, parameters),
-             products.topRightCorner(parameters, 1), products(parameters, parameters)};
+  Normal out{products.topLeftCorner(parameters, parameters), products.topRightCorner(parameters, 1),
+             products(parameters, parameters)};
   if (data.vtemp_on_vcos_error > 0.0) {
     // One more measurement, weighted by its error against the noise of the samples.
     const double sigma = std::sqrt(out.rss / (2.0 * static_cast<double>(data.size())));
@@ -172,7 +172,8 @@ double sum_of_squares(const Observations &data, const Model &model, const Colour
       residual[static_cast<Eigen::Index>(2 * i + 1)] = rc;
     }
     if (coloured)
-      coloured->project(first, residual.head(static_cast<Eigen::Index>(2 * n)).transpose(), projected);
+      coloured->project(first, residual.head(static_cast<Eigen::Index>(2 * n)).transpose(),
+                        projected);
   }
   return coloured ? std::max(0.0, sum - coloured->taken(projected)(0, 0)) : sum;
 }
@@ -355,11 +356,11 @@ void attach_errors(FitResult &result) {
     e.std_errors.resize(centre.size(), 0.0);
     for (std::size_t r = 0; r < centre.size(); ++r) {
       const auto at = static_cast<Eigen::Index>(r);
-      if (!jacobian.row(at).isZero(0.0)) { // what no fit moves has its error from where it was chosen
+      if (!jacobian.row(at).isZero(
+              0.0)) { // what no fit moves has its error from where it was chosen
         // A frequency is told in the time of the capture's own clock.
-        const double of_clock = e.effect->info().parameters[r].unit == "Hz"
-                                    ? criteria::kClock * centre[r]
-                                    : 0.0;
+        const double of_clock =
+            e.effect->info().parameters[r].unit == "Hz" ? criteria::kClock * centre[r] : 0.0;
         e.std_errors[r] = std::hypot(std::sqrt(std::max(0.0, covariance(at, at))), of_clock);
       }
     }
@@ -385,8 +386,7 @@ std::vector<char> where_outputs_pass(const Observations &data, const Model &mode
   Model moved = model;
   moved.baseline.offset_sin_v += kShift;
   moved.baseline.offset_cos_v += kShift;
-  const ResidualColumns here = residual_columns(data, model),
-                        there = residual_columns(data, moved);
+  const ResidualColumns here = residual_columns(data, model), there = residual_columns(data, moved);
   std::vector<char> out(data.size());
   for (std::size_t i = 0; i < data.size(); ++i)
     out[i] = std::min(there.model_sin[i] - here.model_sin[i],
@@ -397,7 +397,8 @@ std::vector<char> where_outputs_pass(const Observations &data, const Model &mode
 double moved_rms_v(const Observations &data, const Model &model, std::size_t effect) {
   Model less = model;
   less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
-  const ResidualColumns with = residual_columns(data, model), without = residual_columns(data, less);
+  const ResidualColumns with = residual_columns(data, model),
+                        without = residual_columns(data, less);
   double sum = 0.0;
   for (std::size_t i = 0; i < with.sin.size(); ++i) {
     const double s = with.sin[i] - without.sin[i], c = with.cos[i] - without.cos[i];
@@ -448,8 +449,7 @@ bool in_range(const EffectInstance &e) {
 bool in_range(const Model &model, std::size_t first) {
   return model.baseline.amplitude_v > 0.0 &&
          std::all_of(model.effects.begin() + static_cast<std::ptrdiff_t>(first),
-                     model.effects.end(),
-                     [](const EffectInstance &e) { return in_range(e); });
+                     model.effects.end(), [](const EffectInstance &e) { return in_range(e); });
 }
 
 } // namespace ada

@@ -159,12 +159,11 @@ FitResult with_figure_of(const FitResult &other, FitResult one) {
   return one;
 }
 
-/// Fits in which residuals across the vector weigh by their own scatter, in turn better ones as long
-/// as the length of the vector says so: a reference that creeps, plays or is late by a random time
-/// scatters there, and the length still says what figure the pair draws. Where the reference is off by
-/// so much that its error bends the length, at the angle that the pair itself gives.
-template <class Better>
-void fit_by_length(Parts parts, FitResult &best, Better better) {
+/// Fits in which residuals across the vector weigh by their own scatter, in turn better ones as
+/// long as the length of the vector says so: a reference that creeps, plays or is late by a random
+/// time scatters there, and the length still says what figure the pair draws. Where the reference
+/// is off by so much that its error bends the length, at the angle that the pair itself gives.
+template <class Better> void fit_by_length(Parts parts, FitResult &best, Better better) {
   parts.train.coloured.reset();
   const Scatter left = scatter_of(parts.train, best.model);
   if (left.across <= criteria::kMoreThanNoise * left.along)
@@ -262,10 +261,10 @@ RadiusLeft radius_left(const Observations &data, const Model &model) {
 namespace {
 
 /// The whole model with its errors. Where nothing but noise is left across the vector, what is left
-/// along it is a length that wanders, with the air gap or the light, and says little of the pair: only
-/// for an angle that is clearly better, as what is small across and has no name is then not reckoned
-/// with. Where more is left across it than along it, the reference says little, and the radius of
-/// held-out data is asked.
+/// along it is a length that wanders, with the air gap or the light, and says little of the pair:
+/// only for an angle that is clearly better, as what is small across and has no name is then not
+/// reckoned with. Where more is left across it than along it, the reference says little, and the
+/// radius of held-out data is asked.
 FitResult fit_whole(const Parts &parts, const Model &start) {
   FitResult alike = fit_with_errors(parts.train, start);
   const auto angle_error = [&](const FitResult &f) {
@@ -273,7 +272,8 @@ FitResult fit_whole(const Parts &parts, const Model &start) {
   };
   const auto radius = [&](const FitResult &f) { return radius_left(parts.heldout, f.model); };
   if (std::optional<FitResult> apart = fit_by_direction(parts, start))
-    return angle_error(alike) > criteria::kNoWorse * angle_error(*apart) ? *std::move(apart) : alike;
+    return angle_error(alike) > criteria::kNoWorse * angle_error(*apart) ? *std::move(apart)
+                                                                         : alike;
   fit_by_length(parts, alike, [&](const FitResult &one, const FitResult &other) {
     return nats_between(radius(other), radius(one)) > criteria::kRivalNats;
   });

@@ -396,7 +396,8 @@ namespace {
 
 /// Whether a supply that is not recorded leaves nothing but noise across it, and held-out data are
 /// likelier with it, which takes in a direction at every moment, than with whatever has no name and
-/// does not go with the time: how the supply goes with the time, as a tone or slowly, is its own affair.
+/// does not go with the time: how the supply goes with the time, as a tone or slowly, is its own
+/// affair.
 bool is_likelier_as_supply(const Scene &scene, const Parts &parts, const SearchResult &found,
                            double noise_v) {
   if (found.disturbed != Direction::supply)

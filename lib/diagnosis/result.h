@@ -83,7 +83,7 @@ struct Diagnosis {
   Rung baseline_quality, extended_quality;
   // what was found
   std::vector<Finding> findings;
-  std::vector<Model> ladder; ///< baseline first, then the model after each finding
+  std::vector<Model> ladder;      ///< baseline first, then the model after each finding
   std::vector<BudgetLine> budget; ///< largest first
   Quality anonymous;              ///< of the best model that names nothing
   NoiseShape noise;

@@ -89,10 +89,12 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
       continue;
     const double side = side_evidence(data_, rival.fit.model) - my_side;
     const double blurred =
-        at_rest ? std::min(criteria::kMostBlurred * part,
-                           std::max({criteria::kSecondOrder * part * (part + offset) / base.amplitude_v, in_transfer,
-                                     criteria::kSecondOrder * part * others / base.amplitude_v}))
-                : 0.0;
+        at_rest
+            ? std::min(criteria::kMostBlurred * part,
+                       std::max({criteria::kSecondOrder * part * (part + offset) / base.amplitude_v,
+                                 in_transfer,
+                                 criteria::kSecondOrder * part * others / base.amplitude_v}))
+            : 0.0;
     const double left = std::sqrt(std::max(0.0, rival.heldout - now.heldout) / (2.0 * n));
     if (side < -criteria::kRivalNats ||
         (rival.score - side < now.score - criteria::kRivalNats && left > blurred))

@@ -8,8 +8,8 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "base/angle.h"

@@ -12,18 +12,16 @@ namespace ada {
 namespace {
 
 std::string verdict_sentence(const Diagnosis &d) {
-  const char *causes =
-      d.findings.empty() ? "The causes that the model names" : "The causes above";
+  const char *causes = d.findings.empty() ? "The causes that the model names" : "The causes above";
   switch (d.verdict) {
   case Verdict::no_discrepancy:
     return "The model describes this capture down to its noise: no discrepancy.";
   case Verdict::explained:
-    return d.findings.empty()
-               ? fmt::format("{} explain this capture down to its noise.", causes)
-               : "What the model got wrong is explained by the causes above.";
+    return d.findings.empty() ? fmt::format("{} explain this capture down to its noise.", causes)
+                              : "What the model got wrong is explained by the causes above.";
   case Verdict::partly_explained:
-    return fmt::format(
-        "{} explain a part; something else is left that nothing known explains.", causes);
+    return fmt::format("{} explain a part; something else is left that nothing known explains.",
+                       causes);
   case Verdict::unexplained:
     return "The model is wrong here, and nothing known explains how.";
   case Verdict::insufficient_data:
@@ -55,8 +53,8 @@ std::string to_text(const Diagnosis &d) {
   if (d.verdict == Verdict::insufficient_data)
     return out + verdict_sentence(d) + "\n" + failed_checks(d);
   const Quality &base = d.baseline_quality.heldout;
-  out += fmt::format("model: {}: residual {:.4g} mV rms on held-out data{}\n", printable(d.baseline_name),
-                     1e3 * base.residual_rms_v, error_of(base));
+  out += fmt::format("model: {}: residual {:.4g} mV rms on held-out data{}\n",
+                     printable(d.baseline_name), 1e3 * base.residual_rms_v, error_of(base));
   int n = 0;
   for (const Finding &f : d.findings) {
     const Quality &before = f.before.heldout, &after = f.after.heldout;

@@ -24,9 +24,9 @@ struct SlopeSums {
 };
 
 /// Slopes of straight lines over +-half samples. Sums run over a few windows only, each run about
-/// an origin of its own: over all of a long record they would lose the digits of a slope. At the ends
-/// of the record a window lies to one side, and a line over it has the slope of its middle: from there
-/// the slope goes on as it changes over the next full windows.
+/// an origin of its own: over all of a long record they would lose the digits of a slope. At the
+/// ends of the record a window lies to one side, and a line over it has the slope of its middle:
+/// from there the slope goes on as it changes over the next full windows.
 std::vector<double> local_slopes(std::span<const double> x, std::span<const double> y,
                                  std::size_t half) {
   const std::size_t n = x.size(), run = half + 1;
@@ -446,7 +446,7 @@ double slow_spread(std::span<const double> angle, std::span<const double> residu
 /// Where a shaft rests for most of the time it is the moves that stand out, and they stay.
 bool take_out_spikes(const std::vector<double> &residual, std::span<char> usable,
                      std::vector<std::uint32_t> &spikes) {
-  constexpr double kFar = 8.0; // standard deviations
+  constexpr double kFar = 8.0;  // standard deviations
   constexpr double kMost = 0.1; // of the samples; with more of them they are no exception
   std::vector<double> values;
   std::vector<std::uint32_t> places;

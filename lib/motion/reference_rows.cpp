@@ -77,8 +77,8 @@ std::vector<std::complex<double>> periodic_part(std::span<const double> time,
   return out;
 }
 
-/// The `share` quantile of what rows that were taken at like speed depart by, for each row: an error
-/// of the time of a reading grows with the speed, and so does what is usual.
+/// The `share` quantile of what rows that were taken at like speed depart by, for each row: an
+/// error of the time of a reading grows with the speed, and so does what is usual.
 std::vector<double> common_at_speed(const std::vector<double> &departure,
                                     std::span<const double> pair, std::size_t reach, double share) {
   constexpr std::size_t kRowsOfSpeed = 400; // of which the quantile is known to 7 %
@@ -108,15 +108,15 @@ std::vector<double> common_at_speed(const std::vector<double> &departure,
 } // namespace
 
 RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair, double step) {
-  constexpr double kFar = 8.0;       // standard deviations of white noise
+  constexpr double kFar = 8.0; // standard deviations of white noise
   // Times what one row in seven departs by; of normal ones that is 6.5 standard deviations.
   constexpr double kOfCommon = 4.5;
   constexpr double kCommon = 0.85;
   // Of ten rows: seven in a row then hold four good ones, all but once in 400.
   constexpr std::size_t kRare = 10;
-  constexpr double kOfSteps = 1.5;   // a row may fall to either side of one
-  constexpr double kOfPair = 0.5;    // of the departure: more of it would be the pair's own
-  constexpr std::size_t kReach = 3;  // of the median: at the ends of the record it is one-sided
+  constexpr double kOfSteps = 1.5;  // a row may fall to either side of one
+  constexpr double kOfPair = 0.5;   // of the departure: more of it would be the pair's own
+  constexpr std::size_t kReach = 3; // of the median: at the ends of the record it is one-sided
   const std::size_t n = reference.size();
   if (n < kRareSample)
     return {};

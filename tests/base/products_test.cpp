@@ -41,7 +41,8 @@ TEST_P(Products, are_those_of_eigen) {
       ada::add_products(part_a, part_b, out.block(1, 1, rows, others));
       MatrixXd sizes = before.cwiseAbs();
       sizes.block(1, 1, rows, others) += part_a.cwiseAbs() * part_b.cwiseAbs().transpose();
-      EXPECT_LT(off(out, expected, sizes, columns), 1.0) << rows << " x " << others << " x " << columns;
+      EXPECT_LT(off(out, expected, sizes, columns), 1.0)
+          << rows << " x " << others << " x " << columns;
     }
 }
 
@@ -57,8 +58,8 @@ TEST_P(Products, squares_have_their_lower_triangle) {
     ada::add_squares(a, out);
     const MatrixXd expected = before + a * a.transpose();
     const MatrixXd sizes = before.cwiseAbs() + a.cwiseAbs() * a.cwiseAbs().transpose();
-    EXPECT_LT(off(out.triangularView<Eigen::Lower>(), expected.triangularView<Eigen::Lower>(), sizes,
-                  columns),
+    EXPECT_LT(off(out.triangularView<Eigen::Lower>(), expected.triangularView<Eigen::Lower>(),
+                  sizes, columns),
               1.0)
         << rows << " x " << columns;
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// Benches whose reference plays, jumps, is read too seldom or is driven by a gear; and shapes of which
-// nobody can say whose they are.
+// Benches whose reference plays, jumps, is read too seldom or is driven by a gear; and shapes of
+// which nobody can say whose they are.
 
 #include <cmath>
 
@@ -85,8 +85,8 @@ KIND(a_reference_that_loses_its_index_bends_neither_mismatch_nor_quadrature) {
 
 KIND(the_order_of_a_gear_is_known_to_its_error) {
   Bench bench;
-  const double hz = bench.within(2.0, 4.0), order = std::floor(bench.within(3.0, 9.0)) +
-                                                    bench.within(0.2, 0.8);
+  const double hz = bench.within(2.0, 4.0),
+               order = std::floor(bench.within(3.0, 9.0)) + bench.within(0.2, 0.8);
   const auto turned = wandering(bench, hz, 0.2, 0.1);
   Capture c = bench.capture(15000, 1000.0, 2, turned);
   const double size = bench.within(0.1, 0.5), phase = bench.within(0.0, kTwoPi);
@@ -146,8 +146,9 @@ KIND(readings_at_random_times_make_no_wrong_rows_of_the_reference) {
         << s.description;
 }
 
-/// With one period a turn, harmonics that the two channels do not share may be taken for a sensor beside
-/// its axis, which then takes a part of the mismatch. The errors must hold the truth either way.
+/// With one period a turn, harmonics that the two channels do not share may be taken for a sensor
+/// beside its axis, which then takes a part of the mismatch. The errors must hold the truth either
+/// way.
 KIND(a_third_harmonic_of_either_channel_is_within_the_errors) {
   Bench bench;
   const auto turned = three_speeds(bench, 12.0);

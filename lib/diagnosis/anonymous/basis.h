@@ -65,16 +65,16 @@ public:
   /// Of its terms those that have one of these columns, in their order.
   Basis part(const std::vector<Eigen::Index> &columns) const;
 
-  /// What all exponents and orders of the angle are multiples of: where turns cannot be compared the
-  /// periods of a turn, which are thousands on a sine encoder.
+  /// What all exponents and orders of the angle are multiples of: where turns cannot be compared
+  /// the periods of a turn, which are thousands on a sine encoder.
   int unit() const;
 
   std::size_t columns() const { return 2 * terms_.size(); }
   const std::vector<Group> &groups() const { return groups_; }
   int periods() const { return periods_; }
   /// Of each column the inverse of the variance that its coefficient may have before any data,
-  /// relative: what is slow in time wanders, with a power that falls as the square of the frequency;
-  /// about the others nothing is known.
+  /// relative: what is slow in time wanders, with a power that falls as the square of the
+  /// frequency; about the others nothing is known.
   Eigen::VectorXd stiffness() const;
 
   /// Ranges that the functions are scaled to; the same for training and held-out data.
@@ -113,7 +113,7 @@ struct SpectralLine {
 
 /// Which axes are asked.
 struct Asked {
-  bool over_time = true;  ///< false: another capture judges, which knows nothing of this one's time
+  bool over_time = true; ///< false: another capture judges, which knows nothing of this one's time
   bool speed = true;
   bool others = true; ///< temperature and supply
 };

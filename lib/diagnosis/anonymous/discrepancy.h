@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// What nobody can name, as a part of the noise: the coefficients of the anonymous model are taken as
-// normally distributed with the variance that their neighbours show, so that a named cause is judged
-// by how far it stands out of what has no name, and its error says so (Kennedy and O'Hagan, Bayesian
-// calibration of computer models, J. R. Stat. Soc. B 63, 2001; Brynjarsdottir and O'Hagan, Inverse
-// Problems 30, 2014: without such a term parameters come out biased and overconfident).
+// What nobody can name, as a part of the noise: the coefficients of the anonymous model are taken
+// as normally distributed with the variance that their neighbours show, so that a named cause is
+// judged by how far it stands out of what has no name, and its error says so (Kennedy and O'Hagan,
+// Bayesian calibration of computer models, J. R. Stat. Soc. B 63, 2001; Brynjarsdottir and O'Hagan,
+// Inverse Problems 30, 2014: without such a term parameters come out biased and overconfident).
 #pragma once
 
 #include <memory>
@@ -25,9 +25,9 @@ struct Discrepancy {
 };
 
 /// From the coefficients that a named model leaves over. On the angle axis the variance of an order
-/// is the mean power of its neighbours, without its own: a harmonic that stands alone stands out, one
-/// among others of its size does not. On the other axes it is the mean over all
-/// functions of the axis that act on the pair in the same way.
+/// is the mean power of its neighbours, without its own: a harmonic that stands alone stands out,
+/// one among others of its size does not. On the other axes it is the mean over all functions of
+/// the axis that act on the pair in the same way.
 Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const Products &from);
 
 /// The covariance sigma^2 + B T B' of one set of observations, by Woodbury's identity.

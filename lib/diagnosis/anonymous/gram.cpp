@@ -169,7 +169,7 @@ private:
   }
 
   const Basis &basis_;
-  const int unit_ = basis_.unit(); ///< of the exponents of the pieces
+  const int unit_ = basis_.unit();         ///< of the exponents of the pieces
   std::vector<std::vector<Piece>> pieces_; ///< of each term
   std::vector<Modulation> functions_;
   int highest_plain_ = 0, span_plain_ = 0, span_mixed_ = 0;

@@ -29,9 +29,9 @@ public:
     const Eigen::Index last = from.train.rows() - 1;
     const double all = std::max(from.train(last, last), 1e-300);
     // What is to be explained is taken as spread over all columns by their stiffness: that is the
-    // variance which each coefficient may have before any data (empirical Bayes). It matters only where the data
-    // tell little. What is left, the noise, is known once the fit is: four passes settle it, or as
-    // many as still move it by a thousandth.
+    // variance which each coefficient may have before any data (empirical Bayes). It matters only
+    // where the data tell little. What is left, the noise, is known once the fit is: four passes
+    // settle it, or as many as still move it by a thousandth.
     double left = 1.0;
     for (int pass = 0; pass < 4; ++pass) {
       const double ridge = std::max(criteria::kRidge, left * k / n);
@@ -73,7 +73,8 @@ private:
   void decompose(double ridge) {
     ridge_ = ridge;
     const auto m = static_cast<Eigen::Index>(columns_.size());
-    factor_ = ridged(from_.train(columns_, columns_), ridge, stiffness_, from_.n_train).llt().matrixL();
+    factor_ =
+        ridged(from_.train(columns_, columns_), ridge, stiffness_, from_.n_train).llt().matrixL();
     const Eigen::VectorXd onto = from_.train(columns_, from_.train.rows() - 1);
     forward_ = m == 0 ? onto : Eigen::VectorXd(factor_.triangularView<Eigen::Lower>().solve(onto));
   }

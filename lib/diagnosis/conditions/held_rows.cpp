@@ -25,9 +25,9 @@ std::vector<std::size_t> first_rows(const Capture &c,
         begins[i] = 1;
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < c.size(); ++i)
-    if (i == 0 || begins[i] ||
-        std::any_of(columns.begin(), columns.end(),
-                    [&](const auto *v) { return (*v)[i] != (*v)[i - 1]; }))
+    if (i == 0 || begins[i] || std::any_of(columns.begin(), columns.end(), [&](const auto *v) {
+          return (*v)[i] != (*v)[i - 1];
+        }))
       out.push_back(i);
   return out;
 }
