@@ -193,25 +193,24 @@ HWY_EXPORT(add_to_vector);
 
 void add_products(const Eigen::Ref<const Eigen::MatrixXd> &a,
                   const Eigen::Ref<const Eigen::MatrixXd> &b, Eigen::Ref<Eigen::MatrixXd> out) {
-  const auto rows_a = static_cast<std::size_t>(a.rows()),
-             rows_b = static_cast<std::size_t>(b.rows()),
-             columns = static_cast<std::size_t>(a.cols()),
-             stride_a = static_cast<std::size_t>(a.outerStride()),
-             stride_b = static_cast<std::size_t>(b.outerStride());
-  if (rows_b == 1)
-    HWY_DYNAMIC_DISPATCH(add_to_vector)
-  (a.data(), rows_a, stride_a, b.data(), stride_b, columns, out.data());
-  else HWY_DYNAMIC_DISPATCH(add_products)(a.data(), rows_a, stride_a, b.data(), rows_b, stride_b,
-                                          columns, out.data(),
-                                          static_cast<std::size_t>(out.outerStride()), false);
+  const auto size = [](Eigen::Index n) { return static_cast<std::size_t>(n); };
+  if (b.rows() == 1) {
+    const auto add = HWY_DYNAMIC_DISPATCH(add_to_vector);
+    add(a.data(), size(a.rows()), size(a.outerStride()), b.data(), size(b.outerStride()),
+        size(a.cols()), out.data());
+    return;
+  }
+  const auto add = HWY_DYNAMIC_DISPATCH(add_products);
+  add(a.data(), size(a.rows()), size(a.outerStride()), b.data(), size(b.rows()),
+      size(b.outerStride()), size(a.cols()), out.data(), size(out.outerStride()), false);
 }
 
 void add_squares(const Eigen::Ref<const Eigen::MatrixXd> &a, Eigen::Ref<Eigen::MatrixXd> out) {
   const auto rows = static_cast<std::size_t>(a.rows()),
              stride = static_cast<std::size_t>(a.outerStride());
-  HWY_DYNAMIC_DISPATCH(add_products)
-  (a.data(), rows, stride, a.data(), rows, stride, static_cast<std::size_t>(a.cols()), out.data(),
-   static_cast<std::size_t>(out.outerStride()), true);
+  const auto add = HWY_DYNAMIC_DISPATCH(add_products);
+  add(a.data(), rows, stride, a.data(), rows, stride, static_cast<std::size_t>(a.cols()),
+      out.data(), static_cast<std::size_t>(out.outerStride()), true);
 }
 
 } // namespace ada

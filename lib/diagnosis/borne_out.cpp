@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <complex>
+#include <numeric>
 #include <optional>
 
 #include "base/angle.h"
@@ -83,14 +84,9 @@ Eigen::VectorXd coefficients(const Eigen::MatrixXd &rows, const Eigen::VectorXd 
 void widen_by_what_is_not_borne_out(const Observations &all, FitResult &result) {
   constexpr std::size_t kEnough = 4000; // a shape is known by fewer than its size is
   constexpr double kAsLikely = 0.5;     // of either reading
-  Observations data = all.select(thin(
-      [&] {
-        std::vector<std::uint32_t> indices(all.size());
-        for (std::size_t i = 0; i < indices.size(); ++i)
-          indices[i] = static_cast<std::uint32_t>(i);
-        return indices;
-      }(),
-      kEnough, 100));
+  std::vector<std::uint32_t> indices(all.size());
+  std::iota(indices.begin(), indices.end(), 0u);
+  const Observations data = all.select(thin(indices, kEnough, 100));
   const Model &model = result.model;
   const std::vector<double> x = coordinates_of(model), step = coordinate_steps(model);
   const auto parameters = static_cast<Eigen::Index>(x.size());
@@ -117,7 +113,7 @@ void widen_by_what_is_not_borne_out(const Observations &all, FitResult &result) 
   for (std::size_t e = 0; e < model.effects.size(); ++e)
     if (of_the_angle(*model.effects[e].effect))
       at_rest += moved_rms_v(data, model, e);
-  Eigen::Index first = 4;
+  auto first = static_cast<Eigen::Index>(coordinates_of(Model{}).size());
   for (std::size_t e = 0; e < model.effects.size(); ++e) {
     const EffectInfo &info = model.effects[e].effect->info();
     const auto own = static_cast<Eigen::Index>(

@@ -356,8 +356,8 @@ void attach_errors(FitResult &result) {
     e.std_errors.resize(centre.size(), 0.0);
     for (std::size_t r = 0; r < centre.size(); ++r) {
       const auto at = static_cast<Eigen::Index>(r);
-      if (!jacobian.row(at).isZero(
-              0.0)) { // what no fit moves has its error from where it was chosen
+      // What no fit moves has its error from where it was chosen.
+      if (!jacobian.row(at).isZero(0.0)) {
         // A frequency is told in the time of the capture's own clock.
         const double of_clock =
             e.effect->info().parameters[r].unit == "Hz" ? criteria::kClock * centre[r] : 0.0;

@@ -137,7 +137,7 @@ bool shapes_the_figure(const Effect &effect) {
 /// `one` with the numbers of the figure of `other`, and their errors.
 FitResult with_figure_of(const FitResult &other, FitResult one) {
   std::vector<Eigen::Index> figure{0, 1, 2}; // amplitude and offsets
-  Eigen::Index first = 4;
+  auto first = static_cast<Eigen::Index>(coordinates_of(Model{}).size());
   for (std::size_t k = 0; k < one.model.effects.size(); ++k) {
     EffectInstance &e = one.model.effects[k];
     const auto n = static_cast<Eigen::Index>(e.effect->to_coordinates(e.values).size());
