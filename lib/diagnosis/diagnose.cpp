@@ -123,6 +123,7 @@ public:
       search_causes(true);
       settle();
     }
+    take_out_rest_of_courses();
     name_random_causes();
     angle_left_ = keep_for_last_look(scene_, out_.extended, floor());
     look_at_leftovers();
@@ -554,10 +555,7 @@ private:
         criteria::kLittle * (whole - unnamed_.selection.noise_v2))
       return false;
     std::vector<RandomCause> found = slow_causes(slow, white, named, periods_in_all());
-    std::erase_if(found, [&](const RandomCause &c) {
-      return std::any_of(processes_.begin(), processes_.end(),
-                         [&](const RandomCause &old) { return old.effect == c.effect; });
-    });
+    std::erase_if(found, [&](const RandomCause &c) { return goes_on(c); });
     if (found.empty() || goes_with_speed(slow, whole, white, named))
       return false;
     unnamed_ = std::move(slow);
@@ -569,6 +567,29 @@ private:
       moved_v2 += c.slow_v2;
     std::move(found.begin(), found.end(), std::back_inserter(processes_));
     return moved_v2 > unnamed_.selection.noise_v2;
+  }
+
+  /// Whether a process has a name already, and this is more of it.
+  bool goes_on(const RandomCause &c) const {
+    return std::any_of(processes_.begin(), processes_.end(),
+                       [&](const RandomCause &old) { return old.effect == c.effect; });
+  }
+
+  /// What the first half waves leave of a course is seen where nothing else is left beside it.
+  void take_out_rest_of_courses() {
+    if (processes_.empty())
+      return;
+    Parts white = parts_;
+    white.train.coloured.reset();
+    Model named = out_.extended;
+    named.remainder.reset();
+    Anonymous slow = anonymous_of(scene_, white, named, {.speed = false, .others = false});
+    std::vector<RandomCause> rest = slow_causes(slow, white, named, periods_in_all());
+    std::erase_if(rest, [&](const RandomCause &c) { return !goes_on(c); });
+    if (rest.empty())
+      return;
+    unnamed_ = std::move(slow);
+    take_out_courses(rest);
   }
 
   double periods_in_all() const { return scene_.turns * scene_.periods; }
@@ -658,6 +679,7 @@ private:
       return out;
     };
     const Selection offsets = courses_of(Pattern::offset), gain = courses_of(Pattern::gain);
+    parts_.courses_taken_out = true;
     const Baseline &b = out_.extended.baseline;
     const double middle_v = 0.5 * scene_.supply_v;
     for (Observations *data : {&scene_.all, &parts_.train, &parts_.heldout}) {

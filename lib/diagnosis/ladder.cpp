@@ -277,6 +277,18 @@ FitResult fit_whole(const Parts &parts, const Model &start) {
   fit_by_length(parts, alike, [&](const FitResult &one, const FitResult &other) {
     return nats_between(radius(other), radius(one)) > criteria::kRivalNats;
   });
+  // What is left of a course that was taken out says little, and with a weight for each of its half
+  // waves the mean, which the offsets are, is free.
+  if (parts.courses_taken_out && parts.train.coloured) {
+    Parts white = parts;
+    white.train.coloured.reset();
+    FitResult plain = fit_with_errors(white.train, alike.model);
+    if ((white.rung(plain.model).heldout.log_likelihood -
+         white.rung(alike.model).heldout.log_likelihood) *
+            static_cast<double>(parts.heldout.size()) >
+        criteria::kRivalNats)
+      alike = std::move(plain);
+  }
   return alike;
 }
 

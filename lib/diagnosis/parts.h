@@ -12,7 +12,8 @@ namespace ada {
 struct Parts {
   Observations train, heldout;
   bool has_reference = false;
-  bool second_capture = false; ///< judges, with a zero angle of its own
+  bool second_capture = false;    ///< judges, with a zero angle of its own
+  bool courses_taken_out = false; ///< those of the slow processes that have a name
 
   /// How residuals weigh along a disturbance that is not recorded, in fits and in judging.
   void weigh(Direction direction, double weight);
