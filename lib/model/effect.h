@@ -143,6 +143,8 @@ public:
   /// From what the reference reads to the shaft's angle, rad, in place, for at most kWaveBlock
   /// samples; `at` as the reference shows it.
   virtual void shaft_from_reference(Values, const Conditions &, std::span<double>) const {}
+  /// How much more than a quarter of a period VSIN leads VCOS, rad of the period.
+  virtual double channels_apart_rad(Values) const { return 0.0; }
   /// The part of VCOS that VTEMP carries over, where VTEMP is in the scan.
   virtual double vtemp_on_vcos(Values) const { return 0.0; }
   /// What an event leaves behind for good: what is read after the capture begins there. False:

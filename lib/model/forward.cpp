@@ -65,6 +65,7 @@ ForwardModel::ForwardModel(const Model &model, AlphaIs alpha)
   }
   for (EffectInstance &e : in_physical_order(model.effects)) {
     e.effect->dynamics(e.values, taps_);
+    apart_rad_ += e.effect->channels_apart_rad(e.values);
     Step step{e.effect, std::move(e.values)};
     switch (e.effect->info().stage) {
     case Stage::motion:
@@ -218,6 +219,7 @@ void ForwardModel::evaluate(const Conditions &at, double *vsin_v, double *vcos_v
   w.amplitude_v = baseline_.amplitude_v;
   w.mid_v = mid_v_;
   w.periods = periods_;
+  w.apart_rad = apart_rad_;
   for (std::size_t first = 0; first < at.n; first += kWaveBlock) {
     const std::size_t count = std::min(kWaveBlock, at.n - first);
     block(at.slice(first, count), vsin_v + first, vcos_v + first, w);

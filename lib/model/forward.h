@@ -45,6 +45,7 @@ private:
   Baseline baseline_;
   double mid_v_, temp_reference_v_;
   int periods_;
+  double apart_rad_ = 0.0; ///< of the channels, beyond a quarter of a period
   std::vector<Step> reference_, motion_, field_, bridge_, chain_, later_;
   std::vector<FourierPair> remainder_; ///< in volts; empty: none
   double remainder_periods_ = 1.0;     ///< its periods a turn of the magnet

@@ -44,6 +44,7 @@ struct Wave {
   double amplitude_v = 1.0;              ///< A of the baseline
   double mid_v = 2.5;                    ///< supply/2
   int periods = 2;                       ///< p
+  double apart_rad = 0.0;                ///< by which VSIN leads VCOS beyond a quarter of a period
   double alpha[kWaveBlock];              ///< angle of the magnet, rad
   double fx[kWaveBlock], fy[kWaveBlock]; ///< field at the sensor, magnet alone = 1
   double ex[kWaveBlock], ey[kWaveBlock]; ///< cos psi, sin psi of the field

@@ -183,6 +183,41 @@ KIND(the_lines_of_a_disc_are_its_own_error_at_an_even_spin) {
   EXPECT_FALSE(named(d, "field-direction-error")) << names(d);
 }
 
+/// Output of a bridge whose stripes lie along `theta` and across it, in a field at `alpha`, h =
+/// Hk/H: each stripe's magnetisation where the torques balance.
+double bridge_output(double alpha, double theta, double h) {
+  const auto stripe = [&](double easy) {
+    double phi = alpha;
+    for (int k = 0; k < 60; ++k) // contracts by h each time
+      phi = alpha - std::asin(0.5 * h * std::sin(2.0 * (phi - easy)));
+    return std::cos(2.0 * (phi - easy));
+  };
+  return 0.5 * (stripe(theta) - stripe(theta + 0.5 * kPi));
+}
+
+KIND(bridges_that_are_turned_in_a_weak_field_are_no_field_error) {
+  Bench bench;
+  const double q = bench.within(0.01, 0.035), h = std::sqrt(8.0 * q / 3.0);
+  const Pair &p = bench.pair;
+  const Shaft shaft = at_speeds({bench.within(1.0, 2.0), bench.within(3.0, 5.0)}, 4.0);
+  const double none = bench.pair.amplitude_v;
+  bench.pair.amplitude_v = 0.0;
+  Capture c = bench.capture(20000, 2500.0, 2, shaft); // the noise alone
+  bench.pair.amplitude_v = none;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double alpha = shaft(c.time_s[i]) + 0.5 * p.zero_rad, turned = 0.25 * p.delta_rad;
+    c.vsin_v[i] += p.amplitude_v * (1.0 + 0.5 * p.k) * bridge_output(alpha + turned, 0.25 * kPi, h);
+    c.vcos_v[i] += p.amplitude_v * (1.0 - 0.5 * p.k) * bridge_output(alpha - turned, 0.0, h);
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, p);
+  const Finding *f = named(d, "weak-field");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_NEAR(f->values[0], q, 0.01 * q);
+  EXPECT_EQ(d.findings.size(), 3u) << names(d);
+  EXPECT_EQ(d.verdict, Verdict::explained) << names(d);
+}
+
 KIND(a_sensor_that_vibrates_is_not_explained_by_flicker_noise) {
   Bench bench;
   const double hz = bench.within(60.0, 110.0), a_rad = bench.within(0.06, 0.12) * kRadPerDeg;

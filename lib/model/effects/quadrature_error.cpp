@@ -28,6 +28,7 @@ constexpr EffectInfo kInfo{.id = "quadrature-error",
 class QuadratureError final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
+  double channels_apart_rad(Values v) const override { return v[0] * kRadPerDeg; }
   void apply(Values v, Wave &w) const override {
     const double ch = std::cos(0.5 * v[0] * kRadPerDeg), sh = std::sin(0.5 * v[0] * kRadPerDeg);
     for (std::size_t i = 0; i < w.n; ++i) {

@@ -7,6 +7,9 @@
 // 135. To leading order c = A[(1 - q) cos psi + q cos 3psi], s = A[(1 - q) sin psi - q sin 3psi],
 // with q = 3 h^2/8. The balance is solved exactly for AMR parts (p = 2); other parts use the
 // leading term.
+// Where the bridges are turned against each other by what the pair lacks of a quarter of a period,
+// each balances in a field that is turned for it, and the third harmonic is shifted by three times
+// as much; channels that mix behind their bridges share one that is not.
 
 #include "model/effects/common.h"
 #include "model/stripe_balance.h"
@@ -14,8 +17,11 @@
 namespace ada {
 namespace {
 
-constexpr std::array<ParameterInfo, 1> kParameters{
-    ParameterInfo{"q", "1", 0.01, 0.0, 0.09, Role::fitted, 1e-4}};
+/// `turned`: the part of the quadrature error by which the bridges are turned; absent: none of it,
+/// the two channels mix.
+constexpr std::array<ParameterInfo, 2> kParameters{
+    ParameterInfo{"q", "1", 0.01, 0.0, 0.09, Role::fitted, 1e-4},
+    ParameterInfo{"turned", "1", std::numeric_limits<double>::quiet_NaN(), 0.0, 1.0, Role::chosen}};
 
 constexpr std::array<Separation, 2> kSeparations{
     {{"cubic-nonlinearity",
@@ -38,30 +44,54 @@ public:
     const double q = v[0];
     if (q == 0.0)
       return;
-    // Below zero there is no such physics; a fit that wanders there sees the leading term go on.
-    if (w.periods == 2 && q > 0.0)
-      unsaturated(std::sqrt(8.0 * q / 3.0), w);
-    else
-      leading_term(q, w);
-  }
-
-private:
-  static void leading_term(double q, Wave &w) {
-    for (std::size_t i = 0; i < w.n; ++i) {
-      const double x = w.ex[i], y = w.ey[i];
-      const double c3 = x * (4.0 * x * x - 3.0), s3 = y * (3.0 - 4.0 * y * y);
-      w.c[i] += q * (c3 - x);
-      w.s[i] -= q * (s3 + y);
-    }
-  }
-  /// A stray or displaced field also has another magnitude.
-  static void unsaturated(double h, Wave &w) {
     double c[kWaveBlock], s[kWaveBlock];
-    balance_stripes(h, w.fx, w.fy, w.ex, w.ey, w.n, c, s);
+    const double apart = v[1] > 0.0 ? v[1] * w.apart_rad : 0.0;
+    if (apart == 0.0) {
+      outputs(q, w, w.ex, w.ey, c, s);
+    } else {
+      // What each bridge gives, before the mixture that the quadrature error is afterwards.
+      const double ch = std::cos(0.5 * apart), sh = std::sin(0.5 * apart);
+      double x[kWaveBlock], y[kWaveBlock], unused[kWaveBlock];
+      const auto turn = [&](double sine) {
+        for (std::size_t i = 0; i < w.n; ++i) {
+          x[i] = w.ex[i] * ch - w.ey[i] * sine;
+          y[i] = w.ey[i] * ch + w.ex[i] * sine;
+        }
+      };
+      turn(sh);
+      outputs(q, w, x, y, unused, s);
+      turn(-sh);
+      outputs(q, w, x, y, c, unused);
+      const double determinant = ch * ch - sh * sh;
+      for (std::size_t i = 0; i < w.n; ++i) {
+        const double of_s = s[i], of_c = c[i];
+        s[i] = (ch * of_s - sh * of_c) / determinant;
+        c[i] = (ch * of_c - sh * of_s) / determinant;
+      }
+    }
     for (std::size_t i = 0; i < w.n; ++i) {
       w.c[i] += c[i] - w.ex[i];
       w.s[i] += s[i] - w.ey[i];
     }
+  }
+  std::vector<std::vector<double>> choices(Values v) const override {
+    return {{v[0], v[1] > 0.0 ? std::nan("") : 1.0}};
+  }
+
+private:
+  /// Of both bridges in a field of this electrical direction. Below zero there is no such physics;
+  /// a fit that wanders there sees the leading term go on.
+  static void outputs(double q, const Wave &w, const double *ex, const double *ey, double *c,
+                      double *s) {
+    if (w.periods == 2 && q > 0.0) // a stray or displaced field also has another magnitude
+      balance_stripes(std::sqrt(8.0 * q / 3.0), w.fx, w.fy, ex, ey, w.n, c, s);
+    else
+      for (std::size_t i = 0; i < w.n; ++i) {
+        const double x = ex[i], y = ey[i];
+        const double c3 = x * (4.0 * x * x - 3.0), s3 = y * (3.0 - 4.0 * y * y);
+        c[i] = x + q * (c3 - x);
+        s[i] = y - q * (s3 + y);
+      }
   }
 };
 
