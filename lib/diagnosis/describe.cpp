@@ -6,14 +6,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <complex>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "base/angle.h"
+#include "diagnosis/step_causes.h"
 
 namespace ada {
 
@@ -36,10 +35,11 @@ std::string unnamed_sentence(const BudgetLine &line, const Selection &unnamed, c
   const double mv = 1e3 * line.unnamed_rms_v;
   switch (line.axis) {
   case Axis::angle:
-    return fmt::format("{:.3g} mV rms repeat with the angle, up to order {} of the {}, and no named "
-                       "cause explains them",
-                       mv, unnamed.orders[static_cast<std::size_t>(line.axis)],
-                       in_turns(scene) ? "turn" : "electrical period");
+    return fmt::format(
+        "{:.3g} mV rms repeat with the angle, up to order {} of the {}, and no named "
+        "cause explains them",
+        mv, unnamed.orders[static_cast<std::size_t>(line.axis)],
+        in_turns(scene) ? "turn" : "electrical period");
   case Axis::speed:
     return fmt::format("{:.3g} mV rms change with speed or direction, and no named cause explains "
                        "them",
@@ -60,21 +60,10 @@ std::string unnamed_sentence(const BudgetLine &line, const Selection &unnamed, c
 
 std::vector<Structure> unnamed_steps(const Anonymous &unnamed, const Model &model) {
   constexpr double kOfLargest = 0.2; // of a step's own parts, which are worth a word
-  const Selection &all = unnamed.selection;
   const double amplitude = std::abs(model.baseline.amplitude_v);
   const int p = model.periods_per_turn;
-  std::map<double, std::map<int, std::complex<double>>> steps; // by moment and exponent, V
-  for (std::size_t k = 0; k + 1 < all.columns.size(); ++k) {
-    const auto term = static_cast<std::size_t>(all.columns[k] / 2);
-    const Basis::Term &t = unnamed.basis.terms()[term];
-    if (t.modulation.kind != Modulation::step || all.columns[k] % 2 != 0)
-      continue;
-    const auto at = static_cast<Eigen::Index>(k);
-    steps[t.modulation.at][t.exponent] = {all.values[at], all.values[at + 1]};
-  }
   std::vector<Structure> out;
-  for (auto &[moment, change] : steps) {
-    const std::complex<double> offset = change[0], pair = change[p], mismatch = change[-p];
+  for (const auto &[moment, offset, pair, mismatch] : steps_of(unnamed, p)) {
     // Of the vector A e^(jx) a part c e^(jx) is gain and angle, c e^(-jx) mismatch and quadrature.
     const double cos_gain = (pair.real() + mismatch.real()) / amplitude;
     const double sin_gain = (pair.real() - mismatch.real()) / amplitude;

@@ -11,6 +11,8 @@
 #include "diagnosis/admission.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
+#include "diagnosis/moments.h"
+#include "diagnosis/step_causes.h"
 
 namespace ada {
 
@@ -416,6 +418,34 @@ bool is_likelier_as_supply(const Scene &scene, const Parts &parts, const SearchR
 
 } // namespace
 
+namespace {
+
+/// The model with what the steps in time that have no name consist of, all at once; nothing where
+/// held-out data do not ask for that. Of two steps that cancel each other each alone makes a part
+/// of the record worse, and so is not found by itself.
+std::optional<Model> with_events(const Scene &scene, Parts parts, const Model &model) {
+  if (parts.courses_taken_out) // of which the half waves leave a step where one begins steeply
+    return std::nullopt;
+  parts.train = thinned(parts.train);
+  parts.train.coloured.reset();
+  const std::vector<EffectInstance> events =
+      causes_of_steps(anonymous_of(scene, parts, model), model);
+  if (events.empty())
+    return std::nullopt;
+  Model with = model;
+  with.effects.insert(with.effects.end(), events.begin(), events.end());
+  const FitResult fitted = fit(parts.train, with, kRefit);
+  const double n = static_cast<double>(parts.heldout.size());
+  const double nats =
+      n * std::log(left_v2(parts, fit(parts.train, model, kRefit).model) /
+                   std::max(left_v2(parts, fitted.model), criteria::kLeastMeanSquare));
+  if (!fitted.determined || nats < criteria::kAdmittedNats * static_cast<double>(events.size()))
+    return std::nullopt;
+  return with_exact_moments(scene, fitted.model, 0);
+}
+
+} // namespace
+
 SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, SearchResult found) {
   if (is_likelier_as_supply(start.scene, parts, found, start.noise_v))
     return found;
@@ -425,6 +455,8 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
     return Search({&start.scene, parts.train, parts.heldout, &start.judge}, start.baseline,
                   start.noise_v, start.report);
   };
+  if (const auto events = with_events(start.scene, parts, found.fit.model))
+    found = search().run(true, &*events);
   bool exchanged = false;
   for (int round = 1; round <= kMostRounds; ++round) {
     const Model known = found.fit.model;

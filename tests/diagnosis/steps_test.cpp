@@ -109,11 +109,14 @@ KIND(slips_of_different_size_are_each_told) {
   EXPECT_NEAR(slips[1]->values[1], large_first ? small : large, 0.02 * small) << all_of(d);
 }
 
-KIND(offsets_that_step_twice_the_same_way_are_two_steps) {
+KIND(offsets_that_step_up_or_down_twice_are_two_steps) {
   Bench bench;
   const double first = kSpan * bench.within(0.1, 0.4), second = kSpan * bench.within(0.6, 0.9);
-  // Of one sign: what steps back again is a plateau, which one step does not describe.
-  const double one = bench.within(0.01, 0.03), other = bench.within(0.01, 0.03); // V
+  // What steps back again is a plateau, of which neither step is found without the other.
+  const auto step_v = [&] {
+    return bench.within(0.01, 0.03) * (bench.within(-1.0, 1.0) < 0.0 ? -1.0 : 1.0);
+  };
+  const double one = step_v(), other = step_v();
   Capture c = bench.capture(18000, 18000 / kSpan, 2, there_and_back(bench));
   for (std::size_t i = 0; i < c.size(); ++i)
     c.vsin_v[i] += (c.time_s[i] >= first ? one : 0.0) + (c.time_s[i] >= second ? other : 0.0);
