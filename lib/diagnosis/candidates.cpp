@@ -161,6 +161,10 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
   for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
     const std::size_t n = std::min(kWaveBlock, data.size() - first);
     const Conditions at = conditions.slice(first, n);
+    std::array<Observations::Whitener, kWaveBlock> whiten;
+    for (std::size_t i = 0; i < n; ++i)
+      whiten[i] =
+          data.whitener_at(first + i, columns.model_sin[first + i], columns.model_cos[first + i]);
     for (Eigen::Index k = 0; k <= total; ++k) {
       if (k < total)
         forward[static_cast<std::size_t>(k)].evaluate(at, s.data(), c.data());
@@ -169,7 +173,7 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
         const std::size_t at_i = first + i;
         double ds = k < total ? (s[i] - columns.model_sin[at_i]) * inverse : columns.sin[at_i];
         double dc = k < total ? (c[i] - columns.model_cos[at_i]) * inverse : columns.cos[at_i];
-        data.whiten(at_i, columns.model_sin[at_i], columns.model_cos[at_i], ds, dc);
+        whiten[i](ds, dc);
         rows(k, static_cast<Eigen::Index>(2 * i)) = ds;
         rows(k, static_cast<Eigen::Index>(2 * i + 1)) = dc;
       }

@@ -41,6 +41,7 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
   const Conditions all = data.conditions();
   Eigen::MatrixXd rows(parameters + 1, 2 * kWaveBlock);
   std::array<double, kWaveBlock> s0, c0, s1, c1;
+  std::array<Observations::Whitener, kWaveBlock> whiten;
   const Coloured *coloured = data.coloured.get();
   Eigen::MatrixXd projected;
   if (coloured)
@@ -51,7 +52,8 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
     models[0].evaluate(at, s0.data(), c0.data());
     for (std::size_t i = 0; i < n; ++i) {
       double s = data.vsin[first + i] - s0[i], c = data.vcos[first + i] - c0[i];
-      data.whiten(first + i, s0[i], c0[i], s, c);
+      whiten[i] = data.whitener_at(first + i, s0[i], c0[i]);
+      whiten[i](s, c);
       rows(parameters, static_cast<Eigen::Index>(2 * i)) = s;
       rows(parameters, static_cast<Eigen::Index>(2 * i + 1)) = c;
     }
@@ -60,7 +62,7 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
       const double inverse = 1.0 / step[static_cast<std::size_t>(k)];
       for (std::size_t i = 0; i < n; ++i) {
         double s = (s1[i] - s0[i]) * inverse, c = (c1[i] - c0[i]) * inverse;
-        data.whiten(first + i, s0[i], c0[i], s, c);
+        whiten[i](s, c);
         rows(k, static_cast<Eigen::Index>(2 * i)) = s;
         rows(k, static_cast<Eigen::Index>(2 * i + 1)) = c;
       }

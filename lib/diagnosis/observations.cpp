@@ -356,18 +356,16 @@ std::array<double, 2> Observations::direction_at(std::size_t i, double model_sin
     us = model_sin - centre_sin_v;
     uc = model_cos - centre_cos_v;
   }
-  const double inverse = 1.0 / std::max(std::hypot(us, uc), 1e-12);
+  const double inverse = 1.0 / std::max(std::sqrt(us * us + uc * uc), 1e-12); // volts: no overflow
   return {us * inverse, uc * inverse};
 }
 
-void Observations::whiten(std::size_t i, double model_sin, double model_cos, double &sin,
-                          double &cos) const {
+Observations::Whitener Observations::whitener_at(std::size_t i, double model_sin,
+                                                 double model_cos) const {
   if (weight_along == 1.0)
-    return;
+    return {0.0, 0.0, 1.0};
   const auto [us, uc] = direction_at(i, model_sin, model_cos);
-  const double along = weight_along * (sin * us + cos * uc), across = sin * uc - cos * us;
-  sin = along * us + across * uc;
-  cos = along * uc - across * us;
+  return {us, uc, weight_along};
 }
 
 namespace {

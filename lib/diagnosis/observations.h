@@ -57,8 +57,21 @@ struct Observations {
   /// there, absolute volts: the measured pair carries noise, and a model that shrinks would seem to
   /// leave less of it across.
   std::array<double, 2> direction_at(std::size_t i, double model_sin, double model_cos) const;
-  /// Makes a pair of residuals of sample i white: identity unless weight_along says otherwise.
-  void whiten(std::size_t i, double model_sin, double model_cos, double &sin, double &cos) const;
+  /// Makes pairs of residuals of one sample white: identity unless weight_along says otherwise.
+  struct Whitener {
+    double us, uc, weight; ///< along (us, uc)
+    void operator()(double &sin, double &cos) const {
+      if (weight == 1.0)
+        return;
+      const double along = weight * (sin * us + cos * uc), across = sin * uc - cos * us;
+      sin = along * us + across * uc;
+      cos = along * uc - across * us;
+    }
+  };
+  Whitener whitener_at(std::size_t i, double model_sin, double model_cos) const;
+  void whiten(std::size_t i, double model_sin, double model_cos, double &sin, double &cos) const {
+    whitener_at(i, model_sin, model_cos)(sin, cos);
+  }
   Conditions conditions() const;
   Observations select(const std::vector<std::uint32_t> &indices) const;
   /// The same in place, with one column more in memory at a time.

@@ -119,11 +119,12 @@ Coloured::Coloured(const Discrepancy &discrepancy, const Observations &data) {
     discrepancy.basis.evaluate(data, first, n, all);
     Eigen::MatrixXd block = all(discrepancy.columns, Eigen::seqN(0, values));
     if (data.weight_along != 1.0)
-      for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto whiten = data.whitener_at(first + i, data.vsin[first + i], data.vcos[first + i]);
         for (Eigen::Index k = 0; k < m; ++k)
-          data.whiten(first + i, data.vsin[first + i], data.vcos[first + i],
-                      block(k, static_cast<Eigen::Index>(2 * i)),
-                      block(k, static_cast<Eigen::Index>(2 * i + 1)));
+          whiten(block(k, static_cast<Eigen::Index>(2 * i)),
+                 block(k, static_cast<Eigen::Index>(2 * i + 1)));
+      }
     add_squares(block, inner);
     rows_.middleCols(static_cast<Eigen::Index>(2 * first), values) = block;
   }

@@ -194,9 +194,10 @@ Eigen::MatrixXd weighted_gram(const Basis &basis, const Observations &data,
       const auto s = static_cast<Eigen::Index>(2 * i);
       rows(m, s) = left.sin[first + i];
       rows(m, s + 1) = left.cos[first + i];
+      const auto whiten =
+          data.whitener_at(first + i, left.model_sin[first + i], left.model_cos[first + i]);
       for (Eigen::Index k = 0; k <= m; ++k)
-        data.whiten(first + i, left.model_sin[first + i], left.model_cos[first + i], rows(k, s),
-                    rows(k, s + 1));
+        whiten(rows(k, s), rows(k, s + 1));
     }
     add_squares(rows.leftCols(static_cast<Eigen::Index>(2 * n)), out);
   }
