@@ -66,12 +66,13 @@ struct Columns {
   TemperatureOverTime temperature;
   Kinematics motion;
   /// `supply_fraction`: rms of the supply that the model was fitted with; 0: it does not matter.
-  Columns(const Capture &capture, double supply_fraction)
-      : supply(capture), temperature(capture, supply) {
+  /// `level_v`: where that supply counts from; nothing: from its mean here.
+  Columns(const Capture &capture, double supply_fraction, std::optional<double> level_v)
+      : supply(capture, level_v), temperature(capture, supply) {
     if (supply_fraction == 0.0)
       supply.unit.clear();
     for (float &x : supply.unit)
-      x *= static_cast<float>(supply.rms / supply_fraction);
+      x *= static_cast<float>(supply.scale / supply_fraction);
     of_supply = Derivatives(capture.time_s, supply.unit);
   }
   Conditions view(const Capture &c, double period_s) const {
@@ -214,7 +215,7 @@ void AngleSolver::capture(const Capture &capture, std::span<ada4571_angle> out) 
   const double period = kTwoPi / periods_;
   const double frame =
       n > 1 ? (capture.time_s.back() - capture.time_s.front()) / static_cast<double>(n - 1) : 0.0;
-  Columns x(capture, supply_fraction_);
+  Columns x(capture, supply_fraction_, model_.vdd_reference_v);
   std::vector<double> alpha(n), radius(n);
   start(capture.vsin_v, capture.vcos_v, alpha);
   for (double &a : alpha)
@@ -287,7 +288,8 @@ void AngleSolver::frames(std::span<const Frame> frames, std::span<ada4571_angle>
       stream_.vdd_mean += (f.vdd_v - stream_.vdd_mean) / stream_.vdd_count;
       mid_shift_v = 0.5 * (stream_.vdd_mean - model_.supply_v);
       if (supply_fraction_ != 0.0)
-        supply = static_cast<float>((f.vdd_v / stream_.vdd_mean - 1.0) / supply_fraction_);
+        supply = static_cast<float>(
+            (f.vdd_v / model_.vdd_reference_v.value_or(stream_.vdd_mean) - 1.0) / supply_fraction_);
     }
     const float rate = 0.0f;
     const bool has_temp = std::isfinite(f.vtemp_v);

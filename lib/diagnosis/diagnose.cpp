@@ -32,6 +32,7 @@
 #include "diagnosis/random_causes.h"
 #include "diagnosis/search.h"
 #include "diagnosis/unseen_supply.h"
+#include "motion/surroundings.h"
 
 namespace ada {
 
@@ -98,7 +99,7 @@ public:
         break;
       Model known = found_.fit.model;
       fold_images(scene_.all, known);
-      Scene again = prepare(worked_on(), options_.heldout == nullptr, &known);
+      Scene again = prepare(worked_on(), options_.heldout == nullptr, &known, vdd_level_v());
       if (!again.insufficient.empty())
         break;
       if (scene_.radius_only) {
@@ -203,10 +204,21 @@ private:
   Scene scene_of(const Capture &capture, bool needs_split) const {
     if (baseline() && !capture.has_reference()) {
       const Model known = baseline()->at_supply(capture.meta.supply_v);
-      if (Scene scene = prepare(capture, needs_split, &known); scene.insufficient.empty())
+      if (Scene scene = prepare(capture, needs_split, &known, vdd_level_v());
+          scene.insufficient.empty())
         return scene;
     }
-    return prepare(capture, needs_split);
+    return prepare(capture, needs_split, nullptr, vdd_level_v());
+  }
+
+  /// Where the supply counts from, V: one level for all captures, that of the given model if it has
+  /// one. Nothing: the supply is not recorded.
+  std::optional<double> vdd_level_v() const {
+    if (!given_.has_vdd())
+      return std::nullopt;
+    if (named_before_ && named_before_->vdd_reference_v)
+      return named_before_->vdd_reference_v;
+    return SupplyOverTime(given_).mean_v;
   }
 
   const Capture &worked_on() const { return freed_ ? *freed_ : given_; }
@@ -958,6 +970,8 @@ private:
                       [](const EffectInstance &e) { return is_common_delay(e.effect->info()); });
     for (EffectInstance &e : recorded_)
       out_.extended.effects.push_back(std::move(e));
+    if (has(out_.extended, follows_supply))
+      out_.extended.vdd_reference_v = vdd_level_v();
     out_.extended.noise_rms_v = last_.in_sample.residual_rms_v;
     out_.extended.provenance = provenance_of(worked_on(), last_);
     for (const Effect *effect : catalogue())

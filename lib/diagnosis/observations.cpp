@@ -416,7 +416,8 @@ void judge_radius_only(Scene &scene) {
   scene.all.weight_along = kWeightOfOwnAngle;
 }
 
-Scene prepare_record(const Capture &capture, bool needs_split, const Model *known) {
+Scene prepare_record(const Capture &capture, bool needs_split, const Model *known,
+                     std::optional<double> vdd_level_v) {
   Scene scene;
   scene.capture = &capture;
   scene.periods = capture.meta.periods_per_turn;
@@ -429,7 +430,7 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   }
   Observations &all = scene.all;
   {
-    SupplyOverTime supply(capture);
+    SupplyOverTime supply(capture, vdd_level_v);
     TemperatureOverTime temperature(capture, supply);
     all.mid_shift_v = supply.mid_shift_v;
     all.supply = std::move(supply.unit);
@@ -569,9 +570,10 @@ int other_periods(const std::vector<double> &own, const std::vector<double> &alp
 
 } // namespace
 
-Scene prepare(const Capture &capture, bool needs_split, const Model *known) {
-  Scene scene = capture.starts.empty() ? prepare_record(capture, needs_split, known)
-                                       : prepare_several(capture, needs_split, known);
+Scene prepare(const Capture &capture, bool needs_split, const Model *known,
+              std::optional<double> vdd_level_v) {
+  Scene scene = capture.starts.empty() ? prepare_record(capture, needs_split, known, vdd_level_v)
+                                       : prepare_several(capture, needs_split, known, vdd_level_v);
   const Observations &all = scene.all;
   if (!scene.insufficient.empty())
     return scene;

@@ -141,9 +141,11 @@ void describe_temperature(const Capture &capture, Scene &scene);
 /// judges). `known`: what is known of the sensor already, which then no longer bends the motion
 /// that is taken from the pair; only for captures without reference. Throws nothing for poor data:
 /// that is `insufficient`.
-Scene prepare(const Capture &capture, bool needs_split, const Model *known = nullptr);
+Scene prepare(const Capture &capture, bool needs_split, const Model *known = nullptr,
+              std::optional<double> vdd_level_v = std::nullopt);
 /// The same of one record, whatever part of the circle it shows.
-Scene prepare_record(const Capture &capture, bool needs_split, const Model *known);
+Scene prepare_record(const Capture &capture, bool needs_split, const Model *known,
+                     std::optional<double> vdd_level_v = std::nullopt);
 
 /// Keeps runs of `run` samples spread over the whole, at most about `most` in all.
 std::vector<std::uint32_t> thin(const std::vector<std::uint32_t> &indices, std::size_t most,

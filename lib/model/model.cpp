@@ -54,6 +54,7 @@ Model Model::at_supply(double volts) const {
   scale(out.baseline, ratio);
   scale(out.baseline_std_error, ratio);
   out.vtemp_reference_v *= ratio;
+  scale(out.vdd_reference_v, ratio);
   scale(out.noise_rms_v, ratio);
   for (EffectInstance &instance : out.effects)
     scale(instance, ratio);

@@ -48,6 +48,9 @@ struct Model {
   Baseline baseline;
   Baseline baseline_std_error{0, 0, 0, 0}; ///< 0 where unknown
   double vtemp_reference_v = 0.0;          ///< temperature effects act on VTEMP minus this
+  /// A recorded supply counts from here, V: its mean where the model was learnt; nothing: from the
+  /// mean of each capture.
+  std::optional<double> vdd_reference_v;
   std::optional<double> noise_rms_v;
   std::vector<EffectInstance> effects; ///< at most one of each type, harmonics and tones excepted
   std::optional<PeriodicRemainder> remainder; ///< what has no name

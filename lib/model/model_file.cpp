@@ -195,6 +195,7 @@ std::string model_to_toml(const Model &model) {
   body.line("periods_per_turn", std::to_string(model.periods_per_turn));
   body.number("supply_v", model.supply_v);
   body.number("vtemp_reference_v", model.vtemp_reference_v);
+  body.number("vdd_reference_v", model.vdd_reference_v);
   body.number("noise_rms_v", model.noise_rms_v);
   write_provenance(body, model.provenance);
   write_baseline(body, model);

@@ -328,6 +328,7 @@ Model model_from_toml(std::string_view text, const std::string &shown) {
       static_cast<int>(root.required_whole_number("periods_per_turn", {1, kMostPeriodsATurn}));
   model.supply_v = root.required_number("supply_v", {0.1, 100});
   model.vtemp_reference_v = root.number("vtemp_reference_v", {-100, 100}).value_or(0.0);
+  model.vdd_reference_v = root.number("vdd_reference_v", {0.1, 100});
   model.noise_rms_v = root.number("noise_rms_v", {0, 100});
   if (auto provenance = root.table("provenance"))
     model.provenance = read_provenance(std::move(*provenance));

@@ -118,7 +118,7 @@ std::vector<double> vtemp_of_temperature(const Capture &capture, const SupplyOve
 
 } // namespace
 
-SupplyOverTime::SupplyOverTime(const Capture &capture) {
+SupplyOverTime::SupplyOverTime(const Capture &capture, std::optional<double> level_v) {
   constexpr double kConstant = 1e-7;
   if (!capture.has_vdd())
     return;
@@ -131,11 +131,13 @@ SupplyOverTime::SupplyOverTime(const Capture &capture) {
   for (double v : capture.vdd_v)
     sum += (v / mean - 1.0) * (v / mean - 1.0);
   rms = std::sqrt(sum / static_cast<double>(capture.size()));
-  if (rms < kConstant)
+  const double level = level_v.value_or(mean), away = std::abs(mean / level - 1.0);
+  scale = rms < kConstant ? away : rms;
+  if (scale < kConstant)
     return;
   unit.reserve(capture.size());
   for (double v : capture.vdd_v)
-    unit.push_back(static_cast<float>((v / mean - 1.0) / rms));
+    unit.push_back(static_cast<float>((v / level - 1.0) / scale));
 }
 
 Derivatives::Derivatives(const std::vector<double> &time_s, const std::vector<float> &value) {

@@ -13,11 +13,13 @@ namespace ada {
 
 /// VDD over time. All zero without the channel.
 struct SupplyOverTime {
-  std::vector<float> unit;  ///< (VDD/mean - 1)/rms; empty where the supply does not move
+  std::vector<float> unit;  ///< (VDD/level - 1)/scale; empty where the supply stays at its level
   double mean_v = 0.0;      ///< of VDD
   double rms = 0.0;         ///< of VDD/mean - 1
+  double scale = 0.0;       ///< rms; of a supply that does not move its distance from the level
   double mid_shift_v = 0.0; ///< of mid-supply from half the stated supply
-  explicit SupplyOverTime(const Capture &capture);
+  /// `level_v`: where a model has learnt what it knows, V; nothing: the capture's own mean.
+  explicit SupplyOverTime(const Capture &capture, std::optional<double> level_v = std::nullopt);
 };
 
 /// First and second derivative over time, 1/s and 1/s^2, of a polynomial of fourth order over a

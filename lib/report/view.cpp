@@ -179,7 +179,7 @@ bool has_part_in(const Diagnosis &d, Axis axis) {
 /// Without a reference what is known of the sensor may have bent the motion or not, by how the
 /// diagnosis went: the look that the extended model fits.
 Scene scene_of(const Diagnosis &d, const Capture &capture) {
-  Scene out = prepare(capture, false);
+  Scene out = prepare(capture, false, nullptr, d.extended.vdd_reference_v);
   if (d.has_reference || d.verdict == Verdict::insufficient_data)
     return out;
   const auto misfit = [&](const Scene &scene) {
@@ -196,7 +196,7 @@ Scene scene_of(const Diagnosis &d, const Capture &capture) {
     }
     return out;
   }
-  Scene other = prepare(capture, false, &named);
+  Scene other = prepare(capture, false, &named, d.extended.vdd_reference_v);
   return misfit(other) < misfit(out) ? std::move(other) : std::move(out);
 }
 

@@ -134,7 +134,7 @@ Capture Generator::next(std::size_t count) {
                                 kVtempNoiseV * normal(rng_));
   if (options_.has_vdd)
     for (std::size_t i = 0; i < count; ++i)
-      capture.vdd_v.push_back(model_.supply_v *
+      capture.vdd_v.push_back(model_.vdd_reference_v.value_or(model_.supply_v) *
                                   (1.0 + supply_rms_ * static_cast<double>(x.supply[i])) +
                               kVddNoiseV * normal(rng_));
   if (options_.has_reference)

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "conversion/frame_converter.h"
 #include "diagnosis/bench.h"
 
 namespace ada::test {
@@ -181,6 +182,61 @@ KIND(the_lines_of_a_disc_are_its_own_error_at_an_even_spin) {
   EXPECT_EQ(f->values[0], order);
   EXPECT_NEAR(f->values[1], e_deg, 0.05 * e_deg);
   EXPECT_FALSE(named(d, "field-direction-error")) << names(d);
+}
+
+/// Both outputs of a capture at a supply of `level` that goes up and down by `ripple`, and its
+/// record.
+void feed(Capture &c, double level, double ripple, double hz, double phase) {
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double vdd = level * (1.0 + ripple * std::sin(kTwoPi * hz * c.time_s[i] + phase));
+    c.vsin_v[i] *= vdd / 5.0;
+    c.vcos_v[i] *= vdd / 5.0;
+    c.vdd_v.push_back(vdd);
+  }
+}
+
+/// RMS error against the shaft, mechanical degrees, a constant angle aside.
+double angle_error(const Capture &c, const std::vector<ada4571_angle> &angles) {
+  std::vector<double> error;
+  double sum = 0.0;
+  const double first = angles[0].angle_deg - c.reference_deg[0];
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    error.push_back(wrap_centred(angles[i].angle_deg - c.reference_deg[i] - first,
+                                 360.0 / c.meta.periods_per_turn));
+    sum += error.back();
+  }
+  const double mean = sum / static_cast<double>(error.size());
+  sum = 0.0;
+  for (double e : error)
+    sum += (e - mean) * (e - mean);
+  return std::sqrt(sum / static_cast<double>(error.size()));
+}
+
+KIND(a_model_learnt_at_one_supply_serves_at_another_that_is_recorded) {
+  Bench bench;
+  const Shaft shaft = at_speeds({bench.within(1.0, 2.0), bench.within(3.0, 5.0)}, 4.0);
+  const double hz = bench.within(1.0, 8.0), ripple = bench.within(0.003, 0.01);
+  const double one = bench.within(4.7, 5.3), other = bench.within(4.7, 5.3);
+  Capture learnt = bench.capture(20000, 2500.0, 2, shaft);
+  feed(learnt, one, ripple, hz, bench.within(0.0, kTwoPi));
+  const Diagnosis d = diagnose(learnt, {});
+  ASSERT_TRUE(named(d, "supply-variation")) << names(d);
+  // One that stays where it is says as much as one that moves.
+  for (const double moves : {0.0, ripple}) {
+    Capture served = bench.capture(20000, 2500.0, 2, shaft);
+    feed(served, other, moves, hz, bench.within(0.0, kTwoPi));
+    const double noise_deg =
+        bench.pair.noise_v * 5.0 / other / bench.pair.amplitude_v / 2.0 * kDegPerRad;
+    std::vector<ada4571_angle> angles(served.size());
+    FrameConverter(d.extended).capture(served, angles);
+    EXPECT_LT(angle_error(served, angles), 1.1 * noise_deg + 0.002) << one << " V, " << other;
+    FrameConverter live(d.extended);
+    std::vector<Frame> frames;
+    for (std::size_t i = 0; i < served.size(); ++i)
+      frames.push_back(frame_at(served, i));
+    live.frames(frames, angles);
+    EXPECT_LT(angle_error(served, angles), 1.1 * noise_deg + 0.002) << one << " V, " << other;
+  }
 }
 
 /// Output of a bridge whose stripes lie along `theta` and across it, in a field at `alpha`, h =

@@ -22,7 +22,8 @@ namespace ada {
 
 namespace {
 
-/// Appends the columns that belong to the motion; those of temperature and supply come from the whole.
+/// Appends the columns that belong to the motion; those of temperature and supply come from the
+/// whole.
 void append(Observations &to, const Observations &from) {
   const auto add = [](auto &a, const auto &b) { a.insert(a.end(), b.begin(), b.end()); };
   add(to.time, from.time);
@@ -48,9 +49,9 @@ template <class Column> Column picked(const Column &from, const std::vector<std:
 }
 
 /// Temperature and supply of the whole: one mean and one scale for all records.
-void take_surroundings(const Capture &joined, Scene &scene) {
+void take_surroundings(const Capture &joined, Scene &scene, std::optional<double> vdd_level_v) {
   Observations &all = scene.all;
-  SupplyOverTime supply(joined);
+  SupplyOverTime supply(joined, vdd_level_v);
   TemperatureOverTime temperature(joined, supply);
   const Derivatives of_supply(joined.time_s, supply.unit);
   all.mid_shift_v = supply.mid_shift_v;
@@ -83,7 +84,8 @@ void move_angle(Scene &scene, double by_rad) {
       a += by_rad;
 }
 
-Scene prepare_several(const Capture &joined, bool needs_split, const Model *known) {
+Scene prepare_several(const Capture &joined, bool needs_split, const Model *known,
+                      std::optional<double> vdd_level_v) {
   Scene out;
   const std::size_t records = joined.starts.size();
   const bool whole_records = needs_split && records >= criteria::kFewestRecords;
@@ -143,7 +145,7 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
   out.lag_in_zeros = steady;
   out.stops = {};
   out.white_noise_v = std::sqrt(noise2);
-  take_surroundings(joined, out);
+  take_surroundings(joined, out, vdd_level_v);
   if (whole_records)
     out.unit = HoldoutUnit::records;
   describe_motion(out);
