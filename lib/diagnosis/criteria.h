@@ -212,6 +212,9 @@ inline constexpr double kCoincidence = 20.0;
 
 /// What one cause may leave over of what several explain, as a part of the mean square.
 inline constexpr double kLittle = 0.1;
+/// Of what goes on slowly, as a part of the mean square, that must go with the course of a process:
+/// all of it, but for what the course's half waves do not follow and for what else there is.
+inline constexpr double kOfCourse = 0.5;
 /// What the few functions of the speed may leave of what many slow ones explain, as a part of the
 /// mean square. A process that wanders follows them to nine tenths by chance in one record of six,
 /// and to this part in none of a thousand; where the speed is the cause only their own roughness is

@@ -4,6 +4,7 @@
 #include "diagnosis/diagnose.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <iterator>
@@ -16,6 +17,7 @@
 #include "base/robust.h"
 #include "diagnosis/anonymous/anonymous.h"
 #include "diagnosis/candidates.h"
+#include "diagnosis/conditions/gains.h"
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/conditions/several.h"
@@ -119,6 +121,11 @@ public:
     const Direction disturbed = scene_.all.disturbed;
     const double weight_along = scene_.all.weight_along;
     settle();
+    if (take_out_record_gains()) {
+      weigh(disturbed, weight_along);
+      search_causes(true);
+      settle();
+    }
     for (int round = 0; round < kMostRounds && take_out_processes(); ++round) {
       weigh(disturbed, weight_along);
       search_causes(true);
@@ -570,10 +577,10 @@ private:
     std::erase_if(found, [&](const RandomCause &c) { return goes_on(c); });
     if (found.empty() || goes_with_speed(slow, whole, white, named))
       return false;
-    unnamed_ = std::move(slow);
-    slow_waves_ =
-        std::max(slow_waves_, unnamed_.selection.orders[static_cast<std::size_t>(Axis::time)]);
-    take_out_courses(found);
+    const int waves = slow.selection.orders[static_cast<std::size_t>(Axis::time)];
+    if (!take_out_courses(std::move(slow), found))
+      return false;
+    slow_waves_ = std::max(slow_waves_, waves);
     double moved_v2 = 0.0;
     for (const RandomCause &c : found)
       moved_v2 += c.slow_v2;
@@ -598,10 +605,8 @@ private:
     Anonymous slow = anonymous_of(scene_, white, named, {.speed = false, .others = false});
     std::vector<RandomCause> rest = slow_causes(slow, white, named, periods_in_all());
     std::erase_if(rest, [&](const RandomCause &c) { return !goes_on(c); });
-    if (rest.empty())
-      return;
-    unnamed_ = std::move(slow);
-    take_out_courses(rest);
+    if (!rest.empty())
+      take_out_courses(std::move(slow), rest);
   }
 
   double periods_in_all() const { return scene_.turns * scene_.periods; }
@@ -674,8 +679,13 @@ private:
 
   /// A slow process that has a name is taken out of what is looked at from now on: its course is
   /// known. Offsets are subtracted; a gain divides what turns, so that what goes in proportion to
-  /// it is constant again.
-  void take_out_courses(const std::vector<RandomCause> &processes) {
+  /// it is constant again. False, and nothing is taken out, where less than half of what goes on
+  /// slowly goes with it: then that was something else, which the course went along with.
+  bool take_out_courses(Anonymous slow, const std::vector<RandomCause> &processes) {
+    const double before_v2 = left_v2(parts_, out_.extended);
+    const double goes_on_v2 = slow.selection.share_v2[static_cast<std::size_t>(Axis::time)];
+    const Outputs as_they_were(*this);
+    Anonymous unnamed = std::exchange(unnamed_, std::move(slow));
     const auto courses_of = [&](Pattern pattern) {
       Selection out;
       std::vector<double> values;
@@ -691,10 +701,9 @@ private:
       return out;
     };
     const Selection offsets = courses_of(Pattern::offset), gain = courses_of(Pattern::gain);
-    parts_.courses_taken_out = true;
     const Baseline &b = out_.extended.baseline;
     const double middle_v = 0.5 * scene_.supply_v;
-    for (Observations *data : {&scene_.all, &parts_.train, &parts_.heldout}) {
+    for (Observations *data : all_data()) {
       if (judge_ && data == &parts_.heldout)
         continue;
       ResidualColumns pair, turning;
@@ -715,6 +724,35 @@ private:
         data->vcos[i] = cos_v + c / by;
       }
     }
+    if (before_v2 - left_v2(parts_, out_.extended) < criteria::kOfCourse * goes_on_v2) {
+      as_they_were.put_back(*this);
+      unnamed_ = std::move(unnamed);
+      return false;
+    }
+    look_anew();
+    return true;
+  }
+
+  std::array<Observations *, 3> all_data() { return {&scene_.all, &parts_.train, &parts_.heldout}; }
+
+  /// The outputs before something is taken out of them that may not be there.
+  struct Outputs {
+    std::array<std::array<std::vector<double>, 2>, 3> pairs;
+    explicit Outputs(Work &of) {
+      for (std::size_t k = 0; k < pairs.size(); ++k)
+        pairs[k] = {of.all_data()[k]->vsin, of.all_data()[k]->vcos};
+    }
+    void put_back(Work &to) const {
+      for (std::size_t k = 0; k < pairs.size(); ++k) {
+        to.all_data()[k]->vsin = pairs[k][0];
+        to.all_data()[k]->vcos = pairs[k][1];
+      }
+    }
+  };
+
+  /// What has no name beside the model, and what the model is worth, with a course taken out.
+  void look_anew() {
+    parts_.courses_taken_out = true;
     Parts white = parts_;
     white.train.coloured.reset();
     Model named = out_.extended;
@@ -723,6 +761,37 @@ private:
     name_in_budget();
     out_.noise = noise_shape(unnamed_, white, named);
     last_ = white.rung(out_.extended);
+  }
+
+  /// Several records may each have a pair of its own length: between them a magnet, an air gap or a
+  /// gain was changed. That goes with the time and with the speed of each, and no half waves follow
+  /// it. Taken out where that takes most of what goes with either.
+  bool take_out_record_gains() {
+    const auto share = [&](Axis axis) {
+      return std::max(0.0, unnamed_.selection.share_v2[static_cast<std::size_t>(axis)]);
+    };
+    const double goes_on_v2 = share(Axis::time) + share(Axis::speed);
+    if (worked_on().starts.size() < 2 || judge_ || found_.disturbed == Direction::supply ||
+        goes_on_v2 < unnamed_.selection.noise_v2)
+      return false;
+    const double before_v2 = left_v2(parts_, out_.extended);
+    const Outputs as_they_were(*this);
+    const RecordGains gains(worked_on(), scene_, out_.extended);
+    for (Observations *data : all_data())
+      for (std::size_t i = 0; i < data->size(); ++i)
+        gains.take_out(data->time[i], data->vsin[i], data->vcos[i]);
+    const Model alike = fit(parts_.train, gains.common(), 5).model;
+    const double after_v2 = left_v2(parts_, alike);
+    if (before_v2 - after_v2 < criteria::kOfCourse * goes_on_v2 || after_v2 > goes_on_v2) {
+      as_they_were.put_back(*this);
+      return false;
+    }
+    const double samples = static_cast<double>(parts_.heldout.size());
+    const double nats =
+        samples * std::log(before_v2 / std::max(after_v2, criteria::kLeastMeanSquare));
+    look_anew();
+    processes_.push_back(gains.as_cause(nats, before_v2 - after_v2));
+    return true;
   }
 
   /// What the courses of processes and the causes beside them account for of each axis.

@@ -79,4 +79,14 @@ Model first_model(const Scene &scene, const Model *given) {
   return model;
 }
 
+Model with_expected(Model model) {
+  for (const Effect *effect : catalogue())
+    if (effect->info().prior_rank == 0 &&
+        std::none_of(model.effects.begin(), model.effects.end(),
+                     [&](const EffectInstance &e) { return e.effect == effect; }))
+      model.effects.push_back(
+          {effect, std::vector<double>(effect->info().parameters.size(), 0.0), {}});
+  return model;
+}
+
 } // namespace ada

@@ -18,4 +18,8 @@ double expected_noise(const Capture &capture, const Scene &scene, bool &stated);
 /// `given` null: of the application note's model.
 Model first_model(const Scene &scene, const Model *given);
 
+/// The model with what every pair has, absent as yet: it is fitted from the start, and goes when
+/// nothing speaks for it.
+Model with_expected(Model model);
+
 } // namespace ada

@@ -17,12 +17,17 @@ namespace ada {
 namespace {
 
 constexpr std::size_t kBaseline = 4;
+/// Of the weight that white noise would give. Along what the part without a name takes for its own a
+/// step would go anywhere: this keeps it near, and moves no minimum (Levenberg, Q. Appl. Math. 2,
+/// 1944, p. 164).
+constexpr double kDamping = 1e-3;
 
 /// Normal equations at one point, and the sum of squares there.
 struct Normal {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd right;
   double rss = 0.0;
+  Eigen::MatrixXd damping; ///< added to the matrix for a step, not for errors
 };
 
 Normal normal_equations(const Observations &data, const Model &model, const std::vector<double> &x,
@@ -72,11 +77,15 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
     if (coloured)
       coloured->project(first, block, projected);
   }
-  if (coloured)
+  Eigen::MatrixXd damping = Eigen::MatrixXd::Zero(parameters, parameters);
+  if (coloured) {
+    damping = kDamping * products.topLeftCorner(parameters, parameters);
+    damping.triangularView<Eigen::StrictlyUpper>() = damping.transpose();
     products -= coloured->taken(projected);
+  }
   products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
   Normal out{products.topLeftCorner(parameters, parameters), products.topRightCorner(parameters, 1),
-             products(parameters, parameters)};
+             products(parameters, parameters), std::move(damping)};
   if (data.vtemp_on_vcos_error > 0.0) {
     // One more measurement, weighted by its error against the noise of the samples.
     const double sigma = std::sqrt(out.rss / (2.0 * static_cast<double>(data.size())));
@@ -198,7 +207,7 @@ FitResult fit(const Observations &data, const Model &start, int max_iterations) 
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     here = normal_equations(data, model, x, coordinate_steps(model));
     out.rss = here.rss;
-    const Scaled scaled(here.matrix);
+    const Scaled scaled(here.matrix + here.damping);
     if (!scaled.determined)
       break;
     const Eigen::VectorXd step = scaled.solve(here.right);

@@ -67,12 +67,6 @@ double nats_beside_anonymous(const Scene &scene, const Parts &parts, const Model
   return nats_beside(anonymous_of(scene, parts, model));
 }
 
-/// Mean square of the held-out residual of a model, V^2 of a channel.
-double left_v2(const Parts &parts, const Model &model) {
-  return white_sum_of_squares(parts.heldout, as_seen_by(parts.heldout, model)) /
-         (2.0 * static_cast<double>(parts.heldout.size()));
-}
-
 /// Columns of the anonymous part that repeat with the angle.
 std::vector<Eigen::Index> angle_columns(const Anonymous &of) {
   std::vector<Eigen::Index> out;

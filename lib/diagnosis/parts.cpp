@@ -76,6 +76,11 @@ Quality quality(const Observations &data, const Model &model, bool with_angle) {
 
 } // namespace
 
+double left_v2(const Parts &parts, const Model &model) {
+  return white_sum_of_squares(parts.heldout, as_seen_by(parts.heldout, model)) /
+         (2.0 * static_cast<double>(parts.heldout.size()));
+}
+
 void Parts::weigh(Direction direction, double weight) {
   for (Observations *o : {&train, &heldout}) {
     o->disturbed = direction;

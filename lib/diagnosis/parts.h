@@ -20,4 +20,7 @@ struct Parts {
   Rung rung(const Model &model) const;
 };
 
+/// Mean square of the held-out residual of a model, V^2 of a channel.
+double left_v2(const Parts &parts, const Model &model);
+
 } // namespace ada

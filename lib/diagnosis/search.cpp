@@ -14,6 +14,7 @@
 #include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/doubt.h"
+#include "diagnosis/first_model.h"
 #include "diagnosis/moments.h"
 #include "diagnosis/onset.h"
 
@@ -69,18 +70,6 @@ Search::State Search::without(const State &now, std::size_t effect) const {
   Model model = now.fit.model;
   model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   return evaluate(model, 4);
-}
-
-/// The model with what every pair has, absent as yet: it is fitted from the start, and goes when
-/// nothing speaks for it.
-Model Search::with_expected(Model model) const {
-  for (const Effect *effect : catalogue())
-    if (effect->info().prior_rank == 0 &&
-        std::none_of(model.effects.begin(), model.effects.end(),
-                     [&](const EffectInstance &e) { return e.effect == effect; }))
-      model.effects.push_back(
-          {effect, std::vector<double>(effect->info().parameters.size(), 0.0), {}});
-  return model;
 }
 
 bool Search::forward(State &now) {

@@ -77,7 +77,6 @@ private:
   SearchResult result(State &now, bool thorough);
   void colour(const Discrepancy &discrepancy);
   bool refuted(const State &state, std::size_t effect) const;
-  Model with_expected(Model model) const;
   bool dominates(double size_v, std::size_t effect, const Model &model) const;
   bool worth_keeping(double worth, const Effect &effect) const;
   bool helps_everywhere(const State &with, const State &less) const;

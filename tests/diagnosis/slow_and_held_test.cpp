@@ -110,6 +110,32 @@ KIND(two_short_records_at_two_speeds_tell_a_skew_without_a_reference) {
   EXPECT_NEAR(f->values[0], skew_s, 0.03 * skew_s);
 }
 
+KIND(records_with_another_magnet_each_are_one_sensor) {
+  Bench bench;
+  const double whole_v = bench.pair.amplitude_v;
+  const double offset_sin_v = bench.within(-0.05, 0.05), offset_cos_v = bench.within(-0.05, 0.05);
+  std::vector<std::shared_ptr<const Capture>> records;
+  for (const double part : {bench.within(0.5, 0.7), bench.within(0.75, 0.85), 1.0}) {
+    const double rps = bench.within(0.8, 2.5);
+    bench.pair.amplitude_v = part * whole_v;
+    Capture c = bench.capture(6000, 1000.0, 2, [&](double t) { return rps * kTwoPi * t; });
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      c.vsin_v[i] += offset_sin_v;
+      c.vcos_v[i] += offset_cos_v;
+    }
+    records.push_back(std::make_shared<const Capture>(std::move(c)));
+  }
+  const Diagnosis d = diagnose(*join(records), {});
+  expect_pair(d, bench.pair);
+  // Standard errors of a mean of all, times five.
+  const double close = 5.0 * bench.pair.noise_v / std::sqrt(0.5 * 18000.0) / 0.5;
+  EXPECT_NEAR(d.extended.baseline.offset_sin_v, offset_sin_v, close);
+  EXPECT_NEAR(d.extended.baseline.offset_cos_v, offset_cos_v, close);
+  for (const Finding &f : d.findings)
+    EXPECT_TRUE(f.effect->info().prior_rank == 0 || f.effect->info().id == "gain-wander")
+        << names(d);
+}
+
 /// Noise of `rms_v` that a converter which averages `rows` of them gives.
 std::vector<double> averaged_noise(Bench &bench, std::size_t n, std::size_t rows, double rms_v) {
   std::vector<double> white(n + rows), out(n);

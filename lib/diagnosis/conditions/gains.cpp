@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/conditions/gains.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "diagnosis/first_model.h"
+#include "diagnosis/fit.h"
+
+namespace ada {
+
+namespace {
+
+constexpr double kLeastGain = 0.1; ///< below a tenth of its length a vector tells no angle
+
+} // namespace
+
+RecordGains::RecordGains(const Capture &joined, const Scene &scene, const Model &model) {
+  for (std::size_t start : joined.starts)
+    starts_s_.push_back(joined.time_s[start]);
+  common_ = with_expected(model);
+  constexpr int kPasses = 4; // each leaves a hundredth, the size of a mismatch, of what was wrong
+  for (int pass = 0; pass < kPasses; ++pass) {
+    estimate(scene.all, common_);
+    Observations alike = scene.all.select(scene.train);
+    for (std::size_t i = 0; i < alike.size(); ++i)
+      take_out(alike.time[i], alike.vsin[i], alike.vcos[i]);
+    common_ = fit(alike, common_, 4).model;
+  }
+  estimate(scene.all, common_);
+}
+
+RandomCause RecordGains::as_cause(double nats, double moved_v2) const {
+  double mean = 0.0, squares = 0.0;
+  const double n = static_cast<double>(own_.size());
+  for (const Own &own : own_)
+    mean += own.gain / n;
+  for (const Own &own : own_)
+    squares += std::pow(own.gain / mean - 1.0, 2) / (n - 1.0);
+  RandomCause out;
+  out.effect = &the_effect([](const EffectInfo &e) {
+    return e.evidence == Evidence::process && e.pattern == Pattern::gain;
+  });
+  out.values = {std::sqrt(squares)};
+  out.std_errors = {std::sqrt(0.5 * squares / (n - 1.0))};
+  out.nats = nats;
+  out.slow_v2 = moved_v2;
+  return out;
+}
+
+const RecordGains::Own &RecordGains::at(double time_s) const {
+  const auto next = std::upper_bound(starts_s_.begin(), starts_s_.end(), time_s);
+  return own_[static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, next - starts_s_.begin() - 1))];
+}
+
+void RecordGains::take_out(double time_s, double &vsin_v, double &vcos_v) const {
+  const Own &own = at(time_s);
+  vsin_v = own.sin_v + (vsin_v - own.sin_v) / own.gain;
+  vcos_v = own.cos_v + (vcos_v - own.cos_v) / own.gain;
+}
+
+void RecordGains::estimate(const Observations &data, const Model &model) {
+  const std::size_t records = starts_s_.size();
+  const double sin_v = 0.5 * model.supply_v + model.baseline.offset_sin_v,
+               cos_v = 0.5 * model.supply_v + model.baseline.offset_cos_v;
+  const ResidualColumns r = residual_columns(data, model);
+  std::vector<Eigen::Matrix3d> normal(records, Eigen::Matrix3d::Zero());
+  std::vector<Eigen::Vector3d> right(records, Eigen::Vector3d::Zero());
+  own_.assign(records, {1.0, sin_v, cos_v});
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const auto k = static_cast<std::size_t>(&at(data.time[i]) - own_.data());
+    const Eigen::Vector3d of_sin{r.model_sin[i] - sin_v, 1.0, 0.0},
+        of_cos{r.model_cos[i] - cos_v, 0.0, 1.0};
+    normal[k] += of_sin * of_sin.transpose() + of_cos * of_cos.transpose();
+    right[k] += of_sin * data.vsin[i] + of_cos * data.vcos[i];
+  }
+  for (std::size_t k = 0; k < records; ++k)
+    if (const Eigen::Vector3d x = normal[k].ldlt().solve(right[k]); x.allFinite())
+      own_[k] = {std::max(x[0], kLeastGain), x[1], x[2]};
+}
+
+} // namespace ada

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Several records of one sensor whose pairs differ in length: between them a magnet, an air gap or
+// a gain was changed.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/observations.h"
+#include "diagnosis/random_causes.h"
+#include "model/model.h"
+
+namespace ada {
+
+/// The pair of each record: its length over that of a model, and the centre that it turns about, V.
+class RecordGains {
+public:
+  /// Least squares of all records together, in turns of what is each record's own (length, centre)
+  /// and what they have in common (the model, with what every pair has): a length that is wrong
+  /// bends the common shape, and the other way round.
+  RecordGains(const Capture &joined, const Scene &scene, const Model &model);
+
+  /// The model with what every pair has, as all records have it in common.
+  const Model &common() const { return common_; }
+
+  /// The cause of the catalogue that this is: the scatter of the lengths over their mean.
+  RandomCause as_cause(double nats, double moved_v2) const;
+
+  /// Gives a sample the length that the model has.
+  void take_out(double time_s, double &vsin_v, double &vcos_v) const;
+
+private:
+  struct Own {
+    double gain, sin_v, cos_v;
+  };
+  std::vector<double> starts_s_;
+  std::vector<Own> own_;
+  Model common_;
+
+  const Own &at(double time_s) const;
+  void estimate(const Observations &data, const Model &model);
+};
+
+} // namespace ada
