@@ -258,6 +258,13 @@ inline constexpr double kSameWave = 0.9;
 
 // --- standard errors
 
+/// Correlation with a cause that was not found from which on the error is worked out with it as
+/// well: it then grows by 2 % or more.
+inline constexpr double kWorthAFit = 0.2;
+/// Powers of ten over which a size is as likely at one as at the other: a millionth of what is
+/// possible moves nothing.
+inline constexpr double kDecadesOfSize = 6.0;
+
 /// Stretches of the record between which the score is compared: with forty its variance is known to
 /// a quarter. Fewer than eight say nothing; each holds this many samples.
 inline constexpr std::size_t kStretches = 40, kFewestStretches = 8, kFewestOfStretch = 10;

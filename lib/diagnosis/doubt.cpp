@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/admission.h"
+
 namespace ada {
 
 bool is_static(const Effect &effect) {
@@ -112,7 +114,11 @@ double entanglement(const FitResult &fit, std::size_t effect, std::size_t from) 
   const Eigen::MatrixXd mine = whitener(effect);
   for (std::size_t k = from; k < place.size(); ++k) {
     const auto [other, m] = place[k];
-    if (k == effect || m == 0)
+    // What comes with the angle alone is the same whatever the speed, the time and the temperature:
+    // how far what changes with them lies from it is seen, and counted in nats as everything else.
+    const bool on_other_axes = shows_beyond_angle(*fit.model.effects[effect].effect) !=
+                               shows_beyond_angle(*fit.model.effects[k].effect);
+    if (k == effect || m == 0 || on_other_axes)
       continue;
     const Eigen::MatrixXd cross = mine * fit.covariance.block(first, other, n, m) * whitener(k);
     most = std::max(most, cross.jacobiSvd().singularValues()[0]);

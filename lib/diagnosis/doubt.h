@@ -37,7 +37,8 @@ double next_of_supply(const Observations &data, const Model &model);
 double offsets_in_transfer(const Observations &data, const Model &model);
 
 /// Largest correlation of any mixture of one effect's coordinates with any of another's from
-/// `first` on, 0 to 1: at 1 the two are one in these data.
+/// `first` on, 0 to 1: at 1 the two are one in these data. Of a cause that shows with the angle
+/// alone and one that shows beyond it no correlation counts.
 double entanglement(const FitResult &fit, std::size_t effect, std::size_t first);
 
 } // namespace ada

@@ -15,6 +15,7 @@
 #include "diagnosis/criteria.h"
 #include "diagnosis/doubt.h"
 #include "diagnosis/explain.h"
+#include "diagnosis/told_apart.h"
 #include "model/effect_text.h"
 
 namespace ada {
@@ -337,6 +338,14 @@ std::vector<std::string> ids_of(const std::vector<Rival> &rivals) {
   return out;
 }
 
+std::vector<std::string> with_untold(std::vector<std::string> ids,
+                                     const std::vector<Untold> &untold, std::size_t effect) {
+  for (const Untold &u : untold)
+    if (u.effect == effect && std::find(ids.begin(), ids.end(), u.other->info().id) == ids.end())
+      ids.emplace_back(u.other->info().id);
+  return ids;
+}
+
 } // namespace
 
 Ladder build_ladder(Parts &parts, const SearchResult &found) {
@@ -362,6 +371,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
   const std::vector<double> clear = clearness_of(whole);
   if (weighs_alike)
     widen_by_what_is_not_borne_out(parts.train, whole);
+  const std::vector<Untold> untold = widen_by_what_is_not_told_apart(parts.train, whole);
   attach_errors(whole);
   out.extended = std::move(whole.model);
   const Model &model = out.extended;
@@ -379,7 +389,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     out.findings.push_back({e.effect,
                             e.values,
                             e.std_errors,
-                            ids_of(found.alternatives[i]),
+                            with_untold(ids_of(found.alternatives[i]), untold, found.order[i]),
                             {},
                             {},
                             out.last,

@@ -76,6 +76,41 @@ KIND(a_skew_beside_a_large_quadrature_error_and_a_stray_field_is_named) {
   EXPECT_EQ(d.verdict, Verdict::explained) << names(d);
 }
 
+/// A capture at two speeds that are nearly the same.
+Diagnosis at_near_speeds(Bench &bench, double apart, double late_s) {
+  const double hz = bench.within(4.0, 8.0);
+  const Shaft shaft = at_speeds({hz, hz * (1.0 + apart), hz, hz * (1.0 + apart)}, 2.0);
+  Capture c = bench.capture(16000, 2000.0, 2, shaft);
+  sample_later(c, bench.pair, shaft, late_s);
+  return diagnose(c, {});
+}
+
+KIND(a_skew_is_told_from_a_quadrature_error_at_speeds_a_tenth_apart) {
+  Bench bench;
+  const double apart = bench.within(0.08, 0.15), late_s = bench.within(1e-4, 2e-4);
+  const Diagnosis d = at_near_speeds(bench, apart, late_s);
+  const Finding *delta = named(d, "quadrature-error"), *f = named(d, "channel-skew");
+  ASSERT_TRUE(f && delta) << names(d);
+  EXPECT_NEAR(f->values[0], late_s, 4.0 * f->std_errors[0]);
+  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, 4.0 * delta->std_errors[0]);
+  EXPECT_EQ(d.verdict, Verdict::explained) << names(d);
+}
+
+KIND(what_hangs_on_a_skew_that_is_not_told_has_an_error_that_says_so) {
+  Bench bench;
+  const double apart = bench.within(0.003, 0.015), late_s = bench.within(3e-5, 1e-4);
+  const Diagnosis d = at_near_speeds(bench, apart, late_s);
+  const Finding *delta = named(d, "quadrature-error");
+  ASSERT_TRUE(delta) << names(d);
+  if (named(d, "channel-skew"))
+    return; // told apart after all
+  EXPECT_TRUE(std::count(delta->alternatives.begin(), delta->alternatives.end(), "channel-skew"))
+      << names(d);
+  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, 4.0 * delta->std_errors[0]);
+  // And says no more than that: it would not otherwise be told that there is one at all.
+  EXPECT_LT(delta->std_errors[0], 1.0) << names(d);
+}
+
 KIND(a_chipped_magnet_hides_no_skew) {
   Bench bench;
   const double late_s = bench.within(6e-6, 12e-6), chip = bench.within(0.0, kTwoPi),

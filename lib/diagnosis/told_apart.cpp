@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/told_apart.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "base/angle.h"
+#include "diagnosis/admission.h"
+#include "diagnosis/criteria.h"
+
+namespace ada {
+
+namespace {
+
+/// A cause of one number.
+EffectInstance of_size(const Effect &effect, double x) {
+  const std::vector<double> absent(effect.info().parameters.size(), 0.0);
+  return {&effect, effect.from_coordinates(absent, std::array{x}), {}};
+}
+
+/// The largest size of this sign that physics does not rule out.
+double largest(const Effect &effect, double sign, const Observations &data) {
+  Residual facts;
+  facts.sample_period_s = data.frame_period_s;
+  double possible = 0.0, beyond = 2.0 * effect.info().parameters[0].maximum;
+  constexpr int kHalvings = 50;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (possible + beyond);
+    const EffectInstance e = of_size(effect, sign * middle);
+    (in_range(e) && !effect.refuted(e.values, facts) ? possible : beyond) = middle;
+  }
+  return possible;
+}
+
+/// Mean square of the size of a cause that data make `size` with a standard error, before which it
+/// is as likely to be absent as not, and if it is there, of either sign and of any power of ten up
+/// to what is possible.
+double mean_square_size(double size, double error, double least, double most) {
+  constexpr int kPoints = 240; // of a sum over the logarithm
+  const auto likelihood = [&](double x) {
+    const double off = (x - size) / error, absent = size / error;
+    return std::exp(std::min(700.0, 0.5 * (absent * absent - off * off))); // over that of none
+  };
+  double there = 0.0, squares = 0.0;
+  for (int k = 0; k < kPoints; ++k) {
+    const double part = std::pow(10.0, -criteria::kDecadesOfSize * (k + 0.5) / kPoints);
+    for (const double x : {part * most, -part * least}) {
+      there += likelihood(x) / (2.0 * kPoints);
+      squares += x * x * likelihood(x) / (2.0 * kPoints);
+    }
+  }
+  return squares / (1.0 + there);
+}
+
+/// Whether a cause that a model lacks may be beside what every pair has.
+bool may_be_beside(const Effect &effect, const Model &model) {
+  const EffectInfo &info = effect.info();
+  return info.prior_rank == 1 && info.evidence == Evidence::signal && shows_beyond_angle(effect) &&
+         info.parameters.size() == 1 &&
+         std::none_of(model.effects.begin(), model.effects.end(),
+                      [&](const EffectInstance &e) { return e.effect == &effect; });
+}
+
+/// The coordinates of what every pair has, each with the effect that it is of.
+std::vector<std::pair<Eigen::Index, std::size_t>> of_every_pair(const Model &model) {
+  std::vector<std::pair<Eigen::Index, std::size_t>> out;
+  auto at = static_cast<Eigen::Index>(coordinates_of(Model{}).size());
+  for (std::size_t e = 0; e < model.effects.size(); ++e)
+    for (std::size_t k = 0; k < coordinates(model.effects[e]); ++k, ++at)
+      if (model.effects[e].effect->info().prior_rank == 0)
+        out.emplace_back(at, e);
+  return out;
+}
+
+} // namespace
+
+std::vector<Untold> widen_by_what_is_not_told_apart(const Observations &all, FitResult &result) {
+  constexpr std::size_t kEnough = 4000; // shapes are known by fewer than sizes are
+  std::vector<Untold> out;
+  const Model model = result.model;
+  const auto places = of_every_pair(model);
+  if (places.empty() || !result.determined)
+    return out;
+  const std::vector<double> x = coordinates_of(model);
+  const auto n = static_cast<Eigen::Index>(x.size());
+  const Eigen::MatrixXd before = result.covariance;
+  std::optional<Observations> some;
+  for (const Effect *other : catalogue()) {
+    if (!may_be_beside(*other, model))
+      continue;
+    if (!some) {
+      std::vector<std::uint32_t> indices(all.size());
+      std::iota(indices.begin(), indices.end(), 0u);
+      some = all.select(thin(indices, kEnough, 100));
+    }
+    Model both = model;
+    both.effects.push_back(of_size(*other, 0.0));
+    const FitResult look = fit(*some, both, 1);
+    const auto entangled = [&](const auto &place) {
+      const auto k = place.first;
+      const double variance = look.covariance(k, k) * look.covariance(n, n);
+      return std::abs(look.covariance(k, n)) > criteria::kWorthAFit * std::sqrt(variance);
+    };
+    if (!look.determined || std::none_of(places.begin(), places.end(), entangled))
+      continue;
+    const FitResult joint = fit(all, both, 3);
+    if (!joint.determined)
+      continue;
+    const double size = coordinates_of(joint.model).back();
+    const double error = std::sqrt(joint.covariance(n, n));
+    const double least = largest(*other, -1.0, all), most = largest(*other, 1.0, all);
+    if (error > std::max(least, most)) // one speed, say: then one or the other has the name
+      continue;
+    const double added = mean_square_size(size, error, least, most);
+    const Eigen::VectorXd moves = joint.covariance.col(n).head(n) / (error * error);
+    if (!std::isfinite(added) || !moves.allFinite())
+      continue;
+    for (const auto &[k, effect] : places) {
+      const double wider = added * moves[k] * moves[k];
+      if (wider > criteria::kClear * before(k, k))
+        out.push_back({effect, other});
+      result.covariance(k, k) += wider;
+    }
+  }
+  return out;
+}
+
+} // namespace ada
