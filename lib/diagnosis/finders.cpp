@@ -14,6 +14,7 @@
 #include "diagnosis/criteria.h"
 #include "diagnosis/spectrum.h"
 #include "model/residual.h"
+#include "motion/kinematics.h"
 
 namespace ada {
 
@@ -116,9 +117,9 @@ struct Rounded {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread);
     if (!(axes.eigenvalues()[0] > kFlattest * axes.eigenvalues()[1]))
       return;
-    const Eigen::Matrix2d round =
-        std::sqrt(0.5 * spread.trace()) * axes.operatorInverseSqrt();
-    const auto turn = [&](const auto &sin, const auto &cos, double sin0, double cos0, std::size_t to) {
+    const Eigen::Matrix2d round = std::sqrt(0.5 * spread.trace()) * axes.operatorInverseSqrt();
+    const auto turn = [&](const auto &sin, const auto &cos, double sin0, double cos0,
+                          std::size_t to) {
       for (std::size_t i = 0; i < sin.size(); ++i) {
         const Eigen::Vector2d x = round * Eigen::Vector2d(sin[i] - sin0, cos[i] - cos0);
         column[to].push_back(x[0] + sin0);
@@ -213,8 +214,9 @@ bool has_fellow(const Residual &r, const MostlyAt &at, double frequency) {
   return false;
 }
 
-/// Whether for most of the record a frequency lies so near to that of the pair that from the turning
-/// vector it is seen as a slow change of gain and angle, which what is slow in time holds as well.
+/// Whether for most of the record a frequency lies so near to that of the pair that from the
+/// turning vector it is seen as a slow change of gain and angle, which what is slow in time holds
+/// as well.
 bool slow_beside_pair(const Residual &r, double frequency) {
   constexpr double kMost = 0.5;
   const double span = r.time.back() - r.time.front();
@@ -293,8 +295,8 @@ std::size_t sudden_step(const Residual &r, const std::vector<double> &a,
                         const std::vector<double> &b) {
   // A turn at least, so that what repeats with the angle cancels.
   const std::size_t n = r.time.size();
-  const auto reach =
-      static_cast<std::size_t>(static_cast<double>(n) / std::clamp(turns_of(r), kFewestTurns, 25.0));
+  const auto reach = static_cast<std::size_t>(static_cast<double>(n) /
+                                              std::clamp(turns_of(r), kFewestTurns, 25.0));
   std::vector<std::size_t> turned(n + 1, 0); // changes of sense so far
   for (std::size_t i = 1; i < n; ++i)
     turned[i + 1] = turned[i] + ((r.omega[i] < 0.0) != (r.omega[i - 1] < 0.0));
@@ -366,8 +368,7 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
       most = mostly_at(r);
     return turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line) ||
            slow_beside_pair(r, frequency) ||
-           (rotates(line) &&
-            (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));
+           (rotates(line) && (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));
   };
   for (const auto &[frequency, line] : strongest_lines(r, no_tone)) {
     const auto a = line_at(residual, frequency).amplitudes;
@@ -419,6 +420,10 @@ std::vector<std::vector<double>> find_clipping(const Residual &r) {
 void find_spikes(std::span<const double> residual, double threshold, double floor_v,
                  std::vector<std::size_t> &places) {
   places = standing_out(residual, threshold, floor_v);
+}
+
+double slowest_speed(const Residual &r) {
+  return r.slowest.get([&] { return r.has_reference ? 0.0 : slowest_of_range(r.omega); });
 }
 
 } // namespace ada

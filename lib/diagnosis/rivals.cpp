@@ -40,10 +40,13 @@ bool Search::others_stay(const Model &model, std::size_t effect, const Model &ri
 namespace {
 
 /// Whether an effect of the sensor, the motion or the reference is a function of the angle alone:
-/// its products with others are not known to second order.
-bool repeats_with_angle(const Effect &effect) {
-  return of_the_angle(effect) ||
-         (effect.info().stage == Stage::record && !shows_beyond_angle(effect));
+/// its products with others are not known to second order. A ripple of the shaft that falls with
+/// the speed is none.
+bool repeats_with_angle(const EffectInstance &e) {
+  if (chosen(e, "speed_rpm").value_or(std::nan("")) > 0.0)
+    return false;
+  return of_the_angle(*e.effect) ||
+         (e.effect->info().stage == Stage::record && !shows_beyond_angle(*e.effect));
 }
 
 } // namespace
@@ -83,7 +86,8 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
       continue;
     State rival = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
     choose(rival, rival.fit.model.effects.size() - 1);
-    const bool at_rest = repeats_with_angle(*self) && repeats_with_angle(*c.effect);
+    const bool at_rest = repeats_with_angle(now.fit.model.effects[effect]) &&
+                         repeats_with_angle(c.start.effects.back());
     if (!rival.fit.determined || !in_range(rival.fit.model, given_) ||
         !all_stand_alone(rival.fit.model) || refuted(rival, rival.fit.model.effects.size() - 1))
       continue;

@@ -55,6 +55,7 @@ public:
   std::span<const double> model_sin_v, model_cos_v; ///< absolute volts of the model so far
   std::span<const double> alpha;                    ///< mechanical angle, rad
   AskedOften<std::vector<double>> orders;           ///< of find_orders
+  AskedOften<double> slowest;                       ///< of slowest_speed
 };
 
 struct StepGuess {
@@ -80,6 +81,10 @@ std::vector<std::vector<double>> find_clipping(const Residual &residual);
 /// angle; the strongest first. Empty below a few turns.
 const std::vector<double> &find_orders(const Residual &residual);
 
+/// Slowest speed, rad/s, of a motion that without a reference tells a ripple of the shaft, which
+/// falls with the speed, from what the sensor makes of the same order; 0: it does not.
+double slowest_speed(const Residual &residual);
+
 /// A cause that is seen before any fit.
 struct ScreenFinding {
   const Effect *effect;
@@ -91,12 +96,12 @@ struct ScreenFinding {
 /// A capture on its first look, and what came of it.
 struct Screened {
   const Capture &capture;
-  std::vector<char> usable = {};             ///< 0: a fit must not use this sample
-  std::vector<double> angle = {};            ///< unwrapped mechanical angle from the pair itself, rad
+  std::vector<char> usable = {};  ///< 0: a fit must not use this sample
+  std::vector<double> angle = {}; ///< unwrapped mechanical angle from the pair itself, rad
   double centre_sin_v = 2.5, centre_cos_v = 2.5; ///< middle of the circle
-  std::vector<std::size_t> jumps = {};       ///< first sample after each jump of the angle over time
-  std::vector<double> jump_rad = {};         ///< mechanical, beyond what the speed explains
-  std::vector<std::size_t> jump_lost = {};   ///< samples lost there; 0 at a slip
+  std::vector<std::size_t> jumps = {};     ///< first sample after each jump of the angle over time
+  std::vector<double> jump_rad = {};       ///< mechanical, beyond what the speed explains
+  std::vector<std::size_t> jump_lost = {}; ///< samples lost there; 0 at a slip
   std::vector<std::size_t> lost_before = {}; ///< jumps in which an earlier look saw samples lost
   std::vector<std::uint32_t> spikes = {};    ///< samples with an isolated spike, ascending
   std::vector<ScreenFinding> findings = {};

@@ -134,11 +134,15 @@ std::vector<double> knots_by_travel(std::span<const double> time, std::span<cons
   return knots;
 }
 
+/// Orders of a ripple that falls with the speed: those at which one is looked for.
+constexpr int kFallingOrders = 12;
+
 /// One fit of spline and harmonics; fills motion, cos, sin and gives the residual of each sample.
 std::vector<double> split_by(std::vector<double> knots, std::span<const double> time,
                              std::span<const double> angle, std::span<const char> usable,
-                             int orders, SmoothMotion &out) {
+                             int orders, SmoothMotion &out, const std::vector<double> &falls) {
   CubicSpline spline(std::move(knots));
+  const int falling = falls.empty() ? 0 : std::min(orders, kFallingOrders);
   const auto harmonics = [&](std::size_t i, double *t) {
     const double c1 = std::cos(angle[i]), s1 = std::sin(angle[i]);
     double c = 1.0, s = 0.0;
@@ -148,13 +152,17 @@ std::vector<double> split_by(std::vector<double> knots, std::span<const double> 
       c = next;
       t[2 * k] = c;
       t[2 * k + 1] = s;
+      if (k < falling) {
+        t[2 * (orders + k)] = falls[i] * c;
+        t[2 * (orders + k) + 1] = falls[i] * s;
+      }
     }
   };
-  spline.fit(time, angle, usable, static_cast<std::size_t>(2 * orders), harmonics);
+  spline.fit(time, angle, usable, static_cast<std::size_t>(2 * (orders + falling)), harmonics);
   const std::vector<double> &terms = spline.term_coefficients();
   out.cos.clear();
   out.sin.clear();
-  for (std::size_t k = 0; k < terms.size(); k += 2) {
+  for (std::size_t k = 0; k < 2 * static_cast<std::size_t>(orders); k += 2) {
     out.cos.push_back(terms[k]);
     out.sin.push_back(terms[k + 1]);
   }
@@ -187,7 +195,7 @@ std::vector<double> split_by(std::vector<double> knots, std::span<const double> 
 /// a ripple of order 1 in part, and what both can do neither is known to do.
 std::vector<double> split(std::span<const double> time, std::span<const double> angle,
                           std::span<const char> usable, std::span<const char> dense, int orders,
-                          SmoothMotion &out) {
+                          SmoothMotion &out, const std::vector<double> &falls) {
   constexpr double kChance = 4.0; // standard deviations of what knots take of noise
   const std::vector<double> knots = knots_by_travel(time, angle, usable, dense);
   const auto squares = [&](const std::vector<double> &residual) {
@@ -198,11 +206,12 @@ std::vector<double> split(std::span<const double> time, std::span<const double> 
   };
   SmoothMotion plain = out;
   std::vector<double> plain_residual =
-      split_by({time.front(), time.back()}, time, angle, usable, orders, plain);
-  std::vector<double> residual = split_by(knots, time, angle, usable, orders, out);
+      split_by({time.front(), time.back()}, time, angle, usable, orders, plain, falls);
+  std::vector<double> residual = split_by(knots, time, angle, usable, orders, out, falls);
   const auto used = static_cast<double>(std::count(usable.begin(), usable.end(), char{1}));
   const double more = static_cast<double>(knots.size()) - 2.0;
-  const double freedom = std::max(1.0, used - more - 4.0 - 2.0 * orders);
+  const double freedom =
+      std::max(1.0, used - more - 4.0 - 2.0 * (orders + (falls.empty() ? 0 : kFallingOrders)));
   const double by_chance = (more + kChance * std::sqrt(2.0 * more)) / freedom;
   if (squares(plain_residual) > squares(residual) * (1.0 + by_chance))
     return residual;
@@ -521,6 +530,28 @@ std::vector<signed char> senses_of(std::span<const double> alpha) {
   return out;
 }
 
+double slowest_of_range(std::span<const double> omega) {
+  // Over twice the speed the two differ by four times: of what the one explains the other leaves a
+  // third. A twentieth of the samples may be spikes, gaps and ends.
+  constexpr double kRange = 2.0, kFew = 0.05, kFewest = 100.0;
+  // A shaft that comes to a tenth of its speed has stopped, or is about to: the ripple is then a
+  // part of the motion itself.
+  constexpr double kAtRest = 0.1;
+  std::vector<double> speed;
+  std::size_t forward = 0;
+  for (double w : omega) {
+    speed.push_back(std::abs(w));
+    forward += w > 0.0;
+  }
+  const double n = static_cast<double>(speed.size());
+  const double back = std::min(static_cast<double>(forward), n - static_cast<double>(forward));
+  if (n < kFewest || back > 0.0)
+    return 0.0;
+  const double slow = quantile(speed, kFew), fast = quantile(speed, 1.0 - kFew);
+  const double least = quantile(std::move(speed), 0.0);
+  return fast > kRange * slow && least > kAtRest * fast ? slow : 0.0;
+}
+
 Kinematics differentiate(std::span<const double> time, std::vector<double> alpha,
                          std::size_t half_window) {
   Kinematics out;
@@ -539,10 +570,16 @@ SmoothMotion smooth_motion(std::span<const double> time, std::span<const double>
                            std::span<char> usable, int orders) {
   SmoothMotion out;
   std::vector<char> dense(usable.size(), 0);
-  std::vector<double> residual = split(time, angle, usable, dense, orders, out);
+  std::vector<double> falls;
+  std::vector<double> residual = split(time, angle, usable, dense, orders, out, falls);
+  if (const double slowest = slowest_of_range(out.motion.omega); slowest > 0.0) {
+    for (double w : out.motion.omega)
+      falls.push_back(ripple_at(w, slowest));
+    residual = split(time, angle, usable, dense, orders, out, falls);
+  }
   const auto without_spikes = [&] {
     for (int pass = 0; pass < 3 && take_out_spikes(residual, usable, out.spikes); ++pass)
-      residual = split(time, angle, usable, dense, orders, out);
+      residual = split(time, angle, usable, dense, orders, out, falls);
   };
   without_spikes();
   // First the spline may bend more where the speed changes within a turn or so; the periodic part
@@ -551,7 +588,7 @@ SmoothMotion smooth_motion(std::span<const double> time, std::span<const double>
   if (mask_rough(angle, residual, 1.0, kTwoPi, smooth)) {
     for (std::size_t i = 0; i < dense.size(); ++i)
       dense[i] = usable[i] && !smooth[i];
-    residual = split(time, angle, usable, dense, orders, out);
+    residual = split(time, angle, usable, dense, orders, out, falls);
     without_spikes();
   }
   // What is rough nearly everywhere is no exception that could be left out: neither most of the
@@ -592,7 +629,7 @@ SmoothMotion smooth_motion(std::span<const double> time, std::span<const double>
   };
   bool rough = false;
   for (int pass = 0; pass < 5 && leave_out_rough(); ++pass) {
-    residual = split(time, angle, usable, dense, orders, out);
+    residual = split(time, angle, usable, dense, orders, out, falls);
     rough = true;
   }
   if (rough) { // the spline is loose at its ends: half a turn beside each gap is not judged

@@ -36,6 +36,18 @@ std::size_t first_motion(std::span<const double> alpha);
 Kinematics differentiate(std::span<const double> time, std::vector<double> alpha,
                          std::size_t half_window);
 
+/// Slowest speed, rad/s, of a motion in one sense over a range in which a ripple of the shaft and
+/// an error of the sensor are told apart: what drives or brakes a shaft unevenly has the less time
+/// for it the faster it turns, and its ripple of the angle falls with the square of the speed. 0:
+/// there is no such range, or the shaft rests in between, where that is no law.
+double slowest_of_range(std::span<const double> omega);
+
+/// What is left of a ripple at a speed, of what it is at the slowest.
+inline double ripple_at(double omega, double slowest) {
+  const double part = slowest / omega;
+  return part * part < 1.0 ? part * part : 1.0;
+}
+
 /// What a smooth motion leaves over: its periodic part, by mechanical order.
 struct SmoothMotion {
   Kinematics motion;                 ///< the smooth motion alone
@@ -47,7 +59,8 @@ struct SmoothMotion {
 
 /// Splits an unwrapped angle into a smooth motion (a spline with knots every three quarters of a
 /// turn, which cannot follow a ripple of order 1) and `orders` harmonics of the turn, jointly, so
-/// that neither leaks into the other. Where one cubic over the whole record does as well as the
+/// that neither leaks into the other; over a range of speeds also the lowest of them as they fall
+/// with the square of the speed. Where one cubic over the whole record does as well as the
 /// knots, it is the motion. Stretches that are no smooth motion, such as the kinks between two
 /// speeds, are marked unusable, and so are single samples that stand out.
 SmoothMotion smooth_motion(std::span<const double> time, std::span<const double> angle,

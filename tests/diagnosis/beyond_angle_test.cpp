@@ -111,6 +111,73 @@ KIND(what_hangs_on_a_skew_that_is_not_told_has_an_error_that_says_so) {
   EXPECT_LT(delta->std_errors[0], 1.0) << names(d);
 }
 
+/// A shaft that comes to a tenth to a half of its speed, or runs up to it.
+struct RunDown {
+  double hz, tau_s, span_s;
+  bool up;
+  explicit RunDown(Bench &bench)
+      : hz(bench.within(8.0, 14.0)), tau_s(0.0), span_s(bench.within(8.0, 12.0)),
+        up(bench.within(0.0, 1.0) < 0.5) {
+    tau_s = span_s / bench.within(1.0, 1.8);
+  }
+  double at(double t) const { return up ? span_s - t : t; }
+  double speed(double t) const { return kTwoPi * hz * std::exp(-at(t) / tau_s); }
+  double angle(double t) const {
+    const double gone = kTwoPi * hz * tau_s * (1.0 - std::exp(-at(t) / tau_s));
+    return up ? -gone : gone;
+  }
+};
+
+KIND(what_stays_as_a_shaft_runs_down_is_the_sensors) {
+  Bench bench;
+  const RunDown run(bench);
+  const double off = bench.within(0.2, 1.2) * kRadPerDeg, along = bench.within(0.0, kTwoPi);
+  const bool field = bench.within(0.0, 1.0) < 0.5;
+  const double stray = field ? bench.within(0.004, 0.02) : 0.0;
+  Capture c =
+      bench.capture(static_cast<std::size_t>(2000.0 * run.span_s), 2000.0, 2, [&](double t) {
+        const double a = run.angle(t);
+        const double x = std::cos(a) + stray, y = std::sin(a);
+        const double u = (1.0 - off) * (x * std::cos(along) + y * std::sin(along)),
+                     v = (1.0 + off) * (y * std::cos(along) - x * std::sin(along));
+        return a + wrap_centred(std::atan2(v, u) + along - a, kTwoPi);
+      });
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *f = named(d, "sensor-off-axis");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_NEAR(f->values[0] * kRadPerDeg, off, 0.02 * off);
+  EXPECT_EQ(named(d, "stray-field") != nullptr, field) << names(d);
+  EXPECT_FALSE(named(d, "rotation-nonuniformity")) << names(d);
+  EXPECT_EQ(d.verdict, Verdict::explained) << names(d);
+}
+
+KIND(what_falls_with_the_square_of_the_speed_is_the_shafts) {
+  Bench bench;
+  const RunDown run(bench);
+  const double order = std::floor(bench.within(1.0, 4.0)),
+               ripple = bench.within(0.3, 1.5) / order * kRadPerDeg,
+               start = bench.within(0.0, kTwoPi), slowest = run.speed(run.up ? 0.0 : run.span_s);
+  Capture c =
+      bench.capture(static_cast<std::size_t>(2000.0 * run.span_s), 2000.0, 2, [&](double t) {
+        const double a = run.angle(t), falls = std::pow(slowest / run.speed(t), 2);
+        return a + ripple * falls * std::sin(order * a + start);
+      });
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *f = named(d, "rotation-nonuniformity");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_EQ(f->values[0], order);
+  // Of what it is at another speed than the slowest.
+  const double there = std::pow(slowest / (f->values[3] * kTwoPi / 60.0), 2);
+  EXPECT_NEAR(f->values[1] * kRadPerDeg, ripple * there, 0.05 * ripple * there) << names(d);
+  EXPECT_TRUE(f->alternatives.empty()) << f->alternatives.front();
+  for (const char *of_the_sensor : {"stray-field", "sensor-off-axis", "field-direction-error"})
+    EXPECT_FALSE(named(d, of_the_sensor)) << names(d);
+}
+
 KIND(a_chipped_magnet_hides_no_skew) {
   Bench bench;
   const double late_s = bench.within(6e-6, 12e-6), chip = bench.within(0.0, kTwoPi),

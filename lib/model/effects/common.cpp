@@ -59,6 +59,12 @@ std::string ReferenceError::invisible(const Residual &r) const {
   return r.has_reference ? "" : "there is no reference";
 }
 
+std::string looks_like_ripple(const Residual &r, const std::string &of_order) {
+  if (r.has_reference || slowest_speed(r) > 0.0)
+    return "";
+  return "without a reference and a range of speeds it looks like a speed ripple" + of_order;
+}
+
 void SlowCourse::draw(double duration_s, Rng &rng, std::vector<double> &numbers) {
   const double span = duration_s > 0.0 ? duration_s : kEndless;
   std::normal_distribution<double> normal;

@@ -82,6 +82,10 @@ protected:
   virtual double order(Values v) const = 0;
 };
 
+/// Why a capture does not tell an error of the field's direction from a ripple of the shaft of the
+/// same order; empty where it does.
+std::string looks_like_ripple(const Residual &r, const std::string &of_order);
+
 /// Which of sensor and reference is at fault.
 inline constexpr std::string_view kSteadySpin =
     "capture a steady spin: whichever of sensor and reference keeps uniform time is the innocent "

@@ -54,9 +54,7 @@ public:
       w.fy[i] = x * s[i] + w.fy[i] * c[i];
     }
   }
-  std::string invisible(const Residual &r) const override {
-    return r.has_reference ? "" : "without a reference it looks like a speed ripple";
-  }
+  std::string invisible(const Residual &r) const override { return looks_like_ripple(r, ""); }
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     auto out = one_of_each(3, 0, 1, 12);
     add_orders_seen(r, kParameters[0], Orders::whole, out);

@@ -49,7 +49,7 @@ public:
     }
   }
   std::string invisible(const Residual &r) const override {
-    return r.has_reference ? "" : "without a reference it looks like a speed ripple of order 2";
+    return looks_like_ripple(r, " of order 2");
   }
 
 protected:

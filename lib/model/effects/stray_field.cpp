@@ -42,7 +42,7 @@ public:
     }
   }
   std::string invisible(const Residual &r) const override {
-    return r.has_reference ? "" : "without a reference it looks like a speed ripple of order 1";
+    return looks_like_ripple(r, " of order 1");
   }
 };
 
