@@ -83,6 +83,7 @@ struct Columns {
             .omega = data(motion.omega),
             .accel = data(motion.accel),
             .direction = data(motion.direction),
+            .travel = data(motion.travel),
             .temp = data(temperature.vtemp_v),
             .temp_rate = data(temperature.rate),
             .supply = data(supply.unit),
@@ -292,6 +293,7 @@ void AngleSolver::frames(std::span<const Frame> frames, std::span<ada4571_angle>
             (f.vdd_v / model_.vdd_reference_v.value_or(stream_.vdd_mean) - 1.0) / supply_fraction_);
     }
     const float rate = 0.0f;
+    const auto travel = static_cast<float>(stream_.sense * (alpha - stream_.turned));
     const bool has_temp = std::isfinite(f.vtemp_v);
     Conditions at{.n = 1,
                   .time = &f.time_s,
@@ -299,6 +301,7 @@ void AngleSolver::frames(std::span<const Frame> frames, std::span<ada4571_angle>
                   .omega = &stream_.omega,
                   .accel = nullptr,
                   .direction = &stream_.sense,
+                  .travel = &travel,
                   .temp = has_temp ? &f.vtemp_v : nullptr,
                   .temp_rate = has_temp ? &rate : nullptr,
                   .supply = supply_fraction_ != 0.0 ? &supply : nullptr,
@@ -320,6 +323,7 @@ void AngleSolver::frames(std::span<const Frame> frames, std::span<ada4571_angle>
       stream_.furthest = alpha;
     if (stream_.sense * (stream_.furthest - alpha) > back_rad_) {
       stream_.sense = static_cast<signed char>(-stream_.sense);
+      stream_.turned = stream_.furthest;
       stream_.furthest = alpha;
     }
     stream_.running = true;

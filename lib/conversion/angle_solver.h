@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 
 #include "model/forward.h"
@@ -57,7 +58,8 @@ private:
     bool running = false;
     signed char sense = 1;
     double time = 0.0, alpha = 0.0, omega = 0.0, vdd_mean = 0.0, vdd_count = 0.0;
-    double furthest = 0.0; ///< angle in the sense of rotation
+    double furthest = 0.0;                                    ///< angle in the sense of rotation
+    double turned = -std::numeric_limits<double>::infinity(); ///< angle where it turned back
   } stream_;
 };
 

@@ -213,6 +213,7 @@ Kinematics at_rest(std::vector<double> alpha, const Stops &stops) {
       sense = alpha[i] < alpha[i - 1] ? -1 : 1;
     out.direction[i] = sense;
   }
+  out.travel = travel_since_reversal(alpha, out.direction);
   out.alpha = std::move(alpha);
   return out;
 }
@@ -336,6 +337,7 @@ Conditions Observations::conditions() const {
           .omega = data(omega),
           .accel = data(accel),
           .direction = data(direction),
+          .travel = data(travel),
           .temp = data(temp),
           .temp_rate = data(temp_rate),
           .supply = data(supply),
@@ -379,6 +381,7 @@ template <class Data, class Act> void for_each_column(Data &data, Act act) {
   act(data.omega, &Observations::omega);
   act(data.accel, &Observations::accel);
   act(data.direction, &Observations::direction);
+  act(data.travel, &Observations::travel);
   act(data.temp, &Observations::temp);
   act(data.temp_rate, &Observations::temp_rate);
   act(data.supply, &Observations::supply);
@@ -480,6 +483,8 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   all.omega = std::move(motion.omega);
   all.accel = std::move(motion.accel);
   all.direction = std::move(motion.direction);
+  if (scene.has_reference)
+    all.travel = std::move(motion.travel);
   std::vector<double>().swap(look.angle); // a long capture has no memory to spare
   take_derivatives(capture.time_s, all);
   scene.spiked = all.select(scene.spiked_index);

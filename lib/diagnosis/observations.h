@@ -31,7 +31,8 @@ struct Observations {
   std::vector<double> alpha, omega;
   std::vector<float> accel; ///< floats where they do: a long capture has no memory to spare
   std::vector<signed char> direction;
-  std::vector<double> temp; ///< empty without VTEMP, and so is its rate
+  std::vector<float> travel; ///< empty without a reference
+  std::vector<double> temp;  ///< empty without VTEMP, and so is its rate
   std::vector<float> temp_rate;
   std::vector<float> supply, supply_rate, supply_bend; ///< empty without VDD
   double frame_period_s = 0.0;

@@ -30,6 +30,7 @@ Conditions Conditions::slice(std::size_t first, std::size_t count) const {
     advance(*p, first);
   advance(out.accel, first);
   advance(out.direction, first);
+  advance(out.travel, first);
   advance(out.temp_rate, first);
   return out;
 }

@@ -19,6 +19,7 @@ struct Conditions {
   const double *omega = nullptr;          ///< d alpha/dt, rad/s
   const float *accel = nullptr;           ///< d omega/dt, rad/s^2, optional
   const signed char *direction = nullptr; ///< -1 or +1, the sense of the last motion
+  const float *travel = nullptr;          ///< rad, since it last turned back; nullptr: long ago
   const double *temp = nullptr;           ///< VTEMP, V, free of noise; optional
   const float *temp_rate = nullptr;       ///< d VTEMP/dt, V/s; optional
   const float *supply = nullptr;          ///< (VDD/mean - 1) scaled to an rms of 1; optional

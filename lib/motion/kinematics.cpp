@@ -530,6 +530,22 @@ std::vector<signed char> senses_of(std::span<const double> alpha) {
   return out;
 }
 
+std::vector<float> travel_since_reversal(std::span<const double> alpha,
+                                         std::span<const signed char> senses) {
+  std::vector<float> out(alpha.size(), std::numeric_limits<float>::infinity());
+  double from = -std::numeric_limits<double>::infinity(); // where it turned back, in the sense
+  double furthest = from;
+  for (std::size_t i = 0; i < alpha.size(); ++i) {
+    if (i > 0 && senses[i] != senses[i - 1]) {
+      from = -furthest;
+      furthest = senses[i] * alpha[i];
+    }
+    furthest = std::max(furthest, senses[i] * alpha[i]);
+    out[i] = static_cast<float>(std::max(0.0, senses[i] * alpha[i] - from));
+  }
+  return out;
+}
+
 double slowest_of_range(std::span<const double> omega) {
   // Over twice the speed the two differ by four times: of what the one explains the other leaves a
   // third. A twentieth of the samples may be spikes, gaps and ends.
@@ -562,6 +578,7 @@ Kinematics differentiate(std::span<const double> time, std::vector<double> alpha
     out.accel.assign(accel.begin(), accel.end());
   }
   out.direction = senses_of(alpha);
+  out.travel = travel_since_reversal(alpha, out.direction);
   out.alpha = std::move(alpha);
   return out;
 }

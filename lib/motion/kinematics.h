@@ -15,6 +15,7 @@ struct Kinematics {
   std::vector<double> alpha, omega;   ///< rad, rad/s
   std::vector<float> accel;           ///< rad/s^2
   std::vector<signed char> direction; ///< -1 or +1
+  std::vector<float> travel;          ///< rad, since it last turned back; of a reference only
 };
 
 /// Takes the jumps by whole periods out of an angle in place.
@@ -27,6 +28,10 @@ inline constexpr double kBackBeyondNoise = 12.0;
 /// Sense of rotation at each value of an unwrapped angle, -1 or +1: at rest that of the motion
 /// before, as in the shaft, its bearings and a magnet's hysteresis.
 std::vector<signed char> senses_of(std::span<const double> alpha);
+
+/// Way since the shaft last turned back, rad, by its senses; before the first time it is infinite.
+std::vector<float> travel_since_reversal(std::span<const double> alpha,
+                                         std::span<const signed char> senses);
 
 /// First value of an unwrapped angle that is away from where it began by more than its noise; their
 /// number where none is.

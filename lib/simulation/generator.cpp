@@ -26,11 +26,11 @@ double value_of(const Model &model, std::string_view id, double fallback) {
 
 struct Generator::Columns {
   std::vector<double> time, alpha, omega, temp;
-  std::vector<float> accel, rate, supply, supply_rate, supply_bend;
+  std::vector<float> accel, travel, rate, supply, supply_rate, supply_bend;
   std::vector<signed char> direction;
   explicit Columns(std::size_t n)
-      : time(n), alpha(n), omega(n), temp(n), accel(n), rate(n), supply(n), supply_rate(n),
-        supply_bend(n), direction(n) {}
+      : time(n), alpha(n), omega(n), temp(n), accel(n), travel(n), rate(n), supply(n),
+        supply_rate(n), supply_bend(n), direction(n) {}
   Conditions view(double period_s, bool vtemp_scanned) const {
     return {.n = time.size(),
             .time = time.data(),
@@ -38,6 +38,7 @@ struct Generator::Columns {
             .omega = omega.data(),
             .accel = accel.data(),
             .direction = direction.data(),
+            .travel = travel.data(),
             .temp = temp.data(),
             .temp_rate = rate.data(),
             .supply = supply.data(),
@@ -74,6 +75,10 @@ void Generator::conditions(std::size_t count, Columns &x) {
     x.omega[i] = speed_.value(t);
     x.accel[i] = static_cast<float>(speed_.slope(t));
     x.direction[i] = x.omega[i] < 0.0 ? -1 : 1;
+    if (x.direction[i] != sense_ && index_ + i > 0)
+      turned_ = i > 0 ? x.alpha[i - 1] : x.alpha[i];
+    sense_ = x.direction[i];
+    x.travel[i] = static_cast<float>(std::abs(x.alpha[i] - turned_));
     const double bridge = zero + volts * temperature_.value(t);
     if (index_ + i == 0 || lag_s_ <= 0.0)
       vtemp_ = bridge;

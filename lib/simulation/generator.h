@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <random>
 
 #include "model/forward.h"
@@ -35,6 +36,8 @@ private:
   std::vector<EffectInstance> effects_;     ///< in physical order
   std::vector<std::vector<double>> memory_; ///< of each of them, from one part to the next
   std::size_t index_ = 0;
+  signed char sense_ = 1;                                    ///< of the last sample
+  double turned_ = -std::numeric_limits<double>::infinity(); ///< angle where it turned back, rad
   double lag_s_ = 0.0, supply_rms_ = 0.0, supply_phase_slow_, supply_phase_fast_, start_angle_;
   double vtemp_ = 0.0;
 };

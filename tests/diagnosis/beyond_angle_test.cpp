@@ -111,6 +111,68 @@ KIND(what_hangs_on_a_skew_that_is_not_told_has_an_error_that_says_so) {
   EXPECT_LT(delta->std_errors[0], 1.0) << names(d);
 }
 
+/// A shaft that swings slowly to and fro, and back again before it came from.
+Shaft swinging(Bench &bench) {
+  const double wide = bench.within(1.5, 4.0), hz = bench.within(0.1, 0.2),
+               other = hz * bench.within(1.5, 2.5), start = bench.within(0.0, kTwoPi);
+  return [=](double t) {
+    return wide * (std::sin(kTwoPi * hz * t + start) + 0.5 * std::sin(kTwoPi * other * t));
+  };
+}
+
+/// The diagnosis of a pair whose field trails the shaft, as `field` makes it of the shaft's angles.
+Diagnosis
+of_trailing(Bench &bench, const Shaft &shaft,
+            const std::function<std::vector<double>(const std::vector<double> &)> &field) {
+  constexpr double kRate = 500.0;
+  std::vector<double> angle;
+  for (int i = 0; i < 20000; ++i)
+    angle.push_back(shaft(i / kRate));
+  const std::vector<double> trailing = field(angle);
+  Capture c = bench.capture(angle.size(), kRate, 2, [&](double t) {
+    return trailing[static_cast<std::size_t>(std::lround(t * kRate))];
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(angle[i] * kDegPerRad, 360.0);
+  return diagnose(c, {});
+}
+
+KIND(a_hysteresis_that_crosses_its_loop_with_the_way_is_a_play) {
+  Bench bench;
+  const double width = bench.within(0.15, 0.4) * kRadPerDeg;
+  const Diagnosis d = of_trailing(bench, swinging(bench), [&](const std::vector<double> &angle) {
+    std::vector<double> out;
+    double held = angle.front();
+    for (double a : angle)
+      out.push_back(held = std::clamp(held, a - 0.5 * width, a + 0.5 * width));
+    return out;
+  });
+  expect_pair(d, bench.pair);
+  const Finding *f = named(d, "hysteresis");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_EQ(f->values[1], 1.0) << names(d);
+  EXPECT_NEAR(f->values[0] * kRadPerDeg, width, 4.0 * f->std_errors[0] * kRadPerDeg) << names(d);
+  EXPECT_EQ(d.verdict, Verdict::explained) << names(d);
+}
+
+KIND(a_hysteresis_that_changes_over_at_once_is_none) {
+  Bench bench;
+  const double width = bench.within(0.15, 0.4) * kRadPerDeg;
+  const Diagnosis d = of_trailing(bench, swinging(bench), [&](const std::vector<double> &angle) {
+    std::vector<double> out;
+    for (std::size_t i = 0; i < angle.size(); ++i) {
+      const std::size_t to = std::max<std::size_t>(i, 1);
+      out.push_back(angle[i] - std::copysign(0.5 * width, angle[to] - angle[to - 1]));
+    }
+    return out;
+  });
+  expect_pair(d, bench.pair);
+  const Finding *f = named(d, "hysteresis");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_TRUE(std::isnan(f->values[1])) << names(d);
+  EXPECT_NEAR(f->values[0] * kRadPerDeg, width, 4.0 * f->std_errors[0] * kRadPerDeg) << names(d);
+}
+
 /// A shaft that comes to a tenth to a half of its speed, or runs up to it.
 struct RunDown {
   double hz, tau_s, span_s;

@@ -33,6 +33,7 @@ void append(Observations &to, const Observations &from) {
   add(to.omega, from.omega);
   add(to.accel, from.accel);
   add(to.direction, from.direction);
+  add(to.travel, from.travel);
   add(to.temp, from.temp);
   add(to.temp_rate, from.temp_rate);
   add(to.supply, from.supply);
