@@ -44,7 +44,7 @@ Structure of_episodes(const Scene &scene) {
   return {"time",
           fmt::format("{} the pair leaves its curve or its reference, from {:.4g} s on, by up to {:.3g} V and "
                       "for {:.3g} s at most, at any angle, and comes back: a contact, a cable, or a "
-                      "value that was held; these {} of {} rows are left out",
+                      "value that was held; these {} of {} rows are left out, of the figures as well",
                       e.count == 1 ? "once" : fmt::format("{} times", e.count), e.first_s,
                       e.worst_v, e.longest_s, e.samples, scene.capture->size()),
           std::sqrt(e.squares_v2 / (2.0 * n))};

@@ -427,6 +427,27 @@ KIND(episodes_of_a_contact_or_of_values_held_hide_no_mismatch) {
   EXPECT_EQ(d.verdict, Verdict::partly_explained) << names(d);
 }
 
+KIND(a_weak_pole_belongs_to_the_angle_and_is_no_contact) {
+  Bench bench;
+  const int periods = static_cast<int>(bench.within(8.0, 33.0));
+  const double turns = bench.within(3.1, 6.0), pole = bench.within(0.0, kTwoPi),
+               width = bench.within(0.05, 0.1), depth = bench.within(0.06, 0.12);
+  const auto angle = [&](double t) { return kTwoPi * turns * t / 6.0; };
+  Capture c = bench.capture(12000, 2000.0, periods, angle);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double off = wrap_centred(angle(c.time_s[i]) - pole, kTwoPi) / width;
+    const double length = 1.0 - depth * std::exp(-0.5 * off * off);
+    c.vsin_v[i] = 2.5 + length * (c.vsin_v[i] - 2.5);
+    c.vcos_v[i] = 2.5 + length * (c.vcos_v[i] - 2.5);
+  }
+  const Diagnosis d = diagnose(c, {});
+  // What such a pole holds of a mismatch and of a quadrature error.
+  expect_pair(d, bench.pair, depth * width);
+  for (const Structure &s : d.structure)
+    EXPECT_EQ(s.description.find("contact"), std::string::npos) << s.description;
+  EXPECT_TRUE(d.extended.remainder) << names(d);
+}
+
 KIND(episodes_of_a_contact_without_a_reference_hide_no_mismatch) {
   Bench bench;
   const double hz = bench.within(1.0, 5.0);

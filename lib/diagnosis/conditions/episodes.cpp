@@ -8,6 +8,8 @@
 #include <cmath>
 #include <complex>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "base/angle.h"
 #include "base/error.h"
@@ -22,6 +24,9 @@ namespace ada {
 namespace {
 
 constexpr double kOffCurve = 8.0; ///< robust standard deviations, as a spike is
+/// Rows that are compared with what is at their place in other turns. With more of them they are at
+/// many places.
+constexpr std::size_t kMostCompared = 1000;
 
 /// The ellipse that the bulk of the samples draws.
 std::optional<EllipseParameters> curve_of(const Capture &c, std::span<const char> usable) {
@@ -169,6 +174,100 @@ bool come_at_any_angle(const std::vector<Row> &rows, const std::vector<double> &
   return true;
 }
 
+/// Mechanical angle of each sample, unwrapped: of the reference, or of the pair without one.
+std::vector<double> way_of(const Capture &c, const std::vector<double> &psi) {
+  const double period = c.has_reference() ? 360.0 : kTwoPi;
+  const double scale =
+      c.has_reference() ? kRadPerDeg : 1.0 / static_cast<double>(c.meta.periods_per_turn);
+  std::vector<double> out = c.has_reference() ? c.reference_deg : psi;
+  double last = 0.0;
+  for (double &a : out) // a gap stands where it was
+    last = a = std::isfinite(a) ? a + period * std::round((last - a) / period) : last;
+  for (double &a : out)
+    a *= scale;
+  return out;
+}
+
+/// Samples in the order of their place in the turn.
+class Places {
+public:
+  explicit Places(const std::vector<double> &way) : way_(way) {
+    for (std::size_t i = 0; i < way.size(); ++i)
+      by_place_.emplace_back(wrap(way[i], kTwoPi), static_cast<std::uint32_t>(i));
+    std::sort(by_place_.begin(), by_place_.end());
+  }
+
+  /// Whether at most other passes of the place of a row the pair is off to the same side, by half
+  /// of what it is there at the worst.
+  bool recurs(const Row &r, const std::vector<double> &by) const {
+    const auto larger = [](double a, double b) { return std::abs(a) < std::abs(b); };
+    const double worst = *std::max_element(by.begin() + static_cast<std::ptrdiff_t>(r.first),
+                                           by.begin() + static_cast<std::ptrdiff_t>(r.end), larger);
+    std::size_t passes = 0, off = 0;
+    const std::vector<std::uint32_t> there = samples_about(r);
+    for (std::size_t k = 0; k < there.size();) {
+      bool any = false, own = false;
+      const std::size_t first = k;
+      for (; k < there.size() && same_pass(there[first], there[k]); ++k) {
+        any = any || by[there[k]] * worst > kAlike * worst * worst;
+        own = own || (there[k] >= r.first && there[k] < r.end);
+      }
+      passes += own ? 0 : 1;
+      off += !own && any ? 1 : 0;
+    }
+    return 2 * off > passes;
+  }
+
+private:
+  static constexpr double kAlike = 0.5;
+
+  bool same_pass(std::size_t a, std::size_t b) const {
+    return std::abs(way_[a] - way_[b]) < 0.5 * kTwoPi;
+  }
+
+  /// In order of time, those that stand where the row does, in any turn.
+  std::vector<std::uint32_t> samples_about(const Row &r) const {
+    const auto [low, high] =
+        std::minmax_element(way_.begin() + static_cast<std::ptrdiff_t>(r.first),
+                            way_.begin() + static_cast<std::ptrdiff_t>(r.end));
+    std::vector<std::uint32_t> out;
+    const double width = std::min(*high - *low, kTwoPi);
+    const auto add = [&](double from, double to) {
+      for (auto at = std::lower_bound(by_place_.begin(), by_place_.end(), std::pair(from, 0u));
+           at != by_place_.end() && at->first <= to; ++at)
+        out.push_back(at->second);
+    };
+    const double from = wrap(*low, kTwoPi);
+    add(from, from + width);
+    if (from + width > kTwoPi)
+      add(0.0, from + width - kTwoPi);
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
+  const std::vector<double> &way_;
+  std::vector<std::pair<double, std::uint32_t>> by_place_;
+};
+
+/// Takes out what comes again each time the shaft passes: a weak pole or a chip of the magnet
+/// belongs to the angle.
+void leave_to_the_angle(const Capture &c, const Off &off, std::vector<Row> &rows) {
+  const std::vector<double> way = way_of(c, off.psi);
+  const auto [low, high] = std::minmax_element(way.begin(), way.end());
+  if (rows.size() > kMostCompared || *high - *low < kTwoPi)
+    return;
+  const Places places(way);
+  const auto most = [](const std::vector<double> &by, const Row &r) {
+    double out = 0.0;
+    for (std::size_t i = r.first; i < r.end; ++i)
+      out = std::max(out, std::abs(by[i]));
+    return out;
+  };
+  std::erase_if(rows, [&](const Row &r) {
+    return places.recurs(r, most(off.along, r) >= most(off.across, r) ? off.along : off.across);
+  });
+}
+
 } // namespace
 
 Episodes &Episodes::operator+=(const Episodes &more) {
@@ -192,7 +291,8 @@ Episodes leave_out_episodes(const Capture &capture, std::span<char> usable) {
   if (capture.has_reference())
     apart = rows_of(off.across, robust_spread(off.across));
   std::erase_if(apart, [&](const Row &r) { return !is_abrupt(off.across, r); });
-  const std::vector<Row> rows = joined(rows_of(off.along, robust_spread(off.along)), apart);
+  std::vector<Row> rows = joined(rows_of(off.along, robust_spread(off.along)), apart);
+  leave_to_the_angle(capture, off, rows);
   if (rows.empty() || rows.front().first == 0 || rows.back().end == n)
     return {};
   Episodes out;
