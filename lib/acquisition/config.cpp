@@ -4,22 +4,22 @@
 #include "acquisition/config.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <set>
+#include <span>
 #include <sstream>
 
 #include <toml++/toml.h>
 
-#include "base/toml_text.h"
 #include "base/angle.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/file_bytes.h"
+#include "base/toml_text.h"
 
 namespace ada {
 
@@ -150,7 +150,7 @@ std::string user_folder() {
   if (base.starts_with('/')) // a relative one is invalid by the XDG specification
     return base + "/ada4571";
   const std::string home = environment("HOME");
-  return home.empty() ? "" : home + "/.config/ada4571";
+  return home.starts_with('/') ? home + "/.config/ada4571" : "";
 }
 
 /// NAME.toml in the user's folder, or the path that a name with a slash is.
@@ -160,23 +160,26 @@ std::string path_to_save(const std::string &name) {
   require_plain(name);
   const std::string folder = user_folder();
   if (folder.empty())
-    throw Error(ADA4571_ERROR_NOT_FOUND,
-                "no folder for configurations: neither XDG_CONFIG_HOME nor HOME is set");
+    throw Error(
+        ADA4571_ERROR_NOT_FOUND,
+        "no folder for configurations: neither XDG_CONFIG_HOME nor HOME is an absolute path");
   return folder + "/" + name + ".toml";
 }
 
+/// Of anything but a regular file, the open alone may wait for ever or move a machine.
 std::string read_file(const std::string &path) {
   std::error_code error;
-  if (fs::is_regular_file(path, error) && fs::file_size(path, error) > kLargestFile)
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::none || status.type() == fs::file_type::not_found)
+    throw system_error(error.value(), path, "cannot open");
+  if (status.type() != fs::file_type::regular)
+    throw Error(ADA4571_ERROR_FORMAT, path + ": this is no regular file");
+  const FileBytes file(path);
+  if (file.size() > kLargestFile)
     throw Error(ADA4571_ERROR_FORMAT, path + ": too large for a configuration");
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file || fs::is_directory(path, error))
-    throw system_error(file ? EISDIR : (errno ? errno : EIO), path, "cannot open");
-  std::string text(kLargestFile + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  return text;
+  const BytesRead read = file.all();
+  const std::span<const std::byte> bytes = read;
+  return {reinterpret_cast<const char *>(bytes.data()), bytes.size()};
 }
 
 /// Text in TOML's quotes.
@@ -206,16 +209,24 @@ std::string find_config(const std::string &name) {
   if (name.find('/') != std::string::npos)
     return name;
   require_plain(name);
-  std::string searched;
+  std::string searched, unreachable;
   for (const std::string &folder : config_folders()) {
     const std::string path = folder + "/" + name + ".toml";
+    // A link that leads nowhere is there, too: what is wrong with it is said where it is opened.
     std::error_code error;
-    if (fs::exists(path, error))
+    const fs::file_type type = fs::symlink_status(path, error).type();
+    if (type == fs::file_type::none)
+      unreachable = unreachable.empty() ? path : unreachable;
+    else if (type != fs::file_type::not_found)
       return path;
     searched += (searched.empty() ? "" : " nor ") + path;
   }
+  if (!unreachable.empty())
+    return unreachable;
   throw Error(ADA4571_ERROR_NOT_FOUND,
-              "no stored configuration \"" + name + "\": neither " + searched + " exists");
+              "no stored configuration \"" + name + "\": " +
+                  (config_folders().size() == 1 ? searched + " does not exist"
+                                                : "neither " + searched + " exists"));
 }
 
 StoredConfig parse_config(std::string_view text, const std::string &path) {

@@ -39,8 +39,8 @@ struct StoredConfig {
 };
 
 /// Path of the configuration `name`: NAME.toml in $XDG_CONFIG_HOME/ada4571 (~/.config/ada4571),
-/// then in /etc/ada4571. A name with a slash is a path. Throws NOT_FOUND with the places searched,
-/// and INVALID_ARGUMENT for a name that cannot be a file name.
+/// then in /etc/ada4571; a link counts wherever it leads. A name with a slash is a path. Throws
+/// NOT_FOUND with the places searched, and INVALID_ARGUMENT for a name that cannot be a file name.
 std::string find_config(const std::string &name);
 
 /// Folders that are searched, in this order.

@@ -18,9 +18,14 @@ bool is_ascii(char c) {
   return static_cast<unsigned char>(c) < 0x80;
 }
 
+/// Of brackets within one another, and of dots in one key. This project's files need two; toml++
+/// calls itself for each, and what the stack of a caller's thread holds is not known here.
+constexpr std::size_t kDeepest = 16;
+
 class LineConverter {
 public:
-  explicit LineConverter(std::string_view line) : line_(line) {}
+  /// `open` brackets are those of the lines before.
+  LineConverter(std::string_view line, std::size_t open) : line_(line), open_(open) {}
 
   std::string convert() {
     while (at_ < line_.size() && problem == nullptr)
@@ -30,6 +35,7 @@ public:
 
   const char *problem = nullptr;
   std::size_t column() const { return at_ + 1; }
+  std::size_t open() const { return open_; }
 
 private:
   /// From a place outside of strings and comments.
@@ -41,12 +47,27 @@ private:
       for (; at_ < line_.size(); ++at_)
         out_ += is_ascii(line_[at_]) ? line_[at_] : '?';
     } else if (c != '"' && c != '\'') {
-      take();
+      count(c);
+      if (problem == nullptr)
+        take();
     } else if (line_.substr(at_, 3) == std::string(3, c)) {
       problem = "strings of several lines are not supported";
     } else {
       string(c);
     }
+  }
+
+  void count(char c) {
+    if (c == '.')
+      ++dots_;
+    else if (std::string_view("=,[]{}").find(c) != std::string_view::npos)
+      dots_ = 0; // another key, or a number
+    if (c == '[' || c == '{')
+      ++open_;
+    else if ((c == ']' || c == '}') && open_ > 0)
+      --open_;
+    if (open_ > kDeepest || dots_ > kDeepest)
+      problem = "brackets or dotted keys are nested too deeply for any file of this kind";
   }
 
   void string(char quote) {
@@ -82,6 +103,7 @@ private:
 
   std::string_view line_;
   std::size_t at_ = 0;
+  std::size_t open_, dots_ = 0;
   std::string out_;
 };
 
@@ -91,11 +113,13 @@ std::string ascii_toml(std::string_view text, const std::string &shown) {
   if (constexpr std::string_view kMark = "\xEF\xBB\xBF"; text.substr(0, kMark.size()) == kMark)
     text.remove_prefix(kMark.size());
   std::string out;
+  std::size_t open = 0;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const auto line = text.substr(0, std::min(text.find('\n'), text.size() - 1) + 1);
     text.remove_prefix(line.size());
-    LineConverter converter(line);
+    LineConverter converter(line, open);
     out += converter.convert();
+    open = converter.open();
     if (converter.problem)
       throw Error(ADA4571_ERROR_FORMAT, shown + ":" + std::to_string(number) + ":" +
                                             std::to_string(converter.column()) + ": " +

@@ -24,11 +24,14 @@ Entry entry_of(const std::string &name) {
 
 /// In a list of all, one that cannot be used is no reason not to show the others.
 Entry entry_or_problem(const std::string &name) {
+  Entry entry{name, "", "", {}};
   try {
-    return entry_of(name);
+    entry.path = find_config(name);
+    entry.config = load_config(name);
   } catch (const Error &e) {
-    return {name, find_config(name), e.what(), {}};
+    entry.problem = e.what();
   }
+  return entry;
 }
 
 } // namespace

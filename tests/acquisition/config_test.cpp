@@ -6,9 +6,16 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
 
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
 #include "acquisition/config.h"
+#include "ada4571.h"
 #include "base/error.h"
 #include "support/seed.h"
 
@@ -109,7 +116,8 @@ TEST_F(Config, WhatIsNotUnderstoodIsRefusedWithItsPlace) {
   EXPECT_NE(message("[source]\nsupply_v = inf\n").find("f.toml:2:12:"), std::string::npos);
   EXPECT_NE(message("[source]\nsupply_v = \"5\"\n").find("f.toml:2:12:"), std::string::npos);
   EXPECT_NE(message("[source]\nperiods_per_turn = 2.0\n").find("f.toml:2:20:"), std::string::npos);
-  EXPECT_NE(message("[source]\nperiods_per_turn = 65537\n").find("from 1 to 65536"), std::string::npos);
+  EXPECT_NE(message("[source]\nperiods_per_turn = 65537\n").find("from 1 to 65536"),
+            std::string::npos);
   EXPECT_NE(message("[pins]\ngc_active_low = 1\n").find("true or false"), std::string::npos);
   EXPECT_NE(message("source = 1\n").find("must be a section"), std::string::npos);
   EXPECT_NE(message("[[source]]\n").find("must be a section"), std::string::npos);
@@ -143,6 +151,16 @@ TEST_F(Config, TheFoldersAreTheUsersThenTheMachines) {
   unsetenv("HOME");
   unsetenv("XDG_CONFIG_HOME");
   EXPECT_EQ(config_folders(), (std::vector<std::string>{"/etc/ada4571"}));
+  try {
+    find_config("x");
+    FAIL();
+  } catch (const Error &e) {
+    EXPECT_NE(std::string(e.what()).find(": /etc/ada4571/x.toml does not exist"), std::string::npos)
+        << e.what();
+  }
+  setenv("HOME", "relative", 1); // no better than none
+  EXPECT_EQ(config_folders(), (std::vector<std::string>{"/etc/ada4571"}));
+  EXPECT_THROW(save_config("x", {}), Error);
   if (home)
     setenv("HOME", before.c_str(), 1);
 }
@@ -205,6 +223,82 @@ TEST_F(Config, FoldersAndHugeFilesAreNoConfigurations) {
   EXPECT_THROW(load_config("dir"), Error);
   put("big.toml", std::string(2 << 20, '#'));
   EXPECT_THROW(load_config((folder_ / "big.toml").string()), Error);
+}
+
+/// What a folder can hold beside configurations; each with a word of what is said of it.
+TEST_F(Config, OneBadFileHindersNoOther) {
+  put("ada4571/good.toml", "[source]\ndevice = \"mine\"\n");
+  put("ada4571/cut.toml", "[source\n");
+  std::string deep = "[a";
+  for (int i = 0; i < 200000; ++i)
+    deep += ".a";
+  put("ada4571/deep.toml", deep + "]\n");
+  put("ada4571/binary.toml", std::string("\0\xff\x80", 3));
+  put("ada4571/big.toml", std::string(2 << 20, '#'));
+  const fs::path stored = folder_ / "ada4571";
+  fs::create_symlink("loop.toml", stored / "loop.toml");
+  fs::create_symlink("nowhere", stored / "dangling.toml");
+  fs::create_symlink("/dev/zero", stored / "endless.toml");
+  fs::create_directories(stored / "folder.toml");
+  ASSERT_EQ(mkfifo((stored / "pipe.toml").c_str(), 0600), 0);
+  const int fd = socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string socket_path = (stored / "socket.toml").string();
+  ASSERT_LT(socket_path.size(), sizeof address.sun_path);
+  socket_path.copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(bind(fd, reinterpret_cast<sockaddr *>(&address), sizeof address), 0);
+  const std::pair<std::string, std::string> bad[] = {{"cut", ":1:"},
+                                                     {"deep", ":1:"},
+                                                     {"binary", ":1:"},
+                                                     {"big", "too large"},
+                                                     {"loop", "cannot open"},
+                                                     {"dangling", "cannot open"},
+                                                     {"endless", "no regular file"},
+                                                     {"folder", "no regular file"},
+                                                     {"pipe", "no regular file"},
+                                                     {"socket", "no regular file"}};
+  if (geteuid() != 0) {
+    put("ada4571/secret.toml", "[source]\n");
+    fs::permissions(stored / "secret.toml", fs::perms::none);
+  }
+
+  EXPECT_EQ(load_config("good").source.device, "mine");
+  for (const auto &[name, word] : bad) {
+    try {
+      load_config(name);
+      ADD_FAILURE() << name;
+    } catch (const Error &e) {
+      const std::string why = e.what();
+      EXPECT_TRUE(why.starts_with((stored / (name + ".toml")).string() + ":")) << why;
+      EXPECT_NE(why.find(word), std::string::npos) << why;
+    }
+  }
+
+  // The list of all has each with its problem.
+  ada4571_stored_list *list = nullptr;
+  ASSERT_EQ(ada4571_stored_list_new(nullptr, &list), ADA4571_OK) << ada4571_last_error();
+  std::map<std::string, std::string> problems;
+  for (std::size_t i = 0; i < ada4571_stored_list_count(list); ++i) {
+    ada4571_stored entry;
+    ada4571_stored_init(&entry);
+    ASSERT_EQ(ada4571_stored_list_get(list, i, &entry), ADA4571_OK);
+    problems[entry.name] = entry.problem;
+  }
+  ada4571_stored_list_free(list);
+  EXPECT_EQ(problems.at("good"), "");
+  for (const auto &[name, word] : bad)
+    EXPECT_NE(problems.at(name).find(word), std::string::npos) << name << problems.at(name);
+
+  try {
+    load_config("nosuch");
+    ADD_FAILURE();
+  } catch (const Error &e) {
+    EXPECT_EQ(e.status(), ADA4571_ERROR_NOT_FOUND);
+    EXPECT_TRUE(std::string(e.what()).starts_with("no stored configuration \"nosuch\""))
+        << e.what();
+  }
+  close(fd);
 }
 
 TEST_F(Config, RandomDamageNeverCrashesAndIsReadOrRefusedWithAPlace) {

@@ -393,9 +393,42 @@ TEST(ModelFile, RefusesAFileThatIsTooLong) {
             "/dev/zero:1:1: this is no model file: it is longer than 1048576 bytes");
 }
 
+std::string times(std::size_t count, const std::string &text) {
+  std::string all;
+  for (std::size_t i = 0; i < count; ++i)
+    all += text;
+  return all;
+}
+
+/// Whatever nests, at any depth: no call of the parser may lie deeper than a small stack allows.
 TEST(ModelFile, RefusesDeepNesting) {
-  EXPECT_NE(failure([] { model_from_toml("schema = " + std::string(100000, '[') + "\n", "m"); }),
-            "");
+  const std::string first = "schema = \"" + std::string(kModelSchema) + "\"\n";
+  std::mt19937_64 rng(fresh_seed());
+  for (const std::size_t depth : {std::size_t{20}, 20 + below(rng, 100000), std::size_t{200000}}) {
+    const std::string dots = times(depth, "a.") + "a";
+    for (const std::string &line :
+         {"[" + dots + "]", "[[" + dots + "]]", dots + " = 1", times(depth, "'a' . ") + "a = 1",
+          "x = " + times(depth, "["), "x = " + times(depth, "[\n"), "x = " + times(depth, "{a="),
+          "x = " + times(depth, "[{a.b="), "x = {" + dots + " = 1}"}) {
+      const std::string why = failure([&] { model_from_toml(first + line + "\n", "m.toml"); });
+      EXPECT_TRUE(why.starts_with("m.toml:")) << why;
+      EXPECT_NE(why.find("nested too deeply"), std::string::npos)
+          << line.substr(0, 20) << " " << depth << ": " << why;
+    }
+  }
+}
+
+TEST(ModelFile, CountsNoBracketsAndDotsOfTextsAndComments) {
+  const std::string much = times(100, ".[{") + "'";
+  Model m;
+  m.provenance.serial = much;
+  std::string text = model_to_toml(m);
+  const std::size_t line = text.find("\nchecksum = ") + 1;
+  text.replace(line, text.find('\n', line) - line, "# " + much);
+  EXPECT_EQ(model_from_toml(text, "m").provenance.serial, much);
+  const std::string flat = "x = [" + times(100, "[1.5], ") + "]\n"; // wide is not deep
+  EXPECT_NE(failure([&] { model_from_toml(flat + text, "m"); }).find("'x' is not known"),
+            std::string::npos);
 }
 
 } // namespace
