@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/angle.h"
+#include "base/robust.h"
 #include "diagnosis/step_causes.h"
 
 namespace ada {
@@ -124,8 +125,15 @@ Provenance provenance_of(const Capture &capture, const Rung &fitted) {
   p.fit_residual_rms_v = fitted.in_sample.residual_rms_v;
   p.heldout_residual_rms_v = fitted.heldout.residual_rms_v;
   if (capture.has_vtemp()) {
-    p.vtemp_min_v = *std::min_element(capture.vtemp_v.begin(), capture.vtemp_v.end());
-    p.vtemp_max_v = *std::max_element(capture.vtemp_v.begin(), capture.vtemp_v.end());
+    const Reach believed = fence(capture.vtemp_v); // a wild reading is no temperature
+    Reach seen{believed.high, believed.low};
+    for (const double v : capture.vtemp_v)
+      if (believed.holds(v))
+        seen = {std::min(seen.low, v), std::max(seen.high, v)};
+    if (seen.low <= seen.high) {
+      p.vtemp_min_v = seen.low;
+      p.vtemp_max_v = seen.high;
+    }
   }
   return p;
 }

@@ -34,6 +34,11 @@ inline constexpr double kRoundness = 0.05;
 /// another supply) is none of it.
 inline constexpr std::size_t kFarReach = 63;
 
+/// Electrical degrees: so far from where it was, sensor against reference, no reading of a reference
+/// is off for less than kFarReach samples, unless it is wild. The worst that an eccentric or coarse
+/// one does in so short a time is a tenth of it, or shows in the scatter of all.
+inline constexpr double kFarReferenceDeg = 5;
+
 /// Spikes expected in a capture of normal noise alone. As a normal deviate exceeds z sigmas with a
 /// chance below exp(-z^2/2), the threshold for n samples is sqrt(2 ln(n/this)) sigmas: 6.0 for 70
 /// 000.

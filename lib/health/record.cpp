@@ -66,7 +66,8 @@ HealthCheck check_spikes(const Evidence &e) {
     parts.push_back(fmt::format("{} of them in a row from {} on", t.disturbing.longest,
                                 moment(recording, t.disturbing.longest_first)));
   for (const auto &[name, found] :
-       {std::pair("VTEMP", &t.vtemp_spikes), std::pair("VDD", &t.vdd_spikes)})
+       {std::pair("VTEMP", &t.vtemp_spikes), std::pair("VDD", &t.vdd_spikes),
+        std::pair("the reference", &t.reference_spikes)})
     if (!found->empty())
       parts.push_back(spike_text(recording, name, *found));
   const bool failed = t.far_are_many || too_many(t.disturbing, recording.size());

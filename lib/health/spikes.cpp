@@ -13,6 +13,7 @@
 #include "calibration/angle_path.h"
 #include "conversion/vector_kernels.h"
 #include "health/criteria.h"
+#include "simulation/simulation.h"
 
 namespace ada::health {
 
@@ -61,16 +62,19 @@ double noise_limit(const std::vector<double> &column, double sigmas, double step
          reached * kSigmasOfMedian * 0.5 * step;
 }
 
-/// Farther from zero than a limit, and from what the column is about there.
-bool far_off(const std::vector<double> &off, std::size_t i, double limit) {
-  if (!(std::abs(off[i]) > limit))
-    return false;
+/// Farther than a limit from what the column is about there.
+bool far_from_neighbours(std::span<const double> off, std::size_t i, double limit) {
   const std::size_t window = std::min(off.size(), 2 * kFarReach + 1);
   const std::size_t first = std::min(i > kFarReach ? i - kFarReach : 0, off.size() - window);
   const auto begin = off.begin() + static_cast<std::ptrdiff_t>(first);
   const double about =
       quantile(std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(window)), 0.5);
   return std::abs(off[i] - about) > limit;
+}
+
+/// And from zero.
+bool far_off(const std::vector<double> &off, std::size_t i, double limit) {
+  return std::abs(off[i]) > limit && far_from_neighbours(off, i, limit);
 }
 
 template <class Test> std::vector<std::size_t> places_where(std::size_t count, Test test) {
@@ -90,6 +94,38 @@ std::vector<std::size_t> united(const std::vector<std::size_t> &a,
 
 } // namespace
 
+namespace {
+
+/// Places of a slow column in rows of up to kFarReach: what is as far from the value at either end
+/// of that reach.
+std::vector<std::size_t> rows_beyond(std::span<const double> x, double limit) {
+  return places_where(x.size(), [&](std::size_t i) {
+    const bool inside = i >= kFarReach && i + kFarReach < x.size();
+    if (inside && std::abs(x[i] - x[i - kFarReach]) <= limit &&
+        std::abs(x[i] - x[i + kFarReach]) <= limit)
+      return false;
+    return far_from_neighbours(x, i, limit);
+  });
+}
+
+/// Rad by which angles point into one direction, from 0 to 1.
+struct Direction {
+  double angle_rad = 0, share = 0;
+};
+
+Direction direction(const std::vector<double> &angles) {
+  double x = 0, y = 0, n = 0;
+  for (const double a : angles)
+    if (std::isfinite(a)) {
+      x += std::cos(a);
+      y += std::sin(a);
+      n += 1;
+    }
+  return {std::atan2(y, x), n > 0 ? std::hypot(x, y) / n : 0};
+}
+
+} // namespace
+
 bool beyond_supply(double volts, double supply_v) {
   return volts < -kRangeMargin * supply_v || volts > (1 + kRangeMargin) * supply_v;
 }
@@ -99,6 +135,10 @@ SpikeFinder::SpikeFinder(const Capture &sample, std::size_t samples,
     : samples_(samples) {
   vtemp_limit_v_ = column_limit(sample.vtemp_v);
   vdd_limit_v_ = column_limit(sample.vdd_v);
+  vtemp_far_v_ = std::max(kVtempJumpDeg * kVtempFractionPerDegree * sample.meta.supply_v,
+                          kVtempJumpOverUsual * noise_between(sample.vtemp_v));
+  vdd_far_v_ = std::max(kSupplyTolerance * sample.meta.supply_v,
+                        kVtempJumpOverUsual * noise_between(sample.vdd_v));
   if (!ellipse) {
     sin_limit_v_ = column_limit(sample.vsin_v);
     cos_limit_v_ = column_limit(sample.vcos_v);
@@ -114,6 +154,41 @@ SpikeFinder::SpikeFinder(const Capture &sample, std::size_t samples,
   along_limit_rad_ = leap_limit(p.psi, threshold(samples), floor_v / ellipse_->amplitude_v);
   far_limit_v_ = std::max(kFarOff * ellipse_->amplitude_v,
                           kTailOverSpread * threshold(samples) * robust_spread(p.off_v));
+  if (sample.has_reference())
+    follow_reference(sample, p.psi);
+}
+
+void SpikeFinder::follow_reference(const Capture &sample, const std::vector<double> &psi) {
+  Direction best;
+  double best_sense = 0;
+  for (const double sense : {1.0, -1.0}) {
+    reference_sense_ = sense;
+    const Direction found = direction(from_reference(sample, psi));
+    if (found.share > best.share) {
+      best = found;
+      best_sense = sense;
+    }
+  }
+  if (1 - best.share > kReferenceScatter)
+    return; // it does not go with the sensor
+  reference_sense_ = best_sense;
+  reference_zero_rad_ = best.angle_rad;
+  std::vector<double> moved = from_reference(sample, psi);
+  for (std::size_t i = 0; i + kFarReach < moved.size(); ++i)
+    moved[i] = wrap_centred(moved[i + kFarReach] - moved[i], kTwoPi);
+  moved.resize(moved.size() - std::min(moved.size(), kFarReach));
+  std::erase_if(moved, [](double m) { return !std::isfinite(m); });
+  reference_limit_rad_ = std::max({kFarReferenceDeg * kRadPerDeg, gap_beyond_bulk(moved),
+                                   kTailOverSpread * threshold(samples_) * robust_spread(moved)});
+}
+
+std::vector<double> SpikeFinder::from_reference(const Capture &capture,
+                                                const std::vector<double> &psi) const {
+  std::vector<double> off(capture.size());
+  const double rad = reference_sense_ * capture.meta.periods_per_turn * kRadPerDeg;
+  for (std::size_t i = 0; i < off.size(); ++i)
+    off[i] = wrap_centred(psi[i] - rad * capture.reference_deg[i] - reference_zero_rad_, kTwoPi);
+  return off;
 }
 
 double SpikeFinder::column_limit(const std::vector<double> &column) const {
@@ -141,11 +216,34 @@ PairPlaces SpikeFinder::pair(const Capture &stretch) const {
 }
 
 std::vector<std::size_t> SpikeFinder::vtemp(std::span<const double> column) const {
-  return beyond_median(column, vtemp_limit_v_);
+  return united(beyond_median(column, vtemp_limit_v_), rows_beyond(column, vtemp_far_v_));
 }
 
 std::vector<std::size_t> SpikeFinder::vdd(std::span<const double> column) const {
-  return beyond_median(column, vdd_limit_v_);
+  return united(beyond_median(column, vdd_limit_v_), rows_beyond(column, vdd_far_v_));
+}
+
+std::vector<std::size_t> SpikeFinder::reference(const Capture &stretch,
+                                                const PairPlaces &pair) const {
+  if (!(reference_limit_rad_ > 0) || !stretch.has_reference())
+    return {};
+  const std::vector<double> psi = polar(stretch, *ellipse_).psi;
+  std::vector<double> off = from_reference(stretch, psi);
+  for (const std::size_t i : pair.all()) // there it is the sensor that is wrong
+    off[i] = std::nan("");
+  std::vector<std::size_t> places = rows_beyond(off, reference_limit_rad_);
+  // Of a single one, that angle is wild which its own neighbours do not lead to.
+  const auto bend = [](std::span<const double> x, std::size_t i, double to_rad) {
+    return std::abs(wrap_centred(to_rad * (x[i + 1] - 2 * x[i] + x[i - 1]), kTwoPi));
+  };
+  const double rad = stretch.meta.periods_per_turn * kRadPerDeg;
+  std::erase_if(places, [&](std::size_t i) {
+    const bool single = i > 0 && i + 1 < psi.size() &&
+                        std::abs(off[i] - off[i - 1]) > reference_limit_rad_ &&
+                        std::abs(off[i] - off[i + 1]) > reference_limit_rad_;
+    return single && bend(psi, i, 1) > bend(stretch.reference_deg, i, rad);
+  });
+  return places;
 }
 
 std::vector<std::size_t> SpikeFinder::spikes(PairPlaces all) const {

@@ -41,9 +41,12 @@ public:
   /// Where the pair stands out in a stretch. Distance and angle do not move much from sample to
   /// sample, however fast the magnet turns; without an ellipse it is channel by channel.
   PairPlaces pair(const Capture &stretch) const;
-  /// Of a column that changes slowly.
+  /// Of a column that changes slowly; in a row of up to kFarReach where they are as far off as no
+  /// temperature and no supply moves so soon.
   std::vector<std::size_t> vtemp(std::span<const double> column) const;
   std::vector<std::size_t> vdd(std::span<const double> column) const;
+  /// Of a reference that goes with the sensor, by the angle between them.
+  std::vector<std::size_t> reference(const Capture &stretch, const PairPlaces &pair) const;
 
   /// Whether `far` is a fault however often it is. Where most of a channel lies beyond the supply
   /// it is the supply that is wrong.
@@ -56,11 +59,15 @@ public:
 
 private:
   double column_limit(const std::vector<double> &column) const;
+  void follow_reference(const Capture &sample, const std::vector<double> &psi);
+  std::vector<double> from_reference(const Capture &capture, const std::vector<double> &psi) const;
 
   std::size_t samples_;
   std::optional<EllipseParameters> ellipse_;
   double sin_limit_v_ = 0, cos_limit_v_ = 0, vtemp_limit_v_ = 0, vdd_limit_v_ = 0;
+  double vtemp_far_v_ = 0, vdd_far_v_ = 0;
   bool far_is_wrong_ = true;
+  double reference_sense_ = 0, reference_zero_rad_ = 0, reference_limit_rad_ = 0;
   double off_limit_v_ = 0, along_limit_rad_ = 0, far_limit_v_ = 0;
 };
 

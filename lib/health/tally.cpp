@@ -21,7 +21,6 @@ namespace {
 
 /// Samples that a jump of VTEMP is seen by, on either side.
 constexpr std::size_t kSeven = 7;
-constexpr ColumnMask kCounted = kAllColumns & ~kReferenceColumn;
 
 /// Whether a sample lies farther from the middle of its neighbours than the sensor itself may err.
 bool disturbs(const Capture &c, std::size_t i, double amplitude_v) {
@@ -43,7 +42,7 @@ struct Candidate {
 /// Where samples stand out, numbered through the recording.
 struct Found {
   PairPlaces pair;
-  std::vector<std::size_t> vtemp, vdd;
+  std::vector<std::size_t> vtemp, vdd, reference;
   std::vector<Candidate> candidates; ///< those of the pair
 };
 
@@ -87,6 +86,7 @@ public:
         all.far_are_many ? std::move(found.pair.far) : spikes_.spikes(std::move(found.pair));
     all.vtemp_spikes = spikes_.spikes(std::move(found.vtemp));
     all.vdd_spikes = spikes_.spikes(std::move(found.vdd));
+    all.reference_spikes = spikes_.spikes(std::move(found.reference));
     std::size_t row = 0, next = 0;
     for (const Candidate &c : found.candidates) {
       if (!std::binary_search(all.spikes.begin(), all.spikes.end(), c.sample)) {
@@ -109,7 +109,7 @@ public:
 
 private:
   void count(std::size_t k, Counted &c) const {
-    recording_.read(k, kCounted, c.angles.block);
+    recording_.read(k, kAllColumns, c.angles.block);
     converter_.convert(c.angles);
     c.tally = {};
     const std::size_t before = gather(k, c);
@@ -130,12 +130,12 @@ private:
     if (k > 0) {
       const std::size_t size = recording_.block_begin(k) - recording_.block_begin(k - 1);
       before = std::min(SpikeFinder::kHalo, size);
-      recording_.read(k - 1, size - before, before, kCounted, c.side);
+      recording_.read(k - 1, size - before, before, kAllColumns, c.side);
       add(c.side, c.around);
     }
     add(c.angles.block, c.around);
     if (k + 1 < recording_.blocks()) {
-      recording_.read(k + 1, 0, SpikeFinder::kHalo, kCounted, c.side);
+      recording_.read(k + 1, 0, SpikeFinder::kHalo, kAllColumns, c.side);
       add(c.side, c.around);
     }
     return before;
@@ -158,6 +158,7 @@ private:
     };
     PairPlaces pair = spikes_.pair(c.around);
     Found &found = c.found;
+    found.reference = of_block(spikes_.reference(c.around, pair));
     found.pair = {of_block(std::move(pair.off)), of_block(std::move(pair.along)),
                   of_block(std::move(pair.far))};
     c.tally.far = found.pair.far.size();
@@ -253,6 +254,7 @@ private:
     append(all.pair.far, found.pair.far);
     append(all.vtemp, found.vtemp);
     append(all.vdd, found.vdd);
+    append(all.reference, found.reference);
   }
 
   static void append(Tally &all, const Tally &t) {

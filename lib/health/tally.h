@@ -54,7 +54,7 @@ struct Tally {
   Faults disturbing;               ///< of them, those that a sound sensor's error does not reach
   std::size_t far = 0; ///< samples far off the ellipse, be they spikes or too many for that
   bool far_are_many = false;
-  std::vector<std::size_t> vtemp_spikes, vdd_spikes;
+  std::vector<std::size_t> vtemp_spikes, vdd_spikes, reference_spikes;
   TimeSteps steps;
   std::size_t vtemp_jumps = 0, first_vtemp_jump = 0;
   FaultRow same_vtemp; ///< the value of the sample before

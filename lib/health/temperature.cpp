@@ -20,6 +20,13 @@ HealthCheck fault(double measured, double limit, std::string unit, std::string e
   return verdict("vtemp", false, measured, limit, std::move(unit), std::move(explanation));
 }
 
+/// Whether one of the places, ascending, is as near as a median of seven tells.
+bool beside(const std::vector<std::size_t> &places, std::size_t sample) {
+  constexpr std::size_t kNear = 7;
+  const auto at = std::lower_bound(places.begin(), places.end(), sample - std::min(sample, kNear));
+  return at != places.end() && *at <= sample + kNear;
+}
+
 /// Of a column that holds one value only.
 HealthCheck constant_vtemp(const Evidence &e, double volts) {
   const auto step = stated_step(e.capture.meta);
@@ -57,6 +64,13 @@ HealthCheck check_vtemp(const Evidence &e) {
         fmt::format("VTEMP scatters by {:.3g} mV rms from sample to sample, {:.3g} degrees "
                     "Celsius: it is not connected, or disturbed",
                     1e3 * noise, noise / degree_v));
+  if (t.vtemp_jumps > 0 && beside(t.vtemp_spikes, t.first_vtemp_jump))
+    return fault(
+        static_cast<double>(t.vtemp_jumps), 0, "samples",
+        fmt::format(
+            "VTEMP is off by more than {:g} degrees Celsius for some samples in a row, first "
+            "at {}: a loose contact, or it is disturbed",
+            kVtempJumpDeg, moment(e.what.recording, t.first_vtemp_jump)));
   if (t.vtemp_jumps > 0)
     return fault(
         static_cast<double>(t.vtemp_jumps), 0, "samples",

@@ -86,6 +86,16 @@ TEST_P(HealthInBlocks, a_row_of_wild_samples_may_lie_across_blocks) {
   EXPECT_NE(check(c).find(", 30 of them in a row from 1.6373 s on"), std::string::npos) << check(c);
 }
 
+TEST_P(HealthInBlocks, a_row_of_wild_readings_of_the_reference_may_lie_across_blocks) {
+  Capture c = long_turn(sampler_);
+  for (const double t : c.time_s)
+    c.reference_deg.push_back(360 * 3.7 * t);
+  for (std::size_t i = 16384 - 11; i < 16384 + 19; ++i)
+    c.reference_deg[i] = 0.5 * c.reference_deg[i] + 77;
+  EXPECT_EQ(check(c).find("samples that stand out: 30 in the reference (at 1.6373 s,"), 0u)
+      << check(c);
+}
+
 TEST_P(HealthInBlocks, what_is_not_rare_is_structure) {
   Capture c = long_turn(sampler_);
   for (std::size_t i = 20; i < kSamples; i += 20)

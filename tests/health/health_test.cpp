@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "base/angle.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "support/health.h"
@@ -91,6 +94,78 @@ TEST_P(WildRow, is_counted_and_placed_wherever_it_is) {
 INSTANTIATE_TEST_SUITE_P(Sizes, WildRow,
                          testing::Combine(testing::Values(1u, 2u, 3u, 4u, 5u, 10u, 20u),
                                           testing::Values(0.0, 0.8, 0.92, 1.08, 1.25, 7e5)));
+
+/// The same in a column beside the pair.
+struct WildColumn {
+  const char *name; ///< in the sentence
+  std::vector<double> Capture::*values;
+};
+
+class WildBesideThePair : public testing::TestWithParam<WildColumn> {};
+
+TEST_P(WildBesideThePair, is_counted_and_placed) {
+  const auto &[name, values] = GetParam();
+  const std::uint64_t seed = fresh_seed();
+  Sampler sampler(SensorPair{}, seed);
+  std::mt19937_64 rng(seed);
+  for (const double rpm : {30.0, -3000.0}) {
+    Capture sound =
+        sampler.capture(10000, 2, constant_speed(rpm / 60), [](double t) { return 25 + 20 * t; });
+    for (std::size_t i = 0; i < sound.size(); ++i) {
+      sound.vdd_v.push_back(5 + sampler.noise(1e-4));
+      sound.reference_deg[i] += 0.2 * std::sin(kRadPerDeg * sound.reference_deg[i]);
+    }
+    const std::size_t n = sound.size();
+    EXPECT_EQ(find(check_health(sound, nullptr), "spikes").explanation, "no sample stands out");
+    for (const std::size_t count : {1u, 3u, 30u})
+      for (const std::size_t begin : {std::size_t{0}, 100 + below(rng, n / 2), n - count})
+        for (const double wild : {1e5, -7.0, sampler.uniform(-1e6, 1e6)}) {
+          Capture c = sound;
+          for (std::size_t i = begin; i < begin + count; ++i)
+            // In a row the reference is off by as much, wherever it stands and however far it
+            // turns.
+            (c.*values)[i] = values == &Capture::reference_deg
+                                 ? (c.*values)[i] + 20 + std::fmod(std::abs(wild), 140)
+                                 : wild;
+          const Health health = check_health(c, nullptr);
+          EXPECT_TRUE(
+              find(health, "spikes")
+                  .explanation.starts_with("samples that stand out: " + std::to_string(count) +
+                                           " in " + name + " (at " + moment_text(c.time_s[begin])))
+              << wild << " from " << begin << "\n"
+              << health_text(health);
+          EXPECT_TRUE(health.sound() || find(health, "vtemp").state == HealthState::failed)
+              << health_text(health);
+        }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Columns, WildBesideThePair,
+                         testing::Values(WildColumn{"VTEMP", &Capture::vtemp_v},
+                                         WildColumn{"VDD", &Capture::vdd_v},
+                                         WildColumn{"the reference", &Capture::reference_deg}),
+                         [](const auto &i) { return std::string(1, "vdr"[i.index]) + "_column"; });
+
+/// An encoder that errs, or a magnet that slips, is no row of wild readings.
+TEST(Check, an_error_of_the_reference_is_no_spike) {
+  Sampler sampler(SensorPair{}, fresh_seed());
+  for (const double rpm : {20.0, 600.0, 6000.0}) {
+    const Capture sound = sampler.capture(10000, 2, constant_speed(rpm / 60));
+    const double slip = sampler.uniform(-90, 90), eccentric = sampler.uniform(0.5, 3);
+    for (const auto &change : std::vector<std::function<double(double, std::size_t)>>{
+             [&](double deg, std::size_t i) { return i < sound.size() / 2 ? deg : deg + slip; },
+             [&](double deg, std::size_t) { return deg + eccentric * std::sin(kRadPerDeg * deg); },
+             [](double deg, std::size_t) { return std::floor(deg); },
+             [](double deg, std::size_t) { return -deg; },
+             [](double deg, std::size_t) { return std::fmod(deg, 360); }}) {
+      Capture c = sound;
+      for (std::size_t i = 0; i < c.size(); ++i)
+        c.reference_deg[i] = change(c.reference_deg[i], i);
+      EXPECT_EQ(find(check_health(c, nullptr), "spikes").explanation, "no sample stands out")
+          << rpm << " rpm, slip " << slip << ", eccentric " << eccentric;
+    }
+  }
+}
 
 TEST(Check, counts_what_is_wild_also_where_it_is_not_rare) {
   Capture c = Sampler(SensorPair{}, fresh_seed()).capture(1000, 0.5, constant_speed(5));
