@@ -7,9 +7,9 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "recording/gap_detector.h"
 #include "recording/identity.h"
@@ -61,12 +61,11 @@ private:
 /// that the system would end whatever it likes.
 void check_fits_memory(std::size_t samples, std::size_t columns) {
   const double bytes = static_cast<double>(samples) * static_cast<double>(columns * sizeof(double));
-  const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
-                        static_cast<double>(sysconf(_SC_PAGESIZE));
+  const double memory = memory_bytes();
   if (bytes > 0.5 * memory)
     throw Error(ADA4571_ERROR_NO_MEMORY,
                 fmt::format("this has to hold the recording as a whole, {} samples in {:.3g} GB: more "
-                            "than half of this machine's memory of {:.3g} GB",
+                            "than half of this program's memory of {:.3g} GB",
                             samples, 1e-9 * bytes, 1e-9 * memory));
 }
 

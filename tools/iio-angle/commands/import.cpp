@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -137,6 +138,9 @@ bool is_capture(const std::string &path) {
     return false;
   if (path.ends_with(".sigmf-meta") || path.ends_with(".sigmf-data"))
     return true;
+  std::error_code error; // what is taken from a pipe is gone
+  if (!std::filesystem::is_regular_file(path, error))
+    return false;
   std::string begin(kMagic.size() + 3, '\0'); // a byte order mark may come first
   std::ifstream file(path, std::ios::binary);
   file.read(begin.data(), static_cast<std::streamsize>(begin.size()));

@@ -67,6 +67,8 @@ void check_names(const std::string &list, const std::vector<std::string> &names)
                               list, end - names.begin()));
 }
 
+constexpr std::size_t kMostNames = 1'000'000; ///< a list may be a pipe without an end
+
 /// A name a line.
 std::vector<std::string> names_of(const std::string &list) {
   std::ifstream file;
@@ -84,6 +86,9 @@ std::vector<std::string> names_of(const std::string &list) {
       line.pop_back();
     if (!line.empty())
       names.push_back(line);
+    if (names.size() > kMostNames)
+      throw Failure(kUnusable, fmt::format("{}: this is no list of names: there are more than {}",
+                                           list == "-" ? "standard input" : list, kMostNames));
   }
   if (in.bad())
     throw Failure(kUnusable, list + ": cannot be read");
