@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace ada {
 
@@ -56,6 +57,8 @@ std::string number_text(double value) {
 
 constexpr const char *kRate = "sampling_frequency", *kAvailable = "sampling_frequency_available";
 
+constexpr double kSlowest_hz = 1e-6, kFastest_hz = 1e9;
+
 /// Device and channel (empty: the device itself) that hold the sampling frequency. A device that is
 /// triggered runs at the rate of its trigger.
 std::optional<std::pair<IioDevice, std::string>>
@@ -92,6 +95,9 @@ double read_sample_rate(const IioContext &context, const IioDevice &device,
   if (!found)
     return 0.0;
   const double rate = read_number(context, found->first, found->second, kRate).value_or(0.0);
+  if (rate > kFastest_hz || (rate > 0.0 && rate < kSlowest_hz))
+    throw Error(ADA4571_ERROR_FORMAT, place(found->first, found->second, kRate) +
+                                          ": no converter samples at " + shortest(rate) + " Hz");
   return rate > 0.0 ? rate : 0.0;
 }
 

@@ -28,8 +28,9 @@ struct IioChannel {
   bool is_voltage = false;
   bool is_timestamp = false;
   bool is_output = false;
-  long index = -1;   ///< position in the scan, negative: cannot be captured
-  ScanFormat format; ///< of a channel that can
+  long index = -1;          ///< position in the scan, negative: cannot be captured
+  ScanFormat format;        ///< of a channel that can
+  std::string odd_format{}; ///< as its server has it, where `format` is something else
 };
 
 struct IioDevice {

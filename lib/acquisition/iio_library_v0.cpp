@@ -13,8 +13,8 @@
 //  - it trusts the length of what a server sends: buffers of the network are read without it
 //    (network_buffer.h);
 //  - it waits for ever for a server that goes on sending: each dialogue is watched
-//    (server_watch.h), and prints what is wrong with a server's description as it came: that is looked
-//    at before (server_description.h).
+//    (server_watch.h), and prints what is wrong with a server's description as it came: that is
+//    looked at before (server_description.h).
 
 #include "acquisition/iio_library.h"
 
@@ -77,9 +77,9 @@ template <class Read> std::optional<std::string> read_value(const char *name, Re
   std::array<char, 1024> value{};
   const ssize_t n = read(value.data(), value.size() - 1);
   if (is_connection_lost(n))
-    throw Error(ADA4571_ERROR_DISCONNECTED, std::string("the connection was lost at the attribute ") +
-                                                name + ": " +
-                                                errno_text(static_cast<int>(-n)));
+    throw Error(ADA4571_ERROR_DISCONNECTED,
+                std::string("the connection was lost at the attribute ") + name + ": " +
+                    errno_text(static_cast<int>(-n)));
   return n < 0 ? std::nullopt : std::optional<std::string>(text(value.data()));
 }
 
@@ -173,8 +173,10 @@ private:
 
 class ContextV0 final : public IioContext {
 public:
-  ContextV0(ContextPointer context, std::string port, std::vector<OpenSocket> sockets)
-      : context_(std::move(context)), port_(std::move(port)), sockets_(std::move(sockets)) {}
+  ContextV0(ContextPointer context, std::string port, std::vector<OpenSocket> sockets,
+            std::vector<OddFormat> odd_formats)
+      : context_(std::move(context)), port_(std::move(port)), sockets_(std::move(sockets)),
+        odd_formats_(std::move(odd_formats)) {}
 
   std::vector<IioDevice> devices() const override {
     const ServerWatch watch = watched();
@@ -185,6 +187,11 @@ public:
       if (text(iio_device_get_id(device)).starts_with("iio:device"))
         out.push_back(describe(device));
     }
+    for (const OddFormat &odd : odd_formats_)
+      for (IioDevice &device : out)
+        for (IioChannel &channel : device.channels)
+          if (device.id == odd.device && channel.id == odd.channel)
+            channel.odd_format = odd.format;
     return out;
   }
   bool is_local() const override { return text(iio_context_get_name(context_.get())) == "local"; }
@@ -232,14 +239,12 @@ private:
                                             const Cancellation &cancellation, int &error);
 
   /// For one dialogue with the server; libiio itself gives up one that is silent.
-  ServerWatch watched() const {
-    return {port_, sockets_, ServerWatch::Which::these,
-            kMostTime};
-  }
+  ServerWatch watched() const { return {port_, sockets_, ServerWatch::Which::these, kMostTime}; }
 
   ContextPointer context_;
-  std::string port_; ///< of a server
+  std::string port_;                ///< of a server
   std::vector<OpenSocket> sockets_; ///< libiio's to that
+  std::vector<OddFormat> odd_formats_;
   std::chrono::milliseconds timeout_{5000};
 };
 
@@ -297,8 +302,8 @@ void ContextV0::set_trigger(const std::string &device_id, const std::string &tri
 [[noreturn]] void refuse_buffer(const std::string &device_id, int error) {
   throw Error(status_of_errno(error),
               "cannot start the capture buffer of " + device_id + ": " + errno_text(error) +
-                  (error == EINVAL ? "; most often the device has no trigger: name one with the "
-                                     "option for the trigger"
+                  (error == EINVAL   ? "; most often the device has no trigger: name one with the "
+                                       "option for the trigger"
                    : error == ENOMEM ? "; ask for fewer frames a buffer (the emulator holds 320 "
                                        "MiB for all clients together)"
                                      : ""));
@@ -386,7 +391,7 @@ ContextV0::network_buffer(const iio_device *dev, const std::vector<const iio_cha
 
 std::unique_ptr<IioContext> open_iio_context(const std::string &uri,
                                              const Cancellation *cancellation) {
-  check_server_description(uri, cancellation);
+  std::vector<OddFormat> odd = check_server_description(uri, cancellation);
   std::string port = server_port(uri);
   const std::vector<OpenSocket> before = sockets_to(port);
   const ServerWatch watch(port, before, ServerWatch::Which::all_but, kMostTime, cancellation);
@@ -403,7 +408,8 @@ std::unique_ptr<IioContext> open_iio_context(const std::string &uri,
   std::erase_if(sockets, [&](const OpenSocket &s) {
     return std::find(before.begin(), before.end(), s) != before.end();
   });
-  return std::make_unique<ContextV0>(std::move(context), std::move(port), std::move(sockets));
+  return std::make_unique<ContextV0>(std::move(context), std::move(port), std::move(sockets),
+                                     std::move(odd));
 }
 
 std::string iio_library_version() {

@@ -10,6 +10,7 @@
 #include "acquisition/iio_attributes.h"
 #include "base/angle.h"
 #include "base/error.h"
+#include "base/text.h"
 
 namespace ada {
 
@@ -39,6 +40,14 @@ void plan_scan(OpenedDevice &o) {
   });
   for (const auto &[position, target] : wanted) {
     const IioChannel &channel = channels[position];
+    if (!channel.odd_format.empty())
+      throw Error(ADA4571_ERROR_UNSUPPORTED,
+                  "channel " + channel.id + ": its values have the format " +
+                      excerpt(channel.odd_format) + ", which is no whole number of known size");
+    if (!target && (channel.format.storage != 64 || channel.format.bits != 64))
+      throw Error(ADA4571_ERROR_UNSUPPORTED, "channel " + channel.id +
+                                                 ": a timestamp has 64 bits, " + "not " +
+                                                 to_string(channel.format));
     const std::size_t element = o.scan.size();
     o.scan.push_back(channel.id);
     o.formats.push_back(channel.format);

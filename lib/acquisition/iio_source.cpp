@@ -174,12 +174,12 @@ void IioSourceImpl::start() {
       lost_ = true;
       reopen_after_loss();
     }
-    clock_ = SampleClock(opened_.info.sample_rate_hz);
     layout_ = compute_layout(opened_.formats);
     assembler_.reset(layout_.frame_bytes);
     raw_layout_ = layout_;
     if (raw_form_)
       times_ns_.reserve(opened_.info.buffer_frames);
+    clock_ = SampleClock(opened_.info.sample_rate_hz, own_clock_ns());
     stream_ = make_stream();
     opened_.rate_before.reset(); // it is in use
     if (loop_)
@@ -324,7 +324,8 @@ bool IioSourceImpl::take_raw(std::size_t most, RawFrames &out) {
   out.count = bytes.size() / layout_.frame_bytes;
   out.bytes = in_raw_form(bytes);
   const std::byte *const stamps = out.bytes.data() + raw_form_->timestamp_byte;
-  if (const auto origin = clock_.accept_even(stamps, raw_form_->frame_bytes, out.count)) {
+  if (const auto origin =
+          clock_.accept_even(stamps, raw_form_->frame_bytes, out.count, block_ns_)) {
     out.origin_ns = *origin;
     out.longest_step_ns = clock_.longest_even_step_ns();
     return true;

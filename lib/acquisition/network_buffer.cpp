@@ -87,6 +87,9 @@ private:
   void read_mask() {
     connection_.receive(mask_text_.data(), mask_text_.size());
     const auto *text = reinterpret_cast<const char *>(mask_text_.data());
+    if (text[mask_text_.size() - 1] != '\n') // what follows would be taken for samples
+      throw Error(ADA4571_ERROR_IO, "the server says in more words than it has channels which of "
+                                    "them it sends: do not trust it");
     for (std::size_t i = 0; i < seen_.size(); ++i) {
       const char *word = text + (seen_.size() - 1 - i) * kMaskDigits;
       const auto [end, error] = std::from_chars(word, word + kMaskDigits, seen_[i], 16);

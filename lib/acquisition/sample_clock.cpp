@@ -27,9 +27,10 @@ constexpr double kEven = 0.03;
 constexpr double kEvenAtFirst = 0.15;
 constexpr double kLongestEven_ns = 1e9;
 
-/// How far timestamps may run ahead of this machine's clock: buffers and slow lines deliver late,
-/// and then much at once, but not by minutes.
-constexpr std::int64_t kMostAhead_ns = 60'000'000'000;
+/// How far a leap of the timestamps may go beyond this machine's clock. Buffers and slow lines
+/// deliver late, and then much at once, but by no more than the first frame was late.
+constexpr std::int64_t kMostAhead_ns = 2'000'000'000;
+constexpr double kSomeTime_ns = 1e8; ///< beyond what one block is late by
 /// No hardware FIFO holds frames for as long.
 constexpr double kLongestStill_ns = 1e9;
 
@@ -60,13 +61,38 @@ double choose_period(double interval, double nominal) {
 
 } // namespace
 
-SampleClock::SampleClock(double nominal_rate_hz)
-    : nominal_period_ns_(nominal_rate_hz > 0.0 ? 1e9 / nominal_rate_hz : 0.0) {}
+SampleClock::SampleClock(double nominal_rate_hz, std::optional<std::int64_t> started_ns)
+    : nominal_period_ns_(nominal_rate_hz > 0.0 ? 1e9 / nominal_rate_hz : 0.0),
+      started_ns_(started_ns) {}
 
 void SampleClock::reset() {
   const double nominal = nominal_period_ns_;
   *this = SampleClock();
   nominal_period_ns_ = nominal;
+}
+
+/// A recording may be played many times as fast as it was made, and a device's clock be off: its
+/// gaps are as much shorter by our own. The first frames, which came at once, tell nothing of that.
+void SampleClock::look_at_own_clock(std::int64_t own_ns) {
+  if (frames_ == 0) {
+    own_start_ns_ = own_ns;
+  } else if (own_ns != own_ns_) {
+    const auto passed = static_cast<double>(own_ns_ - own_start_ns_);
+    if (passed == 0)
+      came_at_once_ns_ = elapsed_ns_;
+    else if (passed > kSomeTime_ns)
+      pace_ = std::max(1.0, static_cast<double>(elapsed_ns_ - came_at_once_ns_) / passed);
+  }
+  own_ns_ = own_ns;
+}
+
+/// Whether so much cannot have passed by our own clock.
+bool SampleClock::is_leap(std::int64_t step) const {
+  const std::int64_t late = started_ns_ ? own_start_ns_ - *started_ns_ : 0;
+  return step > kMostAhead_ns &&
+         static_cast<double>(elapsed_ns_ + step) >
+             static_cast<double>(std::max(late, came_at_once_ns_) + kMostAhead_ns) +
+                 pace_ * static_cast<double>(own_ns_ - own_start_ns_);
 }
 
 double SampleClock::accept_untimed() {
@@ -80,12 +106,12 @@ double SampleClock::accept(std::int64_t timestamp_ns, std::optional<std::int64_t
                                               static_cast<std::uint64_t>(last_ns_));
   last_ns_ = timestamp_ns;
   const std::int64_t previous = elapsed_ns_;
-  if (frames_ == 0) {
+  if (own_ns)
+    look_at_own_clock(*own_ns);
+  if (frames_ == 0)
     first_ns_ = timestamp_ns;
-    own_start_ns_ = own_ns.value_or(0);
-  } else {
+  else
     elapsed_ns_ += believed_step(step, own_ns);
-  }
 
   if (frames_ < kLearn) {
     early_[static_cast<std::size_t>(frames_)] = elapsed_ns_;
@@ -105,7 +131,8 @@ std::int64_t SampleClock::longest_even_step_ns() const {
 }
 
 std::optional<std::int64_t> SampleClock::accept_even(const std::byte *first, std::size_t stride,
-                                                     std::size_t count) {
+                                                     std::size_t count,
+                                                     std::optional<std::int64_t> own_ns) {
   if (count < kLearn || frames_ < kLearn || since_loss_ <= kTakeBackFrames ||
       !(period_ns_ > 0.0 && period_ns_ < kLongestEven_ns) ||
       latest_ns_ > static_cast<double>(elapsed_ns_) ||
@@ -121,6 +148,8 @@ std::optional<std::int64_t> SampleClock::accept_even(const std::byte *first, std
     uneven |= stamp - last - shortest > range;
     last = stamp;
   }
+  if (!uneven && own_ns)
+    look_at_own_clock(*own_ns);
   const std::int64_t origin = static_cast<std::int64_t>(static_cast<std::uint64_t>(last_ns_) -
                                                         static_cast<std::uint64_t>(elapsed_ns_));
   const double mean =
@@ -143,8 +172,7 @@ std::optional<std::int64_t> SampleClock::accept_even(const std::byte *first, std
 std::int64_t SampleClock::believed_step(std::int64_t step, std::optional<std::int64_t> own_ns) {
   const std::int64_t room = std::numeric_limits<std::int64_t>::max() - elapsed_ns_;
   const bool back = step < 0 || step > room;
-  const bool ahead = own_ns && step > kMostAhead_ns &&
-                     elapsed_ns_ + (back ? 0 : step) > *own_ns - own_start_ns_ + kMostAhead_ns;
+  const bool ahead = own_ns && !back && is_leap(step);
   if (!back && !ahead)
     return step;
   ++gaps_;

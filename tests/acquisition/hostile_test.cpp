@@ -211,6 +211,78 @@ std::string failure_at(const std::string &uri) {
   return {};
 }
 
+/// Before a sample is taken for another.
+TEST(HostileServer, whose_samples_cannot_be_read_is_refused_at_the_start) {
+  std::mt19937_64 rng(fresh_seed());
+  const auto context = served_pair(kU16, kU16, 1000.0);
+  const auto described = [&](const std::string &from, const std::string &to) {
+    std::string xml = context_xml(*context);
+    for (std::size_t at = 0; (at = xml.find(from, at)) != xml.npos; at += to.size())
+      xml.replace(at, from.size(), to);
+    return answer_to("PRINT", std::to_string(xml.size()) + "\n" + xml + "\n");
+  };
+  const struct {
+    IiodServer::FaultHook hook;
+    const char *said;
+  } cases[] = {
+      {described("le:u16/16", "le:f32/32"), "'le:f32/32>>0', which is no whole number"},
+      {described("le:u16/16", "be:f16/16"), "no whole number"},
+      {described("le:s64/64", "le:s32/32"), "a timestamp has 64 bits"},
+      {answer_to("READBUF",
+                 "16\n" + std::string(9 + below(rng, 4000), 'f') + "\n" + std::string(100, 'x')),
+       "do not trust it"},
+      {answer_to("READ iio:device0 sampling_frequency", std::string("6\n1e308\0\n", 9)),
+       "no converter samples at"},
+      {answer_to("READ iio:device0 sampling_frequency", std::string("7\n1e-320\0\n", 10)),
+       "no converter samples at"},
+  };
+  for (const auto &[hook, said] : cases) {
+    Served server(context, hook);
+    const std::string sentence = failure_at(server.uri());
+    EXPECT_NE(sentence.find(said), std::string::npos) << said << ": " << sentence;
+    EXPECT_NO_THROW(list_iio_devices(server.uri())); // its other devices may be fine
+  }
+}
+
+/// It cannot make a recording of a second end before a second is over.
+TEST(HostileServer, that_leaps_in_time_is_not_believed) {
+  std::mt19937_64 rng(fresh_seed());
+  for (int trial = 0; trial < 3; ++trial) {
+    const auto leap = static_cast<std::int64_t>(2'500'000'000 + rng() % 56'000'000'000);
+    const std::size_t at = 1 + below(rng, 300);
+    std::atomic<std::size_t> frames = 0;
+    Served server(served_pair(kU16, kU16, 1000.0), [&](std::string_view line) -> IiodFault {
+      if (!line.starts_with("READBUF"))
+        return {};
+      const std::size_t bytes = std::stoul(std::string(line.substr(line.rfind(' '))));
+      std::string answer = std::to_string(bytes) + "\n00000007\n";
+      for (std::size_t done = 0; done < bytes; done += 16, ++frames) {
+        const std::int64_t stamp =
+            static_cast<std::int64_t>(frames) * 1'000'000 + (frames < at ? 0 : leap);
+        answer.append(8, '\0');
+        answer.append(reinterpret_cast<const char *>(&stamp), sizeof stamp);
+      }
+      usleep(static_cast<useconds_t>(bytes / 16 * 1000)); // as long as it takes at 1 kHz
+      return {IiodFault::Kind::raw_answer, 0, answer};
+    });
+    IioSourceOptions options;
+    options.uri = server.uri();
+    const auto source = open_iio_source(options);
+    source->start();
+    std::vector<Frame> read(64);
+    std::size_t count = 0;
+    double last_s = 0;
+    while (count < 400) {
+      const ReadResult result = source->read(read, std::chrono::milliseconds(1000));
+      ASSERT_GT(result.count, 0u);
+      count += result.count;
+      last_s = read[result.count - 1].time_s;
+    }
+    EXPECT_NEAR(last_s, static_cast<double>(count - 1) * 1e-3, 1e-5) << leap << " at " << at;
+    EXPECT_EQ(source->statistics().bad_times, 1u);
+  }
+}
+
 TEST(HostileServer, that_sends_empty_lines_for_ever_is_given_up) {
   for (const char *command : {"PRINT", "OPEN", "READBUF"}) {
     Served server(served_pair(kU16, kU16, 1000.0), answer_to(command, std::string(1 << 20, '\n')));

@@ -207,6 +207,47 @@ TEST(SampleClock, AClockThatIsSetToTodayCostsOneTimestamp) {
   EXPECT_EQ(clock.statistics().bad_times, 1u);
 }
 
+/// A leap of seconds that no second of this machine's goes with is none, wherever it comes and
+/// however the frames are delivered.
+TEST(SampleClock, ALeapThatThisMachineDidNotSeeCostsOneTimestamp) {
+  std::mt19937_64 random(ada::test::fresh_seed());
+  for (int trial = 0; trial < 200; ++trial) {
+    const std::int64_t leap = 2'100'000'000 + static_cast<std::int64_t>(random() % 58'000'000'000);
+    const int frames = 40'000, at = 1 + static_cast<int>(ada::test::below(random, frames - 1));
+    const int block = 1 + static_cast<int>(ada::test::below(random, 800));
+    SampleClock clock(trial % 2 ? 10000.0 : 0.0, own_ns(0));
+    double last = 0;
+    for (int i = 0; i < frames; ++i)
+      last = clock.accept(kStart + i * std::int64_t{100'000} + (i < at ? 0 : leap),
+                          own_ns((i / block + 1) * block)); // as its block came
+    const bool known = trial % 2 || at > static_cast<int>(SampleClock::kLearn);
+    EXPECT_NEAR(last, (frames - 1) * 1e-4, known ? 1e-6 : 1e-3) << leap << " at " << at;
+    EXPECT_EQ(clock.statistics().bad_times, 1u) << leap << " at " << at << ", blocks of " << block;
+    EXPECT_EQ(clock.statistics().lost, 0u);
+  }
+}
+
+/// What is late by as much as its first frame was, off by a tenth, or a recording that is played
+/// faster than it was made, does not leap; its gaps are losses.
+TEST(SampleClock, AGapOfASourceWithAnotherPaceIsALoss) {
+  std::mt19937_64 random(ada::test::fresh_seed());
+  for (const double pace : {0.9, 1.0, 1.1, 20.0}) {
+    const double late_s =
+        (pace < 2 ? 10 : 0.1) * std::uniform_real_distribution<double>(0, 1)(random);
+    const auto gap = static_cast<int>(30'000 + ada::test::below(random, 300'000)); // in frames
+    SampleClock clock(10000.0, own_ns(0));
+    const int half = 100'000;
+    for (int i = 0; i < 2 * half; ++i) {
+      const int frame = i < half ? i : i + gap;
+      const int of_block = frame - i % 500 + 500;
+      clock.accept(kStart + frame * std::int64_t{100'000},
+                   own_ns(static_cast<int>(of_block / pace + 1e4 * late_s)));
+    }
+    EXPECT_EQ(clock.statistics().lost, static_cast<std::uint64_t>(gap)) << pace;
+    EXPECT_EQ(clock.statistics().bad_times, 0u) << pace << ", late by " << late_s;
+  }
+}
+
 TEST(SampleClock, AGapAsLongAsThisMachineSawItIsALoss) {
   SampleClock clock(10000.0);
   for (int i = 0; i < 500; ++i)
