@@ -12,15 +12,20 @@ namespace ada {
 
 namespace {
 
-constexpr double kStuckAcross = 0.5;         ///< of its travel that the other channel crosses
+constexpr double kStuckAcross = 0.5; ///< of its travel that the other channel crosses
+/// Of its travel that most of a stretch may move by, beside noise. A sound channel moves about its
+/// peak by 0.013 of it there, whatever the other one does.
+constexpr double kMostMoved = 0.005, kNoiseWidth = 3;
 constexpr double kWildShare = 1.0 / 6;       ///< of a stretch that may be wild on either side
 constexpr std::size_t kMinStuckSamples = 20; ///< three of them are less than kWildShare
 
 /// Collects one stretch of `v` after the other.
 class Stretches {
 public:
-  Stretches(double own_travel, double other_travel)
-      : most_own_(kStuckRatio * own_travel), least_other_(kStuckAcross * other_travel) {}
+  Stretches(double own_travel, double own_noise, double other_travel)
+      : most_own_(kStuckRatio * own_travel),
+        most_moved_(std::max(kMostMoved * own_travel, kNoiseWidth * own_noise)),
+        least_other_(kStuckAcross * other_travel) {}
 
   void add(std::size_t i, double own, double other) {
     const double low = std::min(low_, own), high = std::max(high_, own);
@@ -33,6 +38,7 @@ public:
     }
     if (other_.empty())
       first_ = i;
+    own_.push_back(own);
     other_.push_back(other);
   }
 
@@ -43,19 +49,24 @@ public:
 
 private:
   void close() {
-    if (other_.size() >= kMinStuckSamples &&
-        quantile(other_, 1 - kWildShare) - quantile(other_, kWildShare) > least_other_) {
+    if (other_.size() >= kMinStuckSamples && width(other_) > least_other_ &&
+        width(own_) <= most_moved_) {
       if (!found_)
         found_ = Stuck{first_, 0};
       found_->samples += other_.size();
     }
+    own_.clear();
     other_.clear();
     low_ = INFINITY;
     high_ = -INFINITY;
   }
 
-  double most_own_, least_other_;
-  std::vector<double> other_; ///< of the present stretch
+  static double width(const std::vector<double> &v) {
+    return quantile(v, 1 - kWildShare) - quantile(v, kWildShare);
+  }
+
+  double most_own_, most_moved_, least_other_;
+  std::vector<double> own_, other_; ///< of the present stretch
   double low_ = INFINITY, high_ = -INFINITY;
   std::size_t first_ = 0;
   std::optional<Stuck> found_;
@@ -71,7 +82,7 @@ std::optional<Stuck> stuck_stretches(const std::vector<double> &v, double own_tr
                                      const std::vector<double> &other, double other_travel) {
   if (!(other_travel > 0))
     return std::nullopt;
-  Stretches stretches(own_travel, other_travel);
+  Stretches stretches(own_travel, noise_between(v), other_travel);
   for (std::size_t i = 0; i < v.size(); ++i)
     if (std::isfinite(v[i]) && std::isfinite(other[i]))
       stretches.add(i, v[i], other[i]);

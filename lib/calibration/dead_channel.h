@@ -27,7 +27,8 @@ struct Stuck {
 /// about its peak, for 16 electrical degrees to either side, and the other crosses 28 % of its
 /// travel then. Two thirds of the samples must span that half, so that up to a sixth of them may be
 /// wild on either side, and a stretch holds 20 samples at least, of which three are less than a
-/// sixth.
+/// sixth. And most of `v` there stays within what a stop leaves, a quarter of kStuckRatio or noise:
+/// beside noise, or a signal of several periods, a sound channel's peaks would look like stops.
 std::optional<Stuck> stuck_stretches(const std::vector<double> &v, double own_travel,
                                      const std::vector<double> &other, double other_travel);
 

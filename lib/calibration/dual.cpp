@@ -46,6 +46,7 @@ PairEstimate estimate_named(const Recording &recording, CalibrationMethod method
                             const char *name) {
   try {
     PairEstimate e = estimate_pair(RecordingToFit(recording), method);
+    refuse_implausible(e, recording.meta());
     if (!e.vtemp_mean_v)
       throw Error(ADA4571_ERROR_UNUSABLE_DATA, "it has no VTEMP");
     return e;

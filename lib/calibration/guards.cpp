@@ -21,6 +21,7 @@ namespace {
 
 constexpr double kStillFraction = 0.01; ///< of the supply: a channel at rest moves less
 constexpr double kMaxRejected = 0.10;   ///< more is no matter of spikes
+constexpr double kAsOften = 0.5;        ///< about as many samples of the other channel
 constexpr double kSectorOutlier = 6.0;  ///< sigmas from the median of a peak's sector
 constexpr double kPeakSector = 0.2;     ///< sine of half the sector about a peak
 constexpr double kClippedSlope = 0.5;
@@ -143,13 +144,21 @@ void refuse_stuck_stretches(const Capture &capture) {
   const double sin_travel = travel(capture.vsin_v), cos_travel = travel(capture.vcos_v);
   // Less than what a fit leaves out anyway does no harm: a stretch at a rail, say.
   const double most = kMaxRejected * static_cast<double>(capture.size());
-  const auto partly = [&](const char *name, const std::optional<Stuck> &found) {
-    if (found && static_cast<double>(found->samples) > most)
-      refuse(std::string(name) + " is stuck for a part of the capture, from " +
-             moment_text(capture.time_s[found->first]));
+  const auto samples = [&](const std::optional<Stuck> &found) {
+    const double n = found ? static_cast<double>(found->samples) : 0;
+    return n > most ? n : 0;
   };
-  partly("VSIN", stuck_stretches(capture.vsin_v, sin_travel, capture.vcos_v, cos_travel));
-  partly("VCOS", stuck_stretches(capture.vcos_v, cos_travel, capture.vsin_v, sin_travel));
+  const auto partly = [&](const char *name, const std::optional<Stuck> &found) {
+    refuse(std::string(name) + " is stuck for a part of the capture, from " +
+           moment_text(capture.time_s[found->first]));
+  };
+  const auto sin = stuck_stretches(capture.vsin_v, sin_travel, capture.vcos_v, cos_travel);
+  const auto cos = stuck_stretches(capture.vcos_v, cos_travel, capture.vsin_v, sin_travel);
+  // Where either stands while the other one jumps they know some levels only: no channel is stuck.
+  if (std::min(samples(sin), samples(cos)) > kAsOften * std::max(samples(sin), samples(cos)))
+    return;
+  if (std::max(samples(sin), samples(cos)) > 0)
+    samples(sin) > samples(cos) ? partly("VSIN", sin) : partly("VCOS", cos);
 }
 
 std::string why_no_circle(const EllipseFit &fit) {

@@ -3,10 +3,16 @@
 
 #include "calibration/single.h"
 
+#include <algorithm>
+#include <cmath>
 #include <ctime>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "base/angle.h"
 #include "base/error.h"
+#include "calibration/guards.h"
 #include "model/effect.h"
 #include "model/model_file.h"
 
@@ -22,6 +28,10 @@ std::string now_utc() {
   std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
   return text;
 }
+
+/// Of the supply: an output whose middle lies farther from half of it has no tenth left on one
+/// side.
+constexpr double kMostOffset = 0.4;
 
 } // namespace
 
@@ -67,6 +77,25 @@ Model model_of(const PairEstimate &estimate, const CaptureMetadata &meta,
   return model;
 }
 
+void refuse_implausible(const PairEstimate &estimate, const CaptureMetadata &meta) {
+  const EllipseParameters &e = estimate.value;
+  const double structure_v = std::sqrt(
+      std::max(std::pow(estimate.residual_rms_v, 2) - std::pow(estimate.noise_rms_v, 2), 0.0));
+  if (const double off = structure_v / e.amplitude_v; off > kRoundness)
+    throw Error(ADA4571_ERROR_UNUSABLE_DATA,
+                fmt::format("the samples lie on no circle: their curve leaves the best ellipse by "
+                            "{:.2g} % of its radius (rms), as a triangle or a cut-off sine does",
+                            100 * off));
+  for (const auto &[name, centre_v] :
+       {std::pair("VSIN", e.centre_sin_v), std::pair("VCOS", e.centre_cos_v)})
+    if (std::abs(centre_v - 0.5 * meta.supply_v) > kMostOffset * meta.supply_v)
+      throw Error(
+          ADA4571_ERROR_UNUSABLE_DATA,
+          fmt::format("the middle of {} is {:.3f} V where half of the stated supply is {:.3f} "
+                      "V: supply_v or the scale is wrong",
+                      name, centre_v, 0.5 * meta.supply_v));
+}
+
 Model possible(Model model) {
   try {
     check_model(model);
@@ -81,8 +110,9 @@ Model possible(Model model) {
 }
 
 Model calibrate_single(const RecordingToFit &what, CalibrationMethod method) {
-  return possible(model_of(estimate_pair(what, method), what.recording.meta(),
-                           what.recording.identity(),
+  const PairEstimate estimate = estimate_pair(what, method);
+  refuse_implausible(estimate, what.recording.meta());
+  return possible(model_of(estimate, what.recording.meta(), what.recording.identity(),
                            std::string("single ") + method_name(method)));
 }
 

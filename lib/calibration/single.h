@@ -17,6 +17,10 @@ Model calibrate_single(const Capture &capture, CalibrationMethod method);
 Model model_of(const PairEstimate &estimate, const CaptureMetadata &meta,
                const std::string &identity, const std::string &method);
 
+/// What no calibration is of, though an ellipse fits it: a shape that is no circle's, or a middle that
+/// the stated supply cannot have. Throws ADA4571_ERROR_UNUSABLE_DATA.
+void refuse_implausible(const PairEstimate &estimate, const CaptureMetadata &meta);
+
 /// The model, unless it holds what no file may: then the capture is UNUSABLE_DATA, and it is said why.
 Model possible(Model model);
 

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "base/angle.h"
+#include "base/robust.h"
 #include "calibration/dead_channel.h"
 #include "calibration/guards.h"
 #include "health/checks.h"
@@ -47,6 +49,19 @@ HealthCheck check_rotation(const Evidence &e) {
         fmt::format("the samples lie on no circle: their curve leaves the best ellipse "
                     "by {:.2g} % of its radius (rms), as a triangle or a cut-off sine does",
                     100 * out_of_round));
+  if (const double off = std::abs(fit.value.delta_rad) * kDegPerRad; off > kMostQuadratureDeg)
+    return verdict(
+        "rotation", false, off, kMostQuadratureDeg, "deg",
+        fmt::format("VSIN and VCOS are {:.1f} electrical degrees off a quarter of a period "
+                    "from each other: no sine and cosine of one angle",
+                    off));
+  if (e.tally.reversals > 0)
+    return verdict(
+        "rotation", false, static_cast<double>(e.tally.reversals), 0, "times",
+        fmt::format("the angle runs back at the same speed from one sample to "
+                    "the next, {} times, first at {}: a channel was inverted there, or the "
+                    "two were exchanged",
+                    e.tally.reversals, moment(e.what.recording, e.tally.first_reversal)));
   return verdict("rotation", true, fit.coverage_deg, kAbsent, "deg",
                  fmt::format("{:.0f} electrical degrees of one circle, which the samples leave by "
                              "{:.2g} % of its radius (rms)",
@@ -98,10 +113,29 @@ HealthCheck check_short(const Evidence &e) {
   std::transform(sin.begin(), sin.end(), cos.begin(), difference.begin(), std::minus<>());
   const double most = std::max(travel(c.vsin_v), travel(c.vcos_v));
   const double apart = travel(difference) / most;
+  constexpr double kMovedPart = 0.25; // of the travel, from the middle
+  // A shorted pair has one voltage, and has it also where it is not where it mostly is.
+  const auto is_one = [&](std::size_t from, std::size_t count) {
+    const std::size_t end = from + std::min(count, sin.size() - from);
+    const auto part = [&](const std::vector<double> &v) {
+      return std::vector<double>(v.begin() + static_cast<std::ptrdiff_t>(from),
+                                 v.begin() + static_cast<std::ptrdiff_t>(end));
+    };
+    const double middle = quantile(part(sin), 0.5), level = kShortedRatio * c.meta.supply_v;
+    std::size_t moved = 0, moved_apart = 0;
+    for (std::size_t i = from; i < end; ++i)
+      if (std::abs(sin[i] - middle) > kMovedPart * most) {
+        ++moved;
+        moved_apart += !(std::abs(difference[i]) <= level);
+      }
+    return std::abs(quantile(part(difference), 0.5)) <= level && 2 * moved_apart <= moved;
+  };
+  constexpr std::size_t kBegin = 20; // samples that a stretch has at least
   std::optional<std::size_t> first;
-  if (apart < kShortedRatio)
+  if (apart < kShortedRatio && is_one(0, difference.size()))
     first = 0;
-  else if (const auto found = stuck_stretches(difference, most, sin, most))
+  else if (const auto found = stuck_stretches(difference, most, sin, most);
+           found && is_one(found->first, kBegin))
     first = found->first;
   return verdict("short", !first, apart, kAbsent, "of the travel",
                  first ? fmt::format("VSIN and VCOS move together from {} on: they are shorted",

@@ -24,10 +24,16 @@ inline constexpr std::size_t kMaxFaultyRow = 4; ///< samples
 /// angle, the data sheet's accuracy at two periods a turn, is 0.017; three of them leave room for a
 /// distortion that the ellipse does not follow at an angle where the magnet seldom is.
 inline constexpr double kFarOff = 0.05;
-/// Rms of what an ellipse leaves that turns with the angle, of the radius: a sound sensor's
-/// accuracy is 0.017 at its worst angle (kFarOff), and effects of the catalogue at their usual size
-/// leave 0.007 at most. A triangle in the place of a sine leaves 0.11.
-inline constexpr double kRoundness = 0.05;
+/// Electrical degrees off quadrature at which either channel holds half of what the other one is (the
+/// sine of it): what two bridges at the wrong angle give, or one signal twice with a delay.
+inline constexpr double kMostQuadratureDeg = 30;
+
+/// Samples on either side of a turn in the sense of rotation, by which its speed is measured; and
+/// how many steps of that speed the angle jumps there at least, where no shaft turned back.
+inline constexpr std::size_t kSenseSamples = 8;
+inline constexpr double kSenseJump = 3, kSameSpeed = 0.1;
+/// Or without a jump, rad/s^2 of the shaft: coreless servo motors without a load reach a fifth.
+inline constexpr double kMostAcceleration = 1e6;
 
 /// Samples to either side whose median a sample must be as far from, at an end as many in all on
 /// the one side: so many in a row may be wild at once, and what is slower than that (a heater,

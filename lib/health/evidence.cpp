@@ -83,6 +83,7 @@ void find_ellipse(Evidence &e) {
   }
   e.no_ellipse = why_no_circle(*e.ellipse);
   e.no_circle = !e.no_ellipse.empty();
+  e.levels_only = e.no_circle && e.ellipse->directions <= e.ellipse->free_parameters;
   if (e.no_circle)
     e.ellipse.reset();
 }
@@ -114,6 +115,8 @@ std::optional<StuckChannel> find_stuck(const Evidence &e) {
   const auto row = frozen(c.meta, e.tally);
   if (row || !e.turns)
     return row;
+  if (e.levels_only)
+    return std::nullopt; // a channel stays where it is between two jumps, and then the other one
   const std::vector<double> &sin = e.path_sin(), &cos = e.path_cos();
   const double sin_travel = travel(c.vsin_v), cos_travel = travel(c.vcos_v);
   auto found = worse(stuck("VSIN", sin, sin_travel, cos, cos_travel),

@@ -34,6 +34,7 @@ struct Evidence {
   std::optional<EllipseFit> ellipse{}; ///< of this capture, where it proves to be one
   std::string no_ellipse{};            ///< why there is none
   bool no_circle = false;              ///< the samples prove that there is none
+  bool levels_only = false;            ///< and stand at a few points
   std::optional<StuckChannel> stuck{};
   double usual_step_s = 0; ///< of time
   Tally tally{};

@@ -108,6 +108,38 @@ std::vector<std::size_t> rows_beyond(std::span<const double> x, double limit) {
   });
 }
 
+/// The first samples after the sense of rotation has changed at one stroke: the same steps before
+/// and after but for their sign, and a jump between them, or no time for it.
+std::vector<std::size_t> reversals(const std::vector<double> &psi, const Capture &stretch,
+                                   double limit) {
+  const std::vector<double> &time = stretch.time_s;
+  const auto step = [&](std::size_t i) { return wrap_centred(psi[i] - psi[i - 1], kTwoPi); };
+  const auto turns_back = [&](std::size_t i) {
+    const double before = step(i - 1), after = step(i + 1);
+    if (before * after >= 0 || std::abs(before + after) > 2 * limit)
+      return false;
+    double from = 0, on = 0, uneven = 0;
+    for (std::size_t k = 1; k <= kSenseSamples; ++k) {
+      from += step(i - k) / kSenseSamples;
+      on += step(i + k) / kSenseSamples;
+      uneven = std::max({uneven, std::abs(step(i - k) - before), std::abs(step(i + k) - after)});
+    }
+    const double dt = time[i] - time[i - 1];
+    const double acceleration = 2 * std::abs(from) / (dt * dt * stretch.meta.periods_per_turn);
+    return std::abs(from + on) <= kSameSpeed * std::abs(from) && uneven <= 2 * limit &&
+           std::abs(from) * kSenseSamples > limit && dt <= 1.5 * (time[i - 1] - time[i - 2]) &&
+           (std::abs(step(i)) > kSenseJump * std::abs(from) + limit ||
+            acceleration > kMostAcceleration);
+  };
+  std::vector<std::size_t> places;
+  for (std::size_t i = kSenseSamples + 1; i + kSenseSamples < psi.size(); ++i)
+    if (turns_back(i)) {
+      places.push_back(i);
+      i += kSenseSamples; // without a jump the next sample looks like it, too
+    }
+  return places;
+}
+
 /// Rad by which angles point into one direction, from 0 to 1.
 struct Direction {
   double angle_rad = 0, share = 0;
@@ -212,6 +244,7 @@ PairPlaces SpikeFinder::pair(const Capture &stretch) const {
   for (const std::size_t i : places.far) // beside a row of them a sound sample would be the odd one
     p.off_v[i] = std::nan("");
   places.off = beyond_median(p.off_v, off_limit_v_);
+  places.reversals = reversals(p.psi, stretch, along_limit_rad_);
   return places;
 }
 

@@ -22,6 +22,8 @@ namespace ada::health {
 /// the supply.
 struct PairPlaces {
   std::vector<std::size_t> off, along, far;
+  /// Where the angle jumps and runs back from there, which are no spikes.
+  std::vector<std::size_t> reversals{};
   std::vector<std::size_t> all() const;
 };
 

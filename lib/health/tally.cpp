@@ -159,9 +159,14 @@ private:
     PairPlaces pair = spikes_.pair(c.around);
     Found &found = c.found;
     found.reference = of_block(spikes_.reference(c.around, pair));
-    found.pair = {of_block(std::move(pair.off)), of_block(std::move(pair.along)),
-                  of_block(std::move(pair.far))};
+    found.pair = {of_block(std::move(pair.off)),
+                  of_block(std::move(pair.along)),
+                  of_block(std::move(pair.far)),
+                  {}};
     c.tally.far = found.pair.far.size();
+    const std::vector<std::size_t> reversals = of_block(std::move(pair.reversals));
+    c.tally.reversals = reversals.size();
+    c.tally.first_reversal = reversals.empty() ? 0 : reversals.front();
     found.vtemp = of_block(spikes_.vtemp(c.around.vtemp_v));
     found.vdd = of_block(spikes_.vdd(c.around.vdd_v));
     found.candidates.clear();
@@ -270,6 +275,9 @@ private:
       all.first_vtemp_jump = t.first_vtemp_jump;
     all.vtemp_jumps += t.vtemp_jumps;
     all.far += t.far;
+    if (all.reversals == 0)
+      all.first_reversal = t.first_reversal;
+    all.reversals += t.reversals;
     all.least_radius = std::min(all.least_radius, t.least_radius);
     all.greatest_radius = std::max(all.greatest_radius, t.greatest_radius);
     TimeSteps &s = all.steps;

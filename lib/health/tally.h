@@ -55,6 +55,7 @@ struct Tally {
   std::size_t far = 0; ///< samples far off the ellipse, be they spikes or too many for that
   bool far_are_many = false;
   std::vector<std::size_t> vtemp_spikes, vdd_spikes, reference_spikes;
+  std::size_t reversals = 0, first_reversal = 0; ///< at one stroke
   TimeSteps steps;
   std::size_t vtemp_jumps = 0, first_vtemp_jump = 0;
   FaultRow same_vtemp; ///< the value of the sample before

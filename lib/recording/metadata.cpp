@@ -9,6 +9,7 @@
 
 #include "base/angle.h"
 #include "base/text.h"
+#include "base/utf8.h"
 
 namespace ada {
 
@@ -24,17 +25,19 @@ struct Key {
   std::optional<std::string> (*write)(const Meta &);
 };
 
-/// Reads a number in (0, most], or in [0, most] where zero is allowed.
+/// Reads a number in [least, most].
 template <class Field>
-std::string read_number(std::string_view text, Field &field, double most, bool zero = false) {
+std::string read_number(std::string_view text, Field &field, double least, double most) {
   const auto value = parse_number(text);
-  if (value && (*value > 0 || (zero && *value == 0)) && *value <= most) {
+  if (value && *value >= least && *value <= most) {
     field = *value;
     return {};
   }
-  return std::string("must be a number ") + (zero ? "from 0" : "above 0") + " and at most " +
-         shortest(most);
+  return "must be a number from " + shortest(least) + " to " + shortest(most);
 }
+
+/// No number that is a divisor is so small that what it divides becomes infinite.
+constexpr double kLeastVolts = 1e-6, kLeastRate = 1e-6, kLeastBits = 1;
 
 std::string read_periods(Meta &meta, std::string_view text) {
   const auto value = parse_number(text);
@@ -61,7 +64,8 @@ std::optional<std::string> show(const std::string &text) {
 
 /// In the order in which the keys are written.
 constexpr std::array kKeys = {
-    Key{"supply_v", [](Meta &m, std::string_view v) { return read_number(v, m.supply_v, 100); },
+    Key{"supply_v",
+        [](Meta &m, std::string_view v) { return read_number(v, m.supply_v, kLeastVolts, 100); },
         [](const Meta &m) { return std::optional(shortest(m.supply_v)); }},
     Key{"periods_per_turn", read_periods,
         [](const Meta &m) { return std::optional(std::to_string(m.periods_per_turn)); }},
@@ -71,15 +75,20 @@ constexpr std::array kKeys = {
                                 : std::nullopt;
         }},
     Key{"noise_rms_v",
-        [](Meta &m, std::string_view v) { return read_number(v, m.noise_rms_v, 100, true); },
+        [](Meta &m, std::string_view v) { return read_number(v, m.noise_rms_v, 0, 100); },
         [](const Meta &m) { return show(m.noise_rms_v); }},
     Key{"sample_rate_hz",
-        [](Meta &m, std::string_view v) { return read_number(v, m.sample_rate_hz, 1e9); },
+        [](Meta &m, std::string_view v) {
+          return read_number(v, m.sample_rate_hz, kLeastRate, 1e9);
+        },
         [](const Meta &m) { return show(m.sample_rate_hz); }},
-    Key{"adc_bits", [](Meta &m, std::string_view v) { return read_number(v, m.adc_bits, 64); },
+    Key{"adc_bits",
+        [](Meta &m, std::string_view v) { return read_number(v, m.adc_bits, kLeastBits, 64); },
         [](const Meta &m) { return show(m.adc_bits); }},
     Key{"adc_reference_v",
-        [](Meta &m, std::string_view v) { return read_number(v, m.adc_reference_v, 1000); },
+        [](Meta &m, std::string_view v) {
+          return read_number(v, m.adc_reference_v, kLeastVolts, 1000);
+        },
         [](const Meta &m) { return show(m.adc_reference_v); }},
     Key{"serial",
         [](Meta &m, std::string_view v) {
@@ -126,6 +135,8 @@ std::string assign_metadata(CaptureMetadata &meta, std::string_view key, std::st
     return "the key " + excerpt(key) + " holds a character that a key cannot have";
   if (padded(value) || has_control(value))
     return "the value of " + excerpt(key) + " is not one plain line of text";
+  if (!is_utf8(key) || !is_utf8(value))
+    return "the line of " + excerpt(key) + " is not in UTF-8: " + excerpt(value);
   const Key *known = find_key(key);
   if (known == nullptr) {
     meta.other.emplace_back(key, value);

@@ -7,10 +7,15 @@
 #include <cmath>
 #include <functional>
 #include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "base/angle.h"
+#include "base/error.h"
+#include "calibration/single.h"
 #include "support/health.h"
 #include "support/seed.h"
 
@@ -206,6 +211,182 @@ const Case kCases[] = {
            v = sampler.uniform(0, 5);
      }},
 };
+
+/// What is wrong with a capture, and what is not: no other part is accused.
+struct Innocent {
+  const char *name;
+  std::vector<const char *> failed; ///< any of these, and no others
+  std::function<void(Capture &, Sampler &)> change;
+};
+
+void fill(Capture &c, const std::function<double(double)> &sin,
+          const std::function<double(double)> &cos) {
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double turns = 3 * 2 * c.time_s[i];
+    c.vsin_v[i] = sin(turns);
+    c.vcos_v[i] = cos(turns);
+  }
+}
+
+double wave(double turns) {
+  return 2.5 + 1.45 * std::sin(kTwoPi * turns);
+}
+double saw(double turns) {
+  return 2.5 + 2.9 * (turns - std::floor(turns) - 0.5);
+}
+
+/// Where a change of a channel moves the angle.
+std::size_t place(Sampler &s, const std::function<double(std::size_t)> &moves_v) {
+  for (;;)
+    if (const auto i = static_cast<std::size_t>(s.uniform(200, 9800)); std::abs(moves_v(i)) > 0.3)
+      return i;
+}
+
+const Innocent kInnocents[] = {
+    {"noise_beside_a_sine",
+     {"rotation", "radius", "rails"},
+     [](Capture &c, Sampler &s) { fill(c, wave, [&](double) { return s.uniform(0, 5); }); }},
+    {"noise_beside_a_cosine",
+     {"rotation", "radius", "rails"},
+     [](Capture &c, Sampler &s) {
+       fill(
+           c, [&](double) { return s.uniform(0, 5); }, wave);
+     }},
+    {"another_frequency",
+     {"rotation", "radius"},
+     [](Capture &c, Sampler &s) {
+       const double times = s.uniform(2.2, 5);
+       fill(
+           c, [&](double t) { return wave(t) + s.noise(5e-4); },
+           [&](double t) { return wave(times * t) + s.noise(5e-4); });
+     }},
+    {"saws",
+     {"rotation", "radius", "clipping", "spikes"},
+     [](Capture &c, Sampler &s) {
+       fill(
+           c, [&](double t) { return saw(t) + s.noise(5e-4); },
+           [&](double t) { return saw(t + 0.25) + s.noise(5e-4); });
+     }},
+    {"levels",
+     {"rotation", "radius"},
+     [](Capture &c, Sampler &) {
+       fill(
+           c, [](double t) { return wave(t) > 2.5 ? 4.0 : 1.0; },
+           [](double t) { return wave(t + 0.25) > 2.5 ? 4.0 : 1.0; });
+     }},
+    {"rest_at_equal_voltages_with_strays",
+     {"spikes", "rotation", "radius", "reference"},
+     [](Capture &c, Sampler &s) {
+       const double at = 2.5 + 1.45 * std::sqrt(0.5);
+       for (std::size_t i = 0; i < c.size(); ++i) {
+         const double psi = s.uniform(0, kTwoPi);
+         const bool stray = i % 60 == 0;
+         c.vsin_v[i] = stray ? 2.5 + 1.45 * std::sin(psi) : at + s.noise(5e-4);
+         c.vcos_v[i] = stray ? 2.5 + 1.45 * std::cos(psi) : at + s.noise(5e-4);
+       }
+     }},
+    {"exchanged_half_way",
+     {"rotation"},
+     [](Capture &c, Sampler &s) {
+       for (std::size_t i = place(s, [&](std::size_t at) { return c.vsin_v[at] - c.vcos_v[at]; });
+            i < c.size(); ++i)
+         std::swap(c.vsin_v[i], c.vcos_v[i]);
+       c.reference_deg.clear();
+     }},
+    {"sine_inverted_half_way",
+     {"rotation"},
+     [](Capture &c, Sampler &s) {
+       for (std::size_t i = place(s, [&](std::size_t at) { return c.vsin_v[at] - 2.5; });
+            i < c.size(); ++i)
+         c.vsin_v[i] = 5 - c.vsin_v[i];
+       c.reference_deg.clear();
+     }},
+    {"cosine_inverted_half_way",
+     {"rotation"},
+     [](Capture &c, Sampler &s) {
+       for (std::size_t i = place(s, [&](std::size_t at) { return c.vcos_v[at] - 2.5; });
+            i < c.size(); ++i)
+         c.vcos_v[i] = 5 - c.vcos_v[i];
+       c.reference_deg.clear();
+     }},
+    {"far_off_quadrature",
+     {"rotation"},
+     [](Capture &c, Sampler &s) {
+       const double off = s.uniform(35, 60) / 360;
+       fill(
+           c, [&](double t) { return wave(t + off) + s.noise(5e-4); },
+           [&](double t) { return wave(t + 0.25) + s.noise(5e-4); });
+       c.reference_deg.clear();
+     }},
+};
+
+class WrongAccusation : public testing::TestWithParam<Innocent> {};
+
+TEST_P(WrongAccusation, is_not_made) {
+  const Innocent &what = GetParam();
+  Sampler sampler(SensorPair{.offset_sin_v = 0, .offset_cos_v = 0}, fresh_seed());
+  Capture c = sampler.capture(5000, 2, constant_speed(3));
+  what.change(c, sampler);
+  const Health health = check_health(c, nullptr);
+  EXPECT_FALSE(health.sound()) << health_text(health);
+  for (const HealthCheck &check : health.checks)
+    if (check.state == HealthState::failed) {
+      EXPECT_TRUE(std::any_of(what.failed.begin(), what.failed.end(),
+                              [&](const char *id) { return check.id == id; }))
+          << check.id << "\n"
+          << health_text(health);
+    }
+  try {
+    calibrate_single(c, CalibrationMethod::fit);
+  } catch (const Error &e) {
+    for (const char *word : {"stuck", "short"})
+      EXPECT_EQ(std::string(e.what()).find(word), std::string::npos) << e.what();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Captures, WrongAccusation, testing::ValuesIn(kInnocents),
+                         [](const auto &i) { return std::string(i.param.name); });
+
+/// A shaft may turn back as fast as shafts do, and a magnet may slip.
+TEST(SenseOfRotation, changes_as_a_shaft_changes_it) {
+  Sampler sampler(SensorPair{}, fresh_seed());
+  for (const double rpm : {20.0, 600.0, 6000.0})
+    for (const double back_s : {0.01, 0.1}) {
+      const double w = kTwoPi * rpm / 60;
+      const Capture c = sampler.capture(10000, 2, [&](double t) {
+        return w * (t < 1 ? t : t < 1 + back_s ? t - (t - 1) * (t - 1) / back_s : 2 - t + back_s);
+      });
+      const Health health = check_health(c, nullptr);
+      EXPECT_EQ(find(health, "rotation").state, HealthState::passed) << rpm << health_text(health);
+    }
+}
+
+/// Of such a thing no calibration is right.
+TEST(Calibrate, refuses_a_shape_and_a_supply_that_cannot_be) {
+  Sampler sampler(SensorPair{}, fresh_seed());
+  const Capture sound = sampler.capture(5000, 2, constant_speed(3));
+  const auto why = [](const Capture &c) {
+    std::string said;
+    for (const auto method :
+         {CalibrationMethod::fit, CalibrationMethod::mean, CalibrationMethod::extrema})
+      try {
+        calibrate_single(c, method);
+        ADD_FAILURE() << method_name(method);
+      } catch (const Error &e) {
+        EXPECT_EQ(e.status(), ADA4571_ERROR_UNUSABLE_DATA);
+        said = e.what();
+      }
+    return said;
+  };
+  Capture c = sound;
+  fill(c, triangle, [](double t) { return triangle(t + 0.25); });
+  EXPECT_NE(why(c).find("lie on no circle"), std::string::npos) << why(c);
+  for (const double supply : {30.0, 100.0}) {
+    c = sound;
+    c.meta.supply_v = supply;
+    EXPECT_NE(why(c).find("supply_v or the scale is wrong"), std::string::npos) << why(c);
+  }
+}
 
 class Implausible : public testing::TestWithParam<Case> {};
 
