@@ -49,6 +49,7 @@ AtomicFile::AtomicFile(const std::string &path) : shown_(path), target_(path) {
     return;
   }
   target_ = follow_links(path);
+  before_ = file_id(target_);
   open_unseen();
   try {
     keep_owner_and_mode(existing);
@@ -161,6 +162,35 @@ void AtomicFile::commit() {
     return;
   give_name(target_, true);
   sync_folder(folder_of(target_));
+}
+
+std::string AtomicFile::commit_or_beside() {
+  if (!synced_)
+    sync();
+  const bool replaces = static_cast<bool>(before_);
+  if (in_place_ || (replaces && file_id(target_) == before_)) {
+    commit();
+    return {};
+  }
+  const std::size_t slash = target_.rfind('/') + 1; // 0 without one
+  const std::size_t dot = target_.rfind('.');
+  const std::size_t end = dot == target_.npos || dot <= slash ? target_.size() : dot;
+  for (int i = 0; i < kNames; ++i) {
+    const std::string name =
+        i == 0 ? target_ : target_.substr(0, end) + "." + std::to_string(i) + target_.substr(end);
+    if (file_id(name)) // which a rename would replace
+      continue;
+    try {
+      give_name(name, false);
+    } catch (const Error &) {
+      if (file_id(name))
+        continue; // meanwhile
+      throw;
+    }
+    sync_folder(folder_of(target_));
+    return i == 0 ? std::string() : name;
+  }
+  throw system_error(EEXIST, shown_, "cannot put in place");
 }
 
 void AtomicFile::commit_as(const std::string &path) {

@@ -33,6 +33,9 @@ public:
   /// flush and fsync; commit() does it too. For a group of files: sync all, then commit all.
   void sync();
   void commit();
+  /// commit(), unless another file has got the name since this one began, or another one than stood
+  /// there: then under a free name beside it, which is returned. Empty: under its own.
+  std::string commit_or_beside();
   /// commit() under another name in the target's folder; nothing of that name may be there.
   void commit_as(const std::string &path);
 
@@ -55,6 +58,7 @@ private:
   std::string shown_;     ///< the path as the caller gave it, for messages
   std::string target_;    ///< with links resolved, so that a link stays a link
   std::string temporary_; ///< empty while the file has no name
+  FileId before_;         ///< what stood at the target when this began
   Descriptor fd_;
   std::vector<char> buffer_;
   bool in_place_ = false;

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "base/atomic_file.h"
+#include "base/error.h"
 #include "recording/fixed_point.h"
 #include "recording/frame_check.h"
 #include "recording/metadata.h"
@@ -43,7 +44,11 @@ public:
 
   void finish() override {
     check_.require_frames();
-    file_.commit();
+    if (const std::string beside = file_.commit_or_beside(); !beside.empty())
+      throw Error(ADA4571_ERROR_BUSY, file_.target() +
+                                          ": another program has written this file "
+                                          "meanwhile; the recording is in " +
+                                          beside);
   }
 
 private:

@@ -206,7 +206,7 @@ TEST(SingleGuards, a_circle_that_is_no_sensors) {
         v = shift + scale * v;
     for (const auto method :
          {CalibrationMethod::fit, CalibrationMethod::mean, CalibrationMethod::extrema})
-      expect_refusal(c, method, scale < 1 ? "" : "is no sensor's");
+      expect_refusal(c, method, scale < 1 ? "" : "supply_v or");
   }
 }
 

@@ -49,6 +49,16 @@ check_no_verb_writes_over_what_it_reads() {
   refused a.toml iio-angle simulate --model a.toml --save-model a.toml -o c.csv
   refused a.csv iio-angle diagnose --extend x --report x a.csv
   absent x c.csv
+  # Two outputs in one file, by whatever name: also by links to what is not there yet.
+  ln -s x.toml x.html
+  ln -s "$PWD/x.toml" absolute.html
+  ln -s . here
+  local page
+  for page in x.html ./x.html here/x.html absolute.html here/here/absolute.html; do
+    refused a.csv iio-angle diagnose --extend x.toml --report "$page" a.csv
+    says err 'to be written twice'
+  done
+  absent x.toml
   # By way of standard input, too.
   iio-angle calibrate single - -o a.csv <a.csv 2>err >out
   same "exit status" $? 2
@@ -234,9 +244,71 @@ check_a_failed_write_to_standard_output_is_1_in_every_verb() {
     # shellcheck disable=SC2086
     timeout 300 iio-angle $verb >/dev/full 2>err </dev/null
     same "exit status of '$verb'" $? 1
-    grep -v '^ERROR: ' err >ours
-    says ours 'standard output: cannot write: No space left on device'
-    same "sentences of '$verb'" "$(grep -c '^iio-angle: ' ours)" 1
+    says err 'standard output: cannot write: No space left on device'
+    same "sentences of '$verb'" "$(grep -c '^iio-angle: ' err)" 1
+    ! grep '^ERROR: ' err || fail "'$verb' hands on what a library printed"
+  done
+}
+
+check_a_pipe_that_nobody_reads_is_1_in_every_verb() {
+  capture a.csv
+  status 0 iio-angle calibrate single a.csv -o a.toml
+  local verb
+  for verb in "catalogue" "simulate -o -" \
+    "read --calibration a.toml --capture a.csv --speed 0 --format csv" \
+    "convert --calibration a.toml a.csv -o -"; do
+    # shellcheck disable=SC2086
+    (sleep 0.3; exec iio-angle $verb) 2>err </dev/null | true
+    same "exit status of '$verb'" "${PIPESTATUS[0]}" 1
+    says err '^iio-angle: standard output: cannot write: Broken pipe$'
+    same "sentences of '$verb'" "$(lines err)" 1
+  done
+}
+
+# libiio and libxml2 print what a server sends, as it came.
+check_a_server_that_breaks_off_costs_one_line() {
+  local answer
+  for answer in '' '0.24.v0.24\n' '-5\n' '20\n<?xml version="1.0"?>' '7\n<a>\033]0' 'x\n'; do
+    cat >server.py <<EOF
+import socket
+s = socket.create_server(("127.0.0.1", 0))
+print(s.getsockname()[1], flush=True)
+while True:
+    c = s.accept()[0]
+    c.recv(100)
+    c.sendall(b'$answer')
+    c.close()
+EOF
+    rm -f port
+    python3 server.py >port 2>server.log &
+    local server=$!
+    until_there test -s port
+    local verb
+    for verb in "list" "read --samples 1"; do
+      # shellcheck disable=SC2086
+      status 1 timeout 100 iio-angle $verb -u "ip:127.0.0.1:$(cat port)"
+      same "lines of '$verb' at '$answer'" "$(lines err)" 1
+      says err '^iio-angle: '
+    done
+    kill $server
+    wait $server 2>/dev/null
+  done
+}
+
+check_two_recordings_under_one_name_are_both_kept() {
+  emulate
+  local old
+  for old in no yes; do
+    rm -f ./*.csv
+    [[ $old == no ]] || capture rs.csv
+    recording rs.csv
+    status 0 iio-angle record -u "$URI" --samples 500 -o rs.csv
+    kill "$RECORDER"
+    wait "$RECORDER"
+    same "exit status of the other one" $? 1
+    says record.err '^iio-angle: .*rs\.csv: another program has written this file meanwhile; the recording is in .*rs\.1\.csv$'
+    same "rows of the first to end" "$(grep -c '^[0-9]' rs.csv)" 500
+    status 0 iio-angle check rs.1.csv
   done
 }
 

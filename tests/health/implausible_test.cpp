@@ -310,7 +310,7 @@ const Innocent kInnocents[] = {
        c.reference_deg.clear();
      }},
     {"far_off_quadrature",
-     {"rotation"},
+     {"rotation", "radius"},
      [](Capture &c, Sampler &s) {
        const double off = s.uniform(35, 60) / 360;
        fill(

@@ -81,8 +81,6 @@ int run(int argc, char **argv) {
 int main(int argc, char **argv) {
   try {
     return run(argc, argv);
-  } catch (const cli::ClosedPipe &) {
-    return cli::end_by_closed_pipe();
   } catch (const cli::Failure &e) {
     cli::note("iio-angle: {}\n", e.what());
     return e.exit_status();

@@ -27,11 +27,21 @@ std::vector<std::string> files_of(const std::string &path) {
   return {path};
 }
 
-/// What is left of a name when the folders on the way are known: for a file that is not there yet.
+/// What is left of a name when the folders on the way are known, and links that lead to what is not
+/// there yet: for a file that is not there yet.
 std::string real_path(const std::string &path) {
-  std::error_code ignored;
-  return std::filesystem::weakly_canonical(std::filesystem::absolute(path, ignored), ignored)
-      .string();
+  namespace fs = std::filesystem;
+  constexpr int kMostLinks = 40; // as the kernel
+  std::error_code error;
+  fs::path at = fs::absolute(path, error);
+  for (int i = 0; i < kMostLinks; ++i) {
+    at = fs::weakly_canonical(at.parent_path(), error) / at.filename();
+    const fs::path next = fs::read_symlink(at, error);
+    if (error)
+      break;
+    at = at.parent_path() / next; // an absolute one stands for itself
+  }
+  return at.lexically_normal().string();
 }
 
 /// Whether a file can come to be there, with the words that the library would have for it after an

@@ -18,13 +18,9 @@ namespace cli {
 
 namespace {
 
-bool pipe_was_ignored = false; ///< by whoever started the program: then it is no way to end
-
 int remarks_fd = STDERR_FILENO;
 
 [[noreturn]] void fail(int reason) {
-  if (reason == EPIPE && !pipe_was_ignored)
-    throw ClosedPipe();
   throw Failure(kUnusable, std::string("standard output: cannot write: ") + std::strerror(reason));
 }
 
@@ -49,8 +45,14 @@ void open_standard_descriptors() {
     if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", O_RDWR) != fd)
       throw Failure(kUnusable,
                     "cannot open /dev/null in the place of a closed standard descriptor");
-  pipe_was_ignored = std::signal(SIGPIPE, SIG_IGN) == SIG_IGN;
   std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is a failed write, with its sentence
+  std::signal(SIGPIPE, SIG_IGN); // so is a pipe that nobody reads any more
+#ifdef __GLIBC__
+  // libiio and libxml2 print to it what a server sent, as it came. What is to be said of it is said
+  // by remark(), which writes to the descriptor; so does the runtime when it ends the program.
+  if (FILE *const nowhere = std::fopen("/dev/null", "we"))
+    stderr = nowhere;
+#endif
 }
 
 void put(std::string_view text) {
@@ -84,12 +86,6 @@ std::string plain(std::string_view text) {
       out += static_cast<char>(byte);
   }
   return out;
-}
-
-int end_by_closed_pipe() {
-  std::signal(SIGPIPE, SIG_DFL);
-  std::raise(SIGPIPE);
-  return kUnusable;
 }
 
 void remark_to(int fd) noexcept {

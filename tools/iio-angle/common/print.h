@@ -19,17 +19,11 @@ namespace cli {
 /// opened later takes their place and gets what is printed; a closed pipe is a failed write.
 void open_standard_descriptors();
 
-/// Thrown when the reader of standard output has gone, as `| head` does.
-struct ClosedPipe {};
-
-/// Writes to standard output at once. Throws Failure, or ClosedPipe.
+/// Writes to standard output at once. Throws Failure, also where its reader has gone (`| head`).
 void put(std::string_view text);
 
 /// Whatever libraries left in their buffers goes out, or fails as put() does.
 void flush_output();
-
-/// Ends the program as a closed pipe ends one, by SIGPIPE; the exit status where that is ignored.
-int end_by_closed_pipe();
 
 /// Where remarks go from now on, instead of to standard error; nowhere for -1.
 void remark_to(int fd) noexcept;
