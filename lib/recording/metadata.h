@@ -15,7 +15,7 @@
 namespace ada {
 
 /// Sets the field that `key` names, or appends to `other`. Returns what is wrong with the pair in
-/// one clause ("supply_v must be a number above 0 and at most 100, not 'abc'"), empty when nothing
+/// one clause ("supply_v must be a number from 0.000001 to 100, not 'abc'"), empty when nothing
 /// is. Giving a key twice is the caller's to refuse.
 [[nodiscard]] std::string assign_metadata(CaptureMetadata &meta, std::string_view key,
                                           std::string_view value);

@@ -158,7 +158,7 @@ TEST_F(TextWriterCalls, RefusesMetadataThatWouldBreakTheForm) {
   meta = {};
   meta.sample_rate_hz = -1;
   EXPECT_EQ(failure([&] { open_capture_writer(folder_ / "c.csv", meta, {}); }),
-            "sample_rate_hz must be a number above 0 and at most 1000000000, not '-1'");
+            "sample_rate_hz must be a number from 0.000001 to 1000000000, not '-1'");
 }
 
 TEST_F(TextWriterCalls, RefusesMetadataTwiceOrTooLate) {
