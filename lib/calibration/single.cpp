@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "calibration/guards.h"
 #include "model/effect.h"
+#include "model/effect_text.h"
 #include "model/model_file.h"
 
 namespace ada {
@@ -38,10 +39,15 @@ constexpr double kMostOffset = 0.4;
 EffectInstance effect_instance(std::string_view id, std::vector<double> values,
                                std::vector<double> std_errors) {
   const Effect *effect = find_effect(id);
+  const std::size_t given = values.size();
+  if (effect != nullptr) {
+    const auto &parameters = effect_info(*effect).parameters;
+    while (values.size() < parameters.size() && may_be_absent(parameters[values.size()]))
+      values.push_back(std::nan(""));
+  }
   if (effect == nullptr || effect_info(*effect).parameters.size() != values.size())
     throw Error(ADA4571_ERROR_INTERNAL, "the catalogue has no effect '" + std::string(id) +
-                                            "' with " + std::to_string(values.size()) +
-                                            " parameters");
+                                            "' with " + std::to_string(given) + " parameters");
   return {effect, std::move(values), std::move(std_errors)};
 }
 

@@ -24,8 +24,9 @@ void refuse_implausible(const PairEstimate &estimate, const CaptureMetadata &met
 /// The model, unless it holds what no file may: then the capture is UNUSABLE_DATA, and it is said why.
 Model possible(Model model);
 
-/// An effect of the catalogue with its numbers. Throws ADA4571_ERROR_INTERNAL when the catalogue
-/// does not hold it or counts other parameters.
+/// An effect of the catalogue with its numbers; of its last parameters, those that may be absent and
+/// have no number are absent. Throws ADA4571_ERROR_INTERNAL when the catalogue does not hold it or
+/// counts other parameters.
 EffectInstance effect_instance(std::string_view id, std::vector<double> values,
                                std::vector<double> std_errors);
 
