@@ -262,6 +262,26 @@ bool Search::worth_keeping(double worth, const Effect &effect) const {
   return worth > (expected ? criteria::kExpectedNats : criteria::kLeastNats);
 }
 
+/// How much of what an effect is likelier by stays where it stands out of what has no name, whose
+/// variance is known from a few coefficients only: Student's distribution in the place of the
+/// normal, with the degrees of freedom of Welch and Satterthwaite (Biometrics 2, 1946, p. 110) for
+/// the part of the variance that the samples' own noise gives. What every pair has is no outlier.
+double Search::against_unnamed(double nats, const FitResult &fit, std::size_t effect) const {
+  const EffectInstance &e = fit.model.effects[effect];
+  if (!data_.train.coloured || fit.unnamed_share.size() == 0 || !(nats > 0.0) ||
+      e.effect->info().prior_rank == 0)
+    return nats;
+  auto at = static_cast<Eigen::Index>(coordinates_of(Model{}).size());
+  for (std::size_t k = 0; k < effect; ++k)
+    at += static_cast<Eigen::Index>(coordinates(fit.model.effects[k]));
+  const auto n = static_cast<Eigen::Index>(coordinates(e));
+  const double share = n > 0 ? fit.unnamed_share.segment(at, n).maxCoeff() : 0.0;
+  if (!(share > 0.0))
+    return nats;
+  const double freedom = data_.train.coloured->freedom() / (share * share);
+  return 0.5 * (freedom + static_cast<double>(n)) * std::log1p(2.0 * nats / freedom);
+}
+
 /// A true cause makes no part of the record worse: one that helps here at the cost of there stands
 /// for something that comes and goes. Judged in stretches that each are worth so much that chance
 /// makes none of them worse, and hold whole turns.

@@ -96,6 +96,10 @@ inline constexpr double kMostTrends = 32.0, kPeriodsPerTrend = 1.5, kTrendsPerRo
 inline constexpr double kMostStretches = 256.0;
 inline constexpr std::size_t kSamplesOfStretch = 24, kFewestForSteps = 24, kMostSteps = 4;
 inline constexpr double kJump = 8.0, kSameSpeed = 0.1;
+/// A gap between two ranges of the readings of a channel: passed at least so often, and the next
+/// widest is at most this part of it, as is what the jumps differ by.
+inline constexpr std::size_t kFewestCrossings = 4;
+inline constexpr double kNextGap = 0.25;
 /// Held-out nats by which an axis must gain to be admitted: by chance once in e^6 = 400 axes. Each
 /// further step in its order must gain this many.
 inline constexpr double kAdmittedNats = 6.0, kNatsPerOrder = 1.0;

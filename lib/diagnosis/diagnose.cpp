@@ -19,6 +19,7 @@
 #include "diagnosis/candidates.h"
 #include "diagnosis/conditions/gains.h"
 #include "diagnosis/conditions/held_rows.h"
+#include "diagnosis/conditions/level_gap.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/conditions/several.h"
 #include "diagnosis/criteria.h"
@@ -80,6 +81,10 @@ public:
     }
     noise_ = expected_noise(worked_on(), scene_, noise_stated_);
     out_.noise_rms_v = noise_;
+    if ((scene_.gap = level_gap(worked_on()))) {
+      name_nothing();
+      return out_;
+    }
     free_vtemp();
     search_causes(scene_.has_reference);
     if (offsets_moved()) {
@@ -169,6 +174,24 @@ private:
     take(build_ladder(parts_, found_));
     while (drop_what_is_impossible() || drop_what_harms() || drop_what_is_unclear())
       take(build_ladder(parts_, found_));
+    judge_model();
+  }
+
+  /// What the readings of two ranges that do not join show together is no cause's: a fit of any would
+  /// mend the joint. What repeats with the angle is carried all the same.
+  void name_nothing() {
+    choose_parts();
+    found_ = SearchResult{};
+    found_.fit = fit(parts_.train, found_baseline());
+    take(build_ladder(parts_, found_));
+    judge_model();
+    angle_left_ = keep_for_last_look(scene_, out_.extended, floor());
+    look_at_leftovers();
+    conclude();
+  }
+
+  /// The model as it stands now, beside what has no name.
+  void judge_model() {
     if (processes_.empty())
       first_ = ladder_.first;
     if (scene_.radius_only) { // the angle is that of the pair as the model has it now
@@ -248,12 +271,16 @@ private:
   const Scene &judge() const { return options_.heldout ? *judge_ : scene_; }
   double floor() const { return std::max(noise_, scene_.white_noise_v); }
 
-  void search_causes(bool thorough) {
+  void choose_parts() {
     parts_.has_reference = scene_.has_reference;
     parts_.second_capture = judge_.has_value();
     parts_.train = scene_.all.select(thin(scene_.train, kFitTrain));
     parts_.heldout =
         options_.heldout ? judge_->all : scene_.all.select(thin(scene_.heldout, kFitHeldout));
+  }
+
+  void search_causes(bool thorough) {
+    choose_parts();
     Model start = first_model(scene_, baseline());
     // Without a reference the angle is the pair's own, lag and all: a common delay is free.
     // So it is where each of several captures has its own zero angle and one speed.

@@ -28,6 +28,7 @@ struct Normal {
   Eigen::VectorXd right;
   double rss = 0.0;
   Eigen::MatrixXd damping; ///< added to the matrix for a step, not for errors
+  Eigen::MatrixXd white;   ///< the matrix without what has no name; empty where that is nothing
 };
 
 Normal normal_equations(const Observations &data, const Model &model, const std::vector<double> &x,
@@ -77,15 +78,16 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
     if (coloured)
       coloured->project(first, block, projected);
   }
-  Eigen::MatrixXd damping = Eigen::MatrixXd::Zero(parameters, parameters);
+  Eigen::MatrixXd damping = Eigen::MatrixXd::Zero(parameters, parameters), white;
   if (coloured) {
     damping = kDamping * products.topLeftCorner(parameters, parameters);
     damping.triangularView<Eigen::StrictlyUpper>() = damping.transpose();
+    white = damping / kDamping;
     products -= coloured->taken(projected);
   }
   products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
   Normal out{products.topLeftCorner(parameters, parameters), products.topRightCorner(parameters, 1),
-             products(parameters, parameters), std::move(damping)};
+             products(parameters, parameters), std::move(damping), std::move(white)};
   if (data.vtemp_on_vcos_error > 0.0) {
     // One more measurement, weighted by its error against the noise of the samples.
     const double sigma = std::sqrt(out.rss / (2.0 * static_cast<double>(data.size())));
@@ -242,6 +244,10 @@ FitResult fit(const Observations &data, const Model &start, int max_iterations) 
   const double freedom =
       std::max(1.0, 2.0 * static_cast<double>(data.size()) - static_cast<double>(x.size()));
   out.covariance = scaled.inverse() * (out.rss / freedom);
+  if (here.white.size() > 0) {
+    const Eigen::VectorXd of_noise = Scaled(here.white).inverse().diagonal() * (out.rss / freedom);
+    out.unnamed_share = 1.0 - (of_noise.array() / out.covariance.diagonal().array()).min(1.0);
+  }
   return out;
 }
 

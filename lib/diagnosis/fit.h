@@ -27,6 +27,8 @@ struct FitResult {
   Model model;
   Eigen::MatrixXd covariance; ///< of the coordinates, scaled by the residual's variance
   double rss = 0.0;           ///< whitened, V^2
+  /// Part of the variance of each coordinate that what has no name gives; empty: none of it.
+  Eigen::VectorXd unnamed_share;
   bool determined = false;    ///< whether every coordinate is
 };
 

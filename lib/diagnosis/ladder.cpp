@@ -15,6 +15,7 @@
 #include "diagnosis/criteria.h"
 #include "diagnosis/doubt.h"
 #include "diagnosis/explain.h"
+#include "diagnosis/one_line.h"
 #include "diagnosis/told_apart.h"
 #include "model/effect_text.h"
 
@@ -338,12 +339,29 @@ std::vector<std::string> ids_of(const std::vector<Rival> &rivals) {
   return out;
 }
 
-std::vector<std::string> with_untold(std::vector<std::string> ids,
-                                     const std::vector<Untold> &untold, std::size_t effect) {
+void add_alternative(const Effect &effect, std::vector<std::string> &ids) {
+  if (std::find(ids.begin(), ids.end(), effect.info().id) == ids.end())
+    ids.emplace_back(effect.info().id);
+}
+
+/// What else it may be: the rivals that the search met, what its value hangs on, and whose line it
+/// may be.
+std::vector<std::string> alternatives_of(const std::vector<Rival> &rivals,
+                                         const std::vector<Untold> &untold,
+                                         const Observations &data, const Model &model,
+                                         std::size_t effect) {
+  std::vector<std::string> out = ids_of(rivals);
   for (const Untold &u : untold)
-    if (u.effect == effect && std::find(ids.begin(), ids.end(), u.other->info().id) == ids.end())
-      ids.emplace_back(u.other->info().id);
-  return ids;
+    if (u.effect == effect)
+      add_alternative(*u.other, out);
+  const EffectInstance &e = model.effects[effect];
+  if (e.effect->one_line(e.values)) {
+    const double variance_v2 =
+        white_sum_of_squares(data, model) / (2.0 * static_cast<double>(data.size()));
+    for (const Effect *other : same_line(data, model, effect, variance_v2))
+      add_alternative(*other, out);
+  }
+  return out;
 }
 
 } // namespace
@@ -389,7 +407,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     out.findings.push_back({e.effect,
                             e.values,
                             e.std_errors,
-                            with_untold(ids_of(found.alternatives[i]), untold, found.order[i]),
+                            alternatives_of(found.alternatives[i], untold, parts.train, model, found.order[i]),
                             {},
                             {},
                             out.last,

@@ -37,6 +37,18 @@ Structure of_wrong_rows(const Scene &scene, double amplitude_v) {
           scene.periods * rms_rad * amplitude_v / std::numbers::sqrt2};
 }
 
+/// Two ranges of a channel's readings that do not join.
+Structure of_gap(const LevelGap &gap) {
+  return {"angle",
+          fmt::format("{} is never between {:.4g} V and {:.4g} V: each of the {} times that it passes "
+                      "there it jumps by {:.3g} V while the other channel goes on: two ranges of its "
+                      "readings do not join, as where the bytes or the sign of a reading are put "
+                      "together wrongly, or an amplifier changes its range; no cause is named before "
+                      "that is mended",
+                      gap.of_cos ? "VCOS" : "VSIN", gap.low_v, gap.high_v, gap.crossings, gap.jump_v),
+          0.5 * gap.jump_v / std::numbers::sqrt2}; // of one channel, half up and half down
+}
+
 /// Stretches in which the pair is not the sensor's: no cause, and none of its errors.
 Structure of_episodes(const Scene &scene) {
   const Episodes &e = scene.episodes;
@@ -98,6 +110,8 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
   }
   if (scene.episodes.count != 0)
     out.structure.push_back(of_episodes(scene));
+  if (scene.gap)
+    out.structure.push_back(of_gap(*scene.gap));
   if (scene.wrong_rows.count != 0)
     out.structure.push_back(of_wrong_rows(scene, model.baseline.amplitude_v));
   const double rest2 = last.heldout.residual_rms_v * last.heldout.residual_rms_v -

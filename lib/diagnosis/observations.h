@@ -14,6 +14,7 @@
 
 #include "diagnosis/conditions/episodes.h"
 #include "diagnosis/conditions/holdout.h"
+#include "diagnosis/conditions/level_gap.h"
 #include "model/residual.h"
 #include "model/wave.h"
 #include "motion/reference_rows.h"
@@ -114,6 +115,7 @@ struct Scene {
   std::vector<Ripple> reference_ripples;
   WrongRows wrong_rows;
   Episodes episodes;
+  std::optional<LevelGap> gap; ///< between two ranges of the readings
 
   Observations all;                        ///< usable samples
   std::vector<std::uint32_t> index;        ///< their places in the capture

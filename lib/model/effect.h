@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -127,6 +128,13 @@ struct Take {
   Capture &capture; ///< its reference is unwrapped here
 };
 
+/// What an effect adds to the pair where it is one line and nothing else: of so many periods in an
+/// electrical period, or in a second.
+struct OneLine {
+  enum class Per { electrical_period, second } per;
+  double periods = 0.0;
+};
+
 class Effect {
 public:
   virtual ~Effect() = default;
@@ -156,6 +164,9 @@ public:
   virtual double reference_step_rad(Values) const { return 0.0; }
   /// Acts on a simulated capture: lost rows, spikes, wander, the reference column.
   virtual void record(Values, Take &) const {}
+
+  /// The one line that the effect adds; nothing: it adds more, or moves what is there.
+  virtual std::optional<OneLine> one_line(Values) const { return {}; }
 
   // --- how it is fitted
 

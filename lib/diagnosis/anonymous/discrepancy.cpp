@@ -17,11 +17,14 @@ namespace ada {
 namespace {
 
 struct Power {
-  double sum = 0.0, weight = 0.0;
+  double sum = 0.0, weight = 0.0, weight2 = 0.0;
   void add(double power, double w) {
     sum += w * power;
     weight += w;
+    weight2 += w * w;
   }
+  /// Of so many coefficients of one weight the mean would be as certain.
+  double freedom() const { return weight2 > 0.0 ? weight * weight / weight2 : 0.0; }
   double mean() const { return weight > 0.0 ? std::max(0.0, sum / weight) : 0.0; }
 };
 
@@ -95,20 +98,28 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
       for (auto &of_part : of_order)
         of_part[highest + 1 + e - d].add(
             0.0, 2.0 * criteria::kNeighbourWeight[static_cast<std::size_t>(d) - 1]);
+  double freedom = 0.0;
   for (Eigen::Index k = 0; k < n; ++k) {
     const Group &g = group_of(k);
-    double local = 0.0;
+    double local = 0.0, from_so_many = 0.0;
+    const auto take = [&](const Power &of, double part) {
+      local += part * of.mean();
+      from_so_many += part * of.freedom();
+    };
     if (g.axis == Axis::angle)
       for (std::size_t part : parts_of(k))
-        local += of_order[part][g.order].mean() / static_cast<double>(parts_of(k).size());
+        take(of_order[part][g.order], 1.0 / static_cast<double>(parts_of(k).size()));
     else
-      local = of_function[{g.axis, g.of_step, term_of(k).exponent}].mean();
+      take(of_function[{g.axis, g.of_step, term_of(k).exponent}], 1.0);
     out.variance_v2[k] = std::max(local, criteria::kLeastOfResolution * variance[k]);
+    freedom += out.variance_v2[k] * from_so_many;
   }
+  out.freedom = freedom / out.variance_v2.sum();
   return out;
 }
 
-Coloured::Coloured(const Discrepancy &discrepancy, const Observations &data) {
+Coloured::Coloured(const Discrepancy &discrepancy, const Observations &data)
+    : freedom_(discrepancy.freedom) {
   const auto m = static_cast<Eigen::Index>(discrepancy.columns.size());
   rows_.resize(m, static_cast<Eigen::Index>(2 * data.size()));
   Eigen::MatrixXd inner = Eigen::MatrixXd::Zero(m, m);

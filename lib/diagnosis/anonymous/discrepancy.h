@@ -20,6 +20,7 @@ struct Discrepancy {
   std::vector<Eigen::Index> columns;
   Eigen::VectorXd variance_v2; ///< of the coefficient of each
   double noise_v2 = 0.0;       ///< of what is left, white
+  double freedom = 0.0;        ///< coefficients that a variance is known from, on the average
 
   explicit operator bool() const { return !columns.empty(); }
 };
@@ -36,6 +37,8 @@ public:
   Coloured(const Discrepancy &discrepancy, const Observations &data);
 
   Eigen::Index columns() const { return rows_.rows(); }
+  /// Coefficients that the variance of one is known from, on the average.
+  double freedom() const { return freedom_; }
   /// Adds the products of the columns with values of samples [first, first + n) to `sum`: `values`
   /// has 2n columns and a row for each column of `sum`.
   void project(std::size_t first, const Eigen::Ref<const Eigen::MatrixXd> &values,
@@ -57,6 +60,7 @@ public:
   }
 
 private:
+  double freedom_;
   Eigen::MatrixXd rows_; ///< columns of the basis x values of the samples
   Eigen::LDLT<Eigen::MatrixXd> inner_;
 };

@@ -54,6 +54,9 @@ public:
       }
     return out;
   }
+  std::optional<OneLine> one_line(Values v) const override {
+    return OneLine{OneLine::Per::electrical_period, v[0]};
+  }
   /// A channel with more than one part in n of order n turns back within each period: what it reads
   /// then is no sensor's harmonic.
   bool refuted(Values v, const Residual &) const override { return v[2] * v[0] > 1.0; }

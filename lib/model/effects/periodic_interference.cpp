@@ -60,6 +60,9 @@ public:
             wrap(std::atan2(x[2], x[1]) * kDegPerRad, 360.0),
             wrap(std::atan2(x[4], x[3]) * kDegPerRad, 360.0)};
   }
+  std::optional<OneLine> one_line(Values v) const override {
+    return OneLine{OneLine::Per::second, v[0]};
+  }
   std::vector<double> steps(Values) const override { return {1e-5, 1e-4, 1e-4, 1e-4, 1e-4}; }
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     return find_tones(r);
