@@ -262,11 +262,14 @@ bool Search::worth_keeping(double worth, const Effect &effect) const {
   return worth > (expected ? criteria::kExpectedNats : criteria::kLeastNats);
 }
 
-/// How much of what an effect is likelier by stays where it stands out of what has no name, whose
-/// variance is known from a few coefficients only: Student's distribution in the place of the
-/// normal, with the degrees of freedom of Welch and Satterthwaite (Biometrics 2, 1946, p. 110) for
-/// the part of the variance that the samples' own noise gives. What every pair has is no outlier.
-double Search::against_unnamed(double nats, const FitResult &fit, std::size_t effect) const {
+/// By how many nats an effect makes held-out data likelier. Where it stands out of what has no name,
+/// whose variance is known from a few coefficients only, Student's distribution takes the place of
+/// the normal, with the degrees of freedom of Welch and Satterthwaite (Biometrics 2, 1946, p. 110)
+/// for the part of the variance that the samples' own noise gives. What every pair has is no
+/// outlier, and what takes most of what has no name was its own yardstick.
+double Search::against_unnamed(const State &with, const State &less, std::size_t effect) const {
+  const double nats = with.score - less.score;
+  const FitResult &fit = with.fit;
   const EffectInstance &e = fit.model.effects[effect];
   if (!data_.train.coloured || fit.unnamed_share.size() == 0 || !(nats > 0.0) ||
       e.effect->info().prior_rank == 0)
@@ -277,6 +280,13 @@ double Search::against_unnamed(double nats, const FitResult &fit, std::size_t ef
   const auto n = static_cast<Eigen::Index>(coordinates(e));
   const double share = n > 0 ? fit.unnamed_share.segment(at, n).maxCoeff() : 0.0;
   if (!(share > 0.0))
+    return nats;
+  const auto unnamed = [&](const State &state) {
+    return white_sum_of_squares(data_.heldout, state.judged) /
+               (2.0 * static_cast<double>(data_.heldout.size())) -
+           data_.train.coloured->rest_v2();
+  };
+  if (unnamed(with) < criteria::kOfRival * unnamed(less))
     return nats;
   const double freedom = data_.train.coloured->freedom() / (share * share);
   return 0.5 * (freedom + static_cast<double>(n)) * std::log1p(2.0 * nats / freedom);

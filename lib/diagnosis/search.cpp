@@ -107,8 +107,7 @@ bool Search::forward(State &now) {
       continue;
     if (has_moment(*c.effect) && !begins_at_once(*data_.scene, state.fit.model, last))
       continue;
-    const double worth = against_unnamed(state.score - now.score, state.fit, last) -
-                         price(c.start.effects.back());
+    const double worth = against_unnamed(state, now, last) - price(c.start.effects.back());
     const bool clear = worth > criteria::kFarMoreNats && !c.effect->info().signature;
     if (!worth_keeping(worth, *c.effect) ||
         entanglement(state.fit, last, given_) > (clear ? criteria::kNearlyOne : criteria::kEntangled))
@@ -143,8 +142,7 @@ bool Search::backward(State &now) {
   bool changed = false;
   for (std::size_t k = now.fit.model.effects.size(); k-- > given_;) {
     State less = without(now, k);
-    const double worth =
-        against_unnamed(now.score - less.score, now.fit, k) - price(now.fit.model.effects[k]);
+    const double worth = against_unnamed(now, less, k) - price(now.fit.model.effects[k]);
     const Effect &effect = *now.fit.model.effects[k].effect;
     const double size = size_of(now, less, k);
     const Eigen::MatrixXd own = own_moves(now.fit.model);

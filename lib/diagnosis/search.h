@@ -79,7 +79,7 @@ private:
   bool refuted(const State &state, std::size_t effect) const;
   bool dominates(double size_v, std::size_t effect, const Model &model) const;
   bool worth_keeping(double worth, const Effect &effect) const;
-  double against_unnamed(double nats, const FitResult &fit, std::size_t effect) const;
+  double against_unnamed(const State &with, const State &less, std::size_t effect) const;
   bool helps_everywhere(const State &with, const State &less) const;
   double unknown_v(const State &now) const;
   double moved_off_angle_v(const Model &model, std::size_t effect) const;

@@ -52,6 +52,7 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   for (Eigen::Index k : place)
     out.columns.push_back(selection.columns[static_cast<std::size_t>(k)]);
   out.noise_v2 = std::max(selection.train_v2 + above, criteria::kLeastMeanSquare);
+  out.rest_v2 = selection.train_v2;
   const auto n = static_cast<Eigen::Index>(out.columns.size());
   const Eigen::VectorXd stiffness = basis.stiffness();
   const Eigen::MatrixXd a = ridged(from.train(out.columns, out.columns), selection.ridge,
@@ -119,7 +120,7 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
 }
 
 Coloured::Coloured(const Discrepancy &discrepancy, const Observations &data)
-    : freedom_(discrepancy.freedom) {
+    : freedom_(discrepancy.freedom), rest_v2_(discrepancy.rest_v2) {
   const auto m = static_cast<Eigen::Index>(discrepancy.columns.size());
   rows_.resize(m, static_cast<Eigen::Index>(2 * data.size()));
   Eigen::MatrixXd inner = Eigen::MatrixXd::Zero(m, m);

@@ -20,6 +20,7 @@ struct Discrepancy {
   std::vector<Eigen::Index> columns;
   Eigen::VectorXd variance_v2; ///< of the coefficient of each
   double noise_v2 = 0.0;       ///< of what is left, white
+  double rest_v2 = 0.0;        ///< of what is left beside all that repeats with the angle
   double freedom = 0.0;        ///< coefficients that a variance is known from, on the average
 
   explicit operator bool() const { return !columns.empty(); }
@@ -39,6 +40,8 @@ public:
   Eigen::Index columns() const { return rows_.rows(); }
   /// Coefficients that the variance of one is known from, on the average.
   double freedom() const { return freedom_; }
+  /// Mean square of a reading that nothing without a name takes either, V^2.
+  double rest_v2() const { return rest_v2_; }
   /// Adds the products of the columns with values of samples [first, first + n) to `sum`: `values`
   /// has 2n columns and a row for each column of `sum`.
   void project(std::size_t first, const Eigen::Ref<const Eigen::MatrixXd> &values,
@@ -60,7 +63,7 @@ public:
   }
 
 private:
-  double freedom_;
+  double freedom_, rest_v2_;
   Eigen::MatrixXd rows_; ///< columns of the basis x values of the samples
   Eigen::LDLT<Eigen::MatrixXd> inner_;
 };
