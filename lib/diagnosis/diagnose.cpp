@@ -178,11 +178,11 @@ private:
   }
 
   /// What the readings of two ranges that do not join show together is no cause's: a fit of any would
-  /// mend the joint. What repeats with the angle is carried all the same.
+  /// mend the joint. The ellipse, and what repeats with the angle, are carried all the same.
   void name_nothing() {
     choose_parts();
     found_ = SearchResult{};
-    found_.fit = fit(parts_.train, found_baseline());
+    found_.fit = fit(parts_.train, with_expected(found_baseline()), 12);
     take(build_ladder(parts_, found_));
     judge_model();
     angle_left_ = keep_for_last_look(scene_, out_.extended, floor());

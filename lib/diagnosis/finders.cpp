@@ -86,7 +86,7 @@ int order_near(const Residual &r, double frequency, double resolution) {
     if (f < resolution || at(q + 0.04) - at(q - 0.04) > kDwells * f) // only passed through
       continue;
     const double order = std::round(frequency / f);
-    if (order >= 1.0 && order <= 24.0 &&
+    if (order >= 1.0 &&
         std::abs(frequency - order * f) < 3.0 * resolution + kDwells * order * f)
       return static_cast<int>(order);
   }
