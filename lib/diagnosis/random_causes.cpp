@@ -209,10 +209,9 @@ void keep_radial(const Observations &data, ResidualColumns &rest) {
   }
 }
 
-/// Part of a channel's noise that the radial direction keeps in that channel, of a vector that
-/// turns: of slow noise its amplitude times the mean of cos^2, the rest going to twice the rate of
-/// turning; of white noise its power times the mean of cos^4 + (sin cos)^2.
-constexpr double kRadialSlow = 0.25, kRadialWhite = 0.5;
+/// Part of a channel's white noise that the radial direction keeps in that channel, of a vector
+/// that turns: the mean of cos^4 + (sin cos)^2.
+constexpr double kRadialWhite = 0.5;
 
 /// Whittle's likelihood of a spectrum w (1 + corner/f) against a white one, by octaves.
 struct Flicker {
@@ -222,6 +221,7 @@ struct Flicker {
 /// Power of both channels' lines over time, and how it is looked at.
 struct Lines {
   std::array<std::vector<double>, 2> power;
+  std::vector<double> flicker; ///< density of flicker noise over white noise and corner, s
   double bin_hz = 0.0;
   std::size_t stride = 1; ///< lines of the grid closer than the record resolves are no news
   std::size_t first = 0;  ///< below it what is slow in time, or steps with the speed, was taken out
@@ -233,7 +233,7 @@ struct Lines {
     const auto &p = power[static_cast<std::size_t>(channel)];
     double sum = 0.0, n = 0.0, logs = 0.0;
     for (std::size_t k = first; k < size(); k += stride, n += 1.0) {
-      const double shape = 1.0 + corner_hz / (static_cast<double>(k) * bin_hz);
+      const double shape = 1.0 + corner_hz * flicker[k];
       sum += p[k] / shape;
       logs += std::log(shape);
     }
@@ -242,7 +242,19 @@ struct Lines {
   }
 };
 
-Lines lines_of(const Observations &data, const ResidualColumns &rest) {
+/// Density of flicker noise at a frequency where only the radial part of both channels is left,
+/// over that of white noise there. Of each channel a half of the amplitude stays where it is, and a
+/// quarter of each of the two goes to twice the rate of turning on either side.
+double radial_flicker(double frequency, const std::vector<double> &twice_turning, double least) {
+  double sum = 0.0;
+  for (const double f : twice_turning)
+    sum += 0.25 / std::max(std::abs(frequency - f), least) + 0.25 / (frequency + f);
+  return 0.5 / frequency + sum / static_cast<double>(twice_turning.size());
+}
+
+/// `radial_periods`: electrical periods a turn where only the radial part is left; 0: both are
+/// there.
+Lines lines_of(const Observations &data, const ResidualColumns &rest, int radial_periods) {
   Lines out;
   for (int channel = 0; channel < 2; ++channel) {
     const auto &v = channel == 0 ? rest.sin : rest.cos;
@@ -258,6 +270,17 @@ Lines lines_of(const Observations &data, const ResidualColumns &rest) {
     out.stride =
         std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (span * out.bin_hz))));
   out.first = out.stride * static_cast<std::size_t>(criteria::kMostTrends);
+  constexpr std::size_t kSpeeds = 100; // that stand for all
+  std::vector<double> twice_turning;
+  for (std::size_t i = 0; i < data.size() && radial_periods != 0;
+       i += std::max<std::size_t>(1, data.size() / kSpeeds))
+    twice_turning.push_back(2.0 * radial_periods * std::abs(data.omega[i]) / kTwoPi);
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const double frequency = std::max<double>(static_cast<double>(k), 0.5) * out.bin_hz;
+    out.flicker.push_back(twice_turning.empty()
+                              ? 1.0 / frequency
+                              : radial_flicker(frequency, twice_turning, 0.5 / span));
+  }
   return out;
 }
 
@@ -291,8 +314,8 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
   const double span = data.time.back() - data.time.front();
   if (!(data.frame_period_s > 0.0) || span <= 0.0)
     return out;
-  const Lines of = lines_of(data, rest);
-  const auto &[power, bin, stride, first] = of;
+  const Lines of = lines_of(data, rest, has_reference ? 0 : model.periods_per_turn);
+  const auto &[power, flicker, bin, stride, first] = of;
   const std::size_t lines = of.size();
   if (lines < 64 || first >= lines / 4)
     return out;
@@ -323,8 +346,8 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
     for (std::size_t from = first; from < lines; from *= 2) {
       double ratio = 0.0, n = 0.0;
       for (std::size_t k = from; k < std::min(2 * from, lines); k += stride, n += 1.0)
-        ratio += power[static_cast<std::size_t>(c)][k] /
-                 (white[c] * (1.0 + out.corner_hz / (static_cast<double>(k) * bin)));
+        ratio +=
+            power[static_cast<std::size_t>(c)][k] / (white[c] * (1.0 + out.corner_hz * flicker[k]));
       if (n >= criteria::kFewestOfOctave &&
           std::abs(std::log(ratio / n)) > std::log(criteria::kOctaveOff))
         return {};
@@ -336,17 +359,15 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
     const ResidualColumns at_own = residual_columns(own, model);
     ResidualColumns less = at_own;
     subtract(left.basis, left.selection, own, less);
-    const Lines along = lines_of(own, radial_of(own, at_own, less));
+    const Lines along = lines_of(own, radial_of(own, at_own, less), model.periods_per_turn);
     double nats = 0.0, w;
     for (int c = 0; c < 2; ++c)
-      nats += along.likelihood(c, out.corner_hz * kRadialSlow / kRadialWhite, w) -
-              along.likelihood(c, 0.0, w);
+      nats += along.likelihood(c, out.corner_hz, w) - along.likelihood(c, 0.0, w);
     if (nats <= 0.0)
       return {};
   }
   // Density of the white part from its share of the whole mean square.
   const double of_white = has_reference ? 1.0 : kRadialWhite;
-  out.corner_hz *= has_reference ? 1.0 : kRadialWhite / kRadialSlow;
   double sum = 0.0;
   for (int c = 0; c < 2; ++c) {
     double all = 0.0, count = 0.0;
