@@ -273,6 +273,7 @@ private:
 
   void choose_parts() {
     parts_.has_reference = scene_.has_reference;
+    parts_.own_angle = scene_.radius_only;
     parts_.second_capture = judge_.has_value();
     parts_.train = scene_.all.select(thin(scene_.train, kFitTrain));
     parts_.heldout =

@@ -12,6 +12,7 @@ namespace ada {
 struct Parts {
   Observations train, heldout;
   bool has_reference = false;
+  bool own_angle = false;         ///< that of the pair: nothing of its noise lies across the vector
   bool second_capture = false;    ///< judges, with a zero angle of its own
   bool courses_taken_out = false; ///< those of the slow processes that have a name
 

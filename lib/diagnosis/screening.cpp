@@ -135,37 +135,74 @@ void angle_of_curve(Screened &look) {
   unwrap_believed(look);
 }
 
-/// Sample-to-sample noise of a channel from differences, in which slow signals vanish: the higher
-/// their order the better, while white noise is the same in all. The least of three orders.
-double white_noise_of(const std::vector<double> &v, const std::vector<char> &usable) {
-  double least = kInfinite;
+/// Differences of both channels of one order, at each sample, where all samples they reach over are
+/// of use at both ends.
+struct Differences {
+  std::vector<double> sin, cos;
+  std::vector<std::size_t> middle; ///< the sample that each is about
+};
+
+Differences differences(const Screened &look, const std::vector<double> &weights) {
+  const std::size_t reach = weights.size() - 1;
+  double norm2 = 0.0;
+  for (double w : weights)
+    norm2 += w * w;
+  Differences out;
+  for (std::size_t i = reach; i < look.usable.size(); ++i) {
+    if (!look.usable[i] || !look.usable[i - reach])
+      continue;
+    double sin = 0.0, cos = 0.0;
+    for (std::size_t k = 0; k <= reach; ++k) {
+      sin += weights[k] * look.capture.vsin_v[i - k];
+      cos += weights[k] * look.capture.vcos_v[i - k];
+    }
+    out.sin.push_back(std::abs(sin) / std::sqrt(norm2));
+    out.cos.push_back(std::abs(cos) / std::sqrt(norm2));
+    out.middle.push_back(i - reach / 2);
+    if (std::signbit(sin) != std::signbit(cos)) // the sign of the one to the other is all that counts
+      out.cos.back() = -out.cos.back();
+  }
+  return out;
+}
+
+/// Of a channel, rms of both, from sample to sample, by differences, in which slow signals vanish:
+/// the higher their order the better, while white noise is the same in all: the least of three
+/// orders. One channel may be the noisier, or the noise may lie along the vector or across it: seen
+/// in other directions, such noise comes and goes, and the median makes it less than it is.
+double white_noise(const Screened &look) {
+  const auto scale = [](std::vector<double> x) {
+    for (double &v : x)
+      v = std::abs(v);
+    return 1.4826 * quantile(std::move(x), 0.5);
+  };
+  std::array<double, 4> least;
+  least.fill(kInfinite);
   for (const std::vector<double> &weights :
        {std::vector<double>{1, -3, 3, -1}, std::vector<double>{1, -5, 10, -10, 5, -1},
         std::vector<double>{1, -7, 21, -35, 35, -21, 7, -1}}) {
-    const std::size_t reach = weights.size() - 1;
-    double norm2 = 0.0;
-    for (double w : weights)
-      norm2 += w * w;
-    std::vector<double> d;
-    for (std::size_t i = reach; i < v.size(); ++i) {
-      if (!usable[i] || !usable[i - reach])
-        continue;
-      double sum = 0.0;
-      for (std::size_t k = 0; k <= reach; ++k)
-        sum += weights[k] * v[i - k];
-      d.push_back(std::abs(sum));
+    const Differences d = differences(look, weights);
+    if (d.middle.empty())
+      continue;
+    std::vector<double> along, across;
+    for (std::size_t i = 0; i < d.middle.size(); ++i) {
+      const double s = look.capture.vsin_v[d.middle[i]] - look.centre_sin_v;
+      const double c = look.capture.vcos_v[d.middle[i]] - look.centre_cos_v;
+      const double length = std::max(std::hypot(s, c), 1e-12);
+      along.push_back((d.sin[i] * s + d.cos[i] * c) / length);
+      across.push_back((d.sin[i] * c - d.cos[i] * s) / length);
     }
-    if (!d.empty())
-      least = std::min(least, 1.4826 * quantile(std::move(d), 0.5) / std::sqrt(norm2));
+    const std::array now{scale(d.sin), scale(d.cos), scale(std::move(along)),
+                         scale(std::move(across))};
+    for (std::size_t k = 0; k < least.size(); ++k)
+      least[k] = std::min(least[k], now[k]);
   }
-  return least < kInfinite ? least : 0.0;
-}
-
-/// Of a channel, rms of both: one of them may be the noisier.
-double white_noise(const Screened &look) {
-  return std::hypot(white_noise_of(look.capture.vsin_v, look.usable),
-                    white_noise_of(look.capture.vcos_v, look.usable)) /
-         std::numbers::sqrt2;
+  // The median of |x y| with x normal and y a sine is 0.76 of what its rms would have it: noise in
+  // one direction can look that much less, and where the vector has more it has moved.
+  constexpr double kMostHidden = 1.0 / 0.76;
+  const double channels = std::hypot(least[0], least[1]), vector = std::hypot(least[2], least[3]);
+  const bool of_noise = vector < 1.05 * kMostHidden * channels;
+  return least[0] < kInfinite ? std::max(channels, of_noise ? vector : 0.0) / std::numbers::sqrt2
+                              : 0.0;
 }
 
 /// Residual of a channel against harmonics of the angle: what a first look can take for granted.

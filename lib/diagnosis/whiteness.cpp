@@ -56,8 +56,10 @@ Components components(const Scene &scene, const ResidualColumns &r) {
   for (int k = 0; k < 4; ++k)
     own[k] = noise_between(out.of[k]);
   const double mean = std::hypot(own[0], own[1]) / std::numbers::sqrt2;
+  // Where the angle is the pair's own, the noise that is known is that of the radius.
+  const bool radius = out.judged.size() == 1 && !scene.radius_only;
   for (int k : out.judged)
-    if (k < 2 && mean > 0.0 && own[k] > 0.0)
+    if ((k < 2 || radius) && mean > 0.0 && own[k] > 0.0)
       out.noise[k] = own[k] / mean;
   return out;
 }
@@ -425,7 +427,8 @@ void report_spectrum(const Observations &data, const Components &parts, const Me
     return bin * static_cast<double>(std::min(k, size - k)) * data.frame_period_s;
   };
   const auto noise = [&](std::size_t k) { // expected |.|^2 of a line
-    return (pair ? 2.0 : 1.0) * sigma * sigma * n * memory.density(cycles(k));
+    const double own = sigma * parts.noise[2];
+    return (pair ? 2.0 * sigma * sigma : own * own) * n * memory.density(cycles(k));
   };
   // Bands over both signs of frequency: the pair turns, so the two differ. The record fills only a
   // part of the transform, so neighbouring lines are not independent.
