@@ -231,6 +231,33 @@ void leave_out_wrong_rows(std::vector<double> &reference, Screened &look, Scene 
   }
 }
 
+/// Where a smooth motion agrees with every reading of a reference that counts in steps to within one
+/// step, it is the better reference: at a steady speed the rounding is the same in each turn, and
+/// would pass for an error of the sensor.
+void smooth_between_steps(const Screened &look, std::vector<double> &alpha) {
+  constexpr double kWithin = 1.05; // of a step, for the noise of what is counted
+  constexpr double kShare = 0.999; // of the samples
+  double step = 0.0;
+  for (const ScreenFinding &f : look.findings)
+    step = std::max(step, f.effect->reference_step_rad(f.values));
+  if (step <= 0.0)
+    return;
+  std::vector<char> usable = look.usable;
+  const std::vector<double> smooth =
+      smooth_motion(look.capture.time_s, alpha, usable, 0).motion.alpha;
+  std::vector<double> off;
+  for (std::size_t i = 0; i < alpha.size(); ++i)
+    if (usable[i])
+      off.push_back(alpha[i] - smooth[i]);
+  if (off.size() < criteria::kFewestSamples ||
+      quantile(off, 0.5 + 0.5 * kShare) - quantile(off, 0.5 - 0.5 * kShare) > kWithin * step)
+    return;
+  const double middle = quantile(std::move(off), 0.5);
+  for (std::size_t i = 0; i < alpha.size(); ++i)
+    if (usable[i])
+      alpha[i] = smooth[i] + middle;
+}
+
 Kinematics motion_by_reference(Screened &look, Scene &scene) {
   const Capture &capture = look.capture;
   std::vector<double> alpha(capture.size());
@@ -243,6 +270,7 @@ Kinematics motion_by_reference(Screened &look, Scene &scene) {
     return at_rest(std::move(alpha), scene.stops);
   scene.reference_ripples =
       ripples_against_time(capture.time_s, alpha, look.usable, kReferenceOrders);
+  smooth_between_steps(look, alpha);
   Kinematics motion = differentiate(capture.time_s, std::move(alpha), 4);
   leave_out_changes(motion, look.usable);
   return motion;

@@ -166,8 +166,9 @@ Differences differences(const Screened &look, const std::vector<double> &weights
 }
 
 /// Of a channel, rms of both, from sample to sample, by differences, in which slow signals vanish:
-/// the higher their order the better, while white noise is the same in all: the least of three
-/// orders. One channel may be the noisier, or the noise may lie along the vector or across it: seen
+/// the higher their order the better, while white noise is the same in all, and of readings at rest
+/// the shortest has the fewest moves in it: the least of five orders. A median of 0 tells that half
+/// of the readings repeat the one before in the steps of their converter. One channel may be the noisier, or the noise may lie along the vector or across it: seen
 /// in other directions, such noise comes and goes, and the median makes it less than it is.
 double white_noise(const Screened &look) {
   const auto scale = [](std::vector<double> x) {
@@ -178,7 +179,8 @@ double white_noise(const Screened &look) {
   std::array<double, 4> least;
   least.fill(kInfinite);
   for (const std::vector<double> &weights :
-       {std::vector<double>{1, -3, 3, -1}, std::vector<double>{1, -5, 10, -10, 5, -1},
+       {std::vector<double>{1, -1}, std::vector<double>{1, -2, 1}, std::vector<double>{1, -3, 3, -1},
+        std::vector<double>{1, -5, 10, -10, 5, -1},
         std::vector<double>{1, -7, 21, -35, 35, -21, 7, -1}}) {
     const Differences d = differences(look, weights);
     if (d.middle.empty())
@@ -194,7 +196,8 @@ double white_noise(const Screened &look) {
     const std::array now{scale(d.sin), scale(d.cos), scale(std::move(along)),
                          scale(std::move(across))};
     for (std::size_t k = 0; k < least.size(); ++k)
-      least[k] = std::min(least[k], now[k]);
+      if (now[k] > 0.0 || weights.size() > 3)
+        least[k] = std::min(least[k], now[k]);
   }
   // The median of |x y| with x normal and y a sine is 0.76 of what its rms would have it: noise in
   // one direction can look that much less, and where the vector has more it has moved.
