@@ -11,10 +11,11 @@ namespace ada {
 
 namespace {
 
-constexpr std::size_t kFewest = 64;      ///< samples
-constexpr double kOnGrid = 0.95;         ///< part of the samples
-constexpr double kOffGrid = 0.1;         ///< of a step
-constexpr std::size_t kWindow = 8;       ///< samples to either side over which the speed is even
+constexpr std::size_t kFewest = 64; ///< samples
+constexpr double kOnGrid = 0.95;    ///< part of the samples
+constexpr double kOffGrid = 0.1;    ///< of a step
+constexpr std::size_t kWindow = 8;  ///< samples to either side over which the speed is even
+constexpr std::size_t kLongWindow = 8 * kWindow;
 constexpr double kAddsToNoise = 1.0 / 9; ///< of its power: a twentieth of its rms
 
 /// The spacing of which all spacings of the values are multiples; 0 where there is none.
@@ -92,25 +93,29 @@ double find_reference_step(const Screened &look) {
   for (std::size_t i = 0; i < moved.size(); ++i)
     apart[i] = moved[i] - sense * seen[i];
   const std::vector<double> speed = sums(seen), mean = sums(apart);
-  double scatter = 0.0, expected = 0.0, count = 0.0;
-  for (std::size_t i = kWindow; i + kWindow < moved.size(); ++i) {
-    const std::size_t from = i - kWindow, to = i + kWindow + 1;
-    const double length = static_cast<double>(to - from);
-    const double e = apart[i] - (mean[to] - mean[from]) / length;
-    const double v = std::abs(speed[to] - speed[from]) / length / step;
-    const double f = v - std::floor(v);
-    if (std::abs(e) > 2.0 * step + 6.0 * std::sqrt(noise)) // a spike, a loss
-      continue;
-    scatter += e * e;
-    expected += step * step * f * (1.0 - f);
-    count += 1.0;
-  }
-  scatter -= 2.0 * noise * count;
-  // At whole multiples of the step, and at rest, a counter shows nothing of its width. There the noise
-  // of the speed alone lets f(1 - f) seem as large as its mean deviation, 0.8 sigma.
-  const double sigma = std::sqrt(2.0 * noise) / (2.0 * kWindow + 1.0) / step;
-  const bool shows = expected > (0.02 + 1.5 * sigma) * step * step * count;
-  return shows && scatter > 0.5 * expected && scatter < 2.0 * expected ? step * kDegPerRad : 0.0;
+  const auto counts = [&](std::size_t window) {
+    double scatter = 0.0, expected = 0.0, count = 0.0;
+    for (std::size_t i = window; i + window < moved.size(); ++i) {
+      const std::size_t from = i - window, to = i + window + 1;
+      const double length = static_cast<double>(to - from);
+      const double e = apart[i] - (mean[to] - mean[from]) / length;
+      const double v = std::abs(speed[to] - speed[from]) / length / step;
+      const double f = v - std::floor(v);
+      if (std::abs(e) > 2.0 * step + 6.0 * std::sqrt(noise)) // a spike, a loss
+        continue;
+      scatter += e * e;
+      expected += step * step * f * (1.0 - f);
+      count += 1.0;
+    }
+    scatter -= 2.0 * noise * count;
+    // At whole multiples of the step, and at rest, a counter shows nothing of its width. There the
+    // noise of the speed alone lets f(1 - f) seem as large as its mean deviation, 0.8 sigma.
+    const double sigma = std::sqrt(2.0 * noise) / (2.0 * static_cast<double>(window) + 1.0) / step;
+    const bool shows = expected > (0.02 + 1.5 * sigma) * step * step * count;
+    return shows && scatter > 0.5 * expected && scatter < 2.0 * expected;
+  };
+  // A steady speed near a whole multiple is known well enough from many samples only.
+  return counts(kWindow) || counts(kLongWindow) ? step * kDegPerRad : 0.0;
 }
 
 } // namespace ada
