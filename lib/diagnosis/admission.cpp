@@ -255,11 +255,10 @@ bool Search::beyond_doubt(double size_v, const Model &model, std::size_t effect,
          std::min(size_v, moved_off_angle_v(model, effect)) > least_of_noise(e) * noise_v_;
 }
 
-/// What every pair has is expected: it need only stand out of what has no name. Anything else is
-/// looked for among many.
+/// What every pair has is expected: it need only be worth the freedom that it is fitted with, which a
+/// pair without it gains by chance once in a thousand. Anything else is looked for among many.
 bool Search::worth_keeping(double worth, const Effect &effect) const {
-  const bool expected = data_.train.coloured && effect.info().prior_rank == 0;
-  return worth > (expected ? criteria::kExpectedNats : criteria::kLeastNats);
+  return worth > (effect.info().prior_rank == 0 ? criteria::kExpectedNats : criteria::kLeastNats);
 }
 
 /// By how many nats an effect makes held-out data likelier. Where it stands out of what has no name,
