@@ -81,6 +81,7 @@ std::vector<std::pair<Eigen::Index, std::size_t>> of_every_pair(const Model &mod
 } // namespace
 
 std::vector<Untold> widen_by_what_is_not_told_apart(const Observations &all, FitResult &result) {
+  constexpr double kSigmas = 2.0;       // of an error within which a value may be none at all
   constexpr std::size_t kEnough = 4000; // shapes are known by fewer than sizes are
   std::vector<Untold> out;
   const Model model = result.model;
@@ -123,6 +124,11 @@ std::vector<Untold> widen_by_what_is_not_told_apart(const Observations &all, Fit
       continue;
     for (const auto &[k, effect] : places) {
       const double wider = added * moves[k] * moves[k];
+      // Where the other could stand for all of it, it is the one or the other, as at one speed.
+      if (std::abs(x[static_cast<std::size_t>(k)]) < kSigmas * error * std::abs(moves[k])) {
+        out.push_back({effect, other});
+        continue;
+      }
       if (wider > criteria::kClear * before(k, k))
         out.push_back({effect, other});
       result.covariance(k, k) += wider;

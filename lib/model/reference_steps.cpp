@@ -92,30 +92,39 @@ double find_reference_step(const Screened &look) {
   const double sense = together < 0.0 ? -1.0 : 1.0; // of a pair that is wired the other way round
   for (std::size_t i = 0; i < moved.size(); ++i)
     apart[i] = moved[i] - sense * seen[i];
-  const std::vector<double> speed = sums(seen), mean = sums(apart);
-  const auto counts = [&](std::size_t window) {
+  // Differences scatter about their mean over a window, whose speed is that of `of_speed`: by as
+  // much as a counter's do, beside `noise` of theirs. `sigma`: of the speed, in steps a sample;
+  // `least`: f (1 - f) below which it shows nothing of its width, at whole multiples of the step
+  // and at rest.
+  const auto counts = [&](std::size_t window, const std::vector<double> &of_speed,
+                          const std::vector<double> &difference, double own_noise, double sigma,
+                          double least) {
+    const std::vector<double> speed = sums(of_speed), mean = sums(difference);
     double scatter = 0.0, expected = 0.0, count = 0.0;
     for (std::size_t i = window; i + window < moved.size(); ++i) {
       const std::size_t from = i - window, to = i + window + 1;
       const double length = static_cast<double>(to - from);
-      const double e = apart[i] - (mean[to] - mean[from]) / length;
+      const double e = difference[i] - (mean[to] - mean[from]) / length;
       const double v = std::abs(speed[to] - speed[from]) / length / step;
       const double f = v - std::floor(v);
-      if (std::abs(e) > 2.0 * step + 6.0 * std::sqrt(noise)) // a spike, a loss
+      if (std::abs(e) > 2.0 * step + 6.0 * std::sqrt(own_noise)) // a spike, a loss
         continue;
       scatter += e * e;
       expected += step * step * f * (1.0 - f);
       count += 1.0;
     }
-    scatter -= 2.0 * noise * count;
-    // At whole multiples of the step, and at rest, a counter shows nothing of its width. There the
-    // noise of the speed alone lets f(1 - f) seem as large as its mean deviation, 0.8 sigma.
-    const double sigma = std::sqrt(2.0 * noise) / (2.0 * static_cast<double>(window) + 1.0) / step;
-    const bool shows = expected > (0.02 + 1.5 * sigma) * step * step * count;
+    scatter -= 2.0 * own_noise * count;
+    // The noise of the speed alone lets f(1 - f) seem as large as its mean deviation, 0.8 sigma.
+    const bool shows = expected > (least + 1.5 * sigma) * step * step * count;
     return shows && scatter > 0.5 * expected && scatter < 2.0 * expected;
   };
-  // A steady speed near a whole multiple is known well enough from many samples only.
-  return counts(kWindow) || counts(kLongWindow) ? step * kDegPerRad : 0.0;
+  const double length = 2.0 * kWindow + 1.0, long_length = 2.0 * kLongWindow + 1.0;
+  // A steady speed near a whole multiple is known well enough from the reference itself, over many
+  // samples, of which the first and the last are rounded.
+  return counts(kWindow, seen, apart, noise, std::sqrt(2.0 * noise) / length / step, 0.02) ||
+                 counts(kLongWindow, moved, moved, 0.0, 1.0 / std::sqrt(6.0) / long_length, 0.005)
+             ? step * kDegPerRad
+             : 0.0;
 }
 
 } // namespace ada
