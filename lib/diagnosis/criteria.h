@@ -32,6 +32,10 @@ inline constexpr double kMostOfEpisodes = 0.1;
 /// coarse.
 inline constexpr std::size_t kFewestHeld = 100;
 inline constexpr double kRowsHeld = 1.5, kHeldEvenly = 0.9, kBothDiffer = 0.8;
+/// Rows that repeat the one before here and there: so many of them, and so many times what chance
+/// gives, whose estimate from nine rows is right to a factor of two.
+inline constexpr std::size_t kFewestStale = 5;
+inline constexpr double kStaleByChance = 4.0;
 /// Steps of a held reference: all but this part of the smallest and of the largest differ by this
 /// much where the speed does; those of one line by no more than two to one.
 inline constexpr double kFewSteps = 0.1, kStepsDiffer = 2.0;

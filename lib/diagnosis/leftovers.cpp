@@ -37,6 +37,17 @@ Structure of_wrong_rows(const Scene &scene, double amplitude_v) {
           scene.periods * rms_rad * amplitude_v / std::numbers::sqrt2};
 }
 
+/// Rows that repeat the reading before them: no cause, and not the sensor's.
+Structure of_stale_rows(const Scene &scene) {
+  const auto n = static_cast<double>(scene.capture->size());
+  return {"time",
+          fmt::format("{} of {} rows repeat the reading before them to the last bit while the shaft "
+                      "goes on: the driver had no new one for them; they are left out, of the figures "
+                      "as well",
+                      scene.stale.count, scene.capture->size()),
+          std::sqrt(scene.stale.squares_v2 / (2.0 * n))};
+}
+
 /// Two ranges of a channel's readings that do not join.
 Structure of_gap(const LevelGap &gap) {
   return {"angle",
@@ -110,6 +121,8 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
   }
   if (scene.episodes.count != 0)
     out.structure.push_back(of_episodes(scene));
+  if (scene.stale.count != 0)
+    out.structure.push_back(of_stale_rows(scene));
   if (scene.gap)
     out.structure.push_back(of_gap(*scene.gap));
   if (scene.wrong_rows.count != 0)

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "diagnosis/admission.h"
+#include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/moments.h"
@@ -266,8 +267,13 @@ bool brings_forth(const Model &with, const Model &without) {
 }
 
 /// What turns the field, or the reference, with the order that a harmonic of one channel has along
-/// the circle: order n of psi is n - 1 from the pair's own.
-std::vector<EffectInstance> direction_errors_like(const EffectInstance &harmonic, int periods) {
+/// the circle, as far as the capture can show it: order n of psi is n - 1 from the pair's own.
+std::vector<EffectInstance> direction_errors_like(const Scene &scene, const Model &model,
+                                                  const EffectInstance &harmonic) {
+  const int periods = model.periods_per_turn;
+  const ResidualColumns none;
+  const Residual facts =
+      residual_view(scene, scene.all, none, scene.white_noise_v, model.baseline.amplitude_v);
   std::vector<EffectInstance> out;
   const auto order = chosen(harmonic, "order");
   if (!order || !chosen(harmonic, "channel"))
@@ -275,7 +281,7 @@ std::vector<EffectInstance> direction_errors_like(const EffectInstance &harmonic
   for (const Effect *effect : catalogue()) {
     const EffectInfo &info = effect->info();
     if ((info.stage != Stage::field && info.stage != Stage::record) ||
-        info.evidence != Evidence::signal || info.remembers)
+        info.evidence != Evidence::signal || info.remembers || !effect->invisible(facts).empty())
       continue;
     out.push_back({effect, {}, {}});
     for (const ParameterInfo &p : info.parameters)
@@ -312,13 +318,13 @@ void drop_signatures_that_bring_forth(const Scene &scene, const Scene &judge, Pa
     };
     double least = worth(model) - criteria::kRivalNats;
     std::optional<Model> better;
-    for (const EffectInstance &instead : direction_errors_like(signature, model.periods_per_turn)) {
+    for (const EffectInstance &instead : direction_errors_like(scene, model, signature)) {
       Model other = model;
       other.effects[at] = instead;
       other = fit(parts.train, other, kRefit).model;
       const double nats = worth(other);
       if (nats > least && brings_forth(model, other)) {
-        least = nats;
+        least = nats + criteria::kRivalNats; // of two that do as well, what comes first physically
         better = std::move(other);
       }
     }

@@ -475,6 +475,7 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   for (std::size_t i = 0; i < capture.size(); ++i)
     usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
   scene.episodes = leave_out_episodes(capture, usable);
+  scene.stale = leave_out_stale_rows(capture, usable);
   Screened look = screen(capture, known, all, std::move(usable));
   scene.screened = look.findings;
   scene.white_noise_v = look.white_noise_v;

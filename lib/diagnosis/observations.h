@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "diagnosis/conditions/episodes.h"
+#include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/holdout.h"
 #include "diagnosis/conditions/level_gap.h"
 #include "model/residual.h"
@@ -114,6 +115,7 @@ struct Scene {
   /// there is no reference, or too little steady motion.
   std::vector<Ripple> reference_ripples;
   WrongRows wrong_rows;
+  StaleRows stale;
   Episodes episodes;
   std::optional<LevelGap> gap; ///< between two ranges of the readings
 

@@ -4,6 +4,7 @@
 #include "diagnosis/conditions/held_rows.h"
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <map>
 
@@ -114,6 +115,49 @@ std::optional<FreshReadings> fresh_readings(const Capture &capture) {
     return std::nullopt;
   FreshReadings out = only(capture, of_reference);
   out.of_reference = true;
+  return out;
+}
+
+StaleRows leave_out_stale_rows(const Capture &capture, std::vector<char> &usable) {
+  constexpr std::size_t kReach = 4; // rows on either side
+  const std::size_t n = capture.size();
+  const std::vector<double> *channels[] = {&capture.vsin_v, &capture.vcos_v};
+  const auto repeats = [&](std::size_t i) {
+    return capture.vsin_v[i] == capture.vsin_v[i - 1] && capture.vcos_v[i] == capture.vcos_v[i - 1];
+  };
+  const double steps[] = {converter_step(capture.vsin_v), converter_step(capture.vcos_v)};
+  std::vector<std::size_t> stale;
+  double by_chance = 0.0;
+  StaleRows out;
+  for (std::size_t i = kReach + 1; i + kReach < n; ++i) {
+    // Two readings that differ by d rms fall on one step of q about once in d/q.
+    double chance = 1.0, goes_on_v2 = 0.0;
+    for (int c = 0; c < 2; ++c) {
+      double squares = 0.0, count = 0.0;
+      for (std::size_t k = i - kReach; k <= i + kReach; ++k)
+        if (!repeats(k)) {
+          const double d = (*channels[c])[k] - (*channels[c])[k - 1];
+          squares += d * d;
+          count += 1.0;
+        }
+      const double mean = count > 0.0 ? squares / count : 0.0;
+      goes_on_v2 += mean;
+      chance *= mean > 0.0 ? std::min(1.0, steps[c] / std::sqrt(mean)) : 1.0;
+    }
+    if (!std::isfinite(chance)) // beside a reading that is no number
+      continue;
+    by_chance += chance;
+    if (repeats(i)) {
+      stale.push_back(i);
+      out.squares_v2 += goes_on_v2;
+    }
+  }
+  out.count = stale.size();
+  if (out.count < criteria::kFewestStale ||
+      static_cast<double>(out.count) < criteria::kStaleByChance * by_chance)
+    return {};
+  for (const std::size_t i : stale)
+    usable[i] = 0;
   return out;
 }
 
