@@ -404,6 +404,28 @@ double crosstalk(double periods, double waves) {
          std::min(1.0, criteria::kPeriodsPerTrend * waves / std::max(periods, 1e-9));
 }
 
+namespace {
+
+/// Nats by which the radius of held-out data is likelier with a course of this pattern than
+/// without.
+double radial_nats(const Anonymous &left, const Parts &parts, const Model &model, Pattern pattern) {
+  const Observations own = at_own_angle(parts.heldout, model);
+  const ResidualColumns as_it_is = residual_columns(own, model);
+  Selection less = left.selection;
+  for (std::size_t k = 0; k < less.columns.size(); ++k)
+    if (is_course_of(left, less.columns[k], pattern))
+      less.values[static_cast<Eigen::Index>(k)] = 0.0;
+  const auto left_v2 = [&](const Selection &selection) {
+    ResidualColumns rest = as_it_is;
+    subtract(left.basis, selection, own, rest);
+    keep_radial(own, rest);
+    return std::max(mean_square(rest.sin) + mean_square(rest.cos), criteria::kLeastMeanSquare);
+  };
+  return 0.5 * static_cast<double>(own.size()) * std::log(left_v2(less) / left_v2(left.selection));
+}
+
+} // namespace
+
 std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model,
                                      double periods) {
   std::vector<RandomCause> out;
@@ -414,8 +436,12 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
   const double relative = 1.0 / std::sqrt(2.0 * std::max(1.0, waves)); // of an rms of so many terms
   const Worth offset = worth_of(left, Pattern::offset), gain = worth_of(left, Pattern::gain);
   const double both_v2 = offset.share_v2 + gain.share_v2;
-  const auto clear = [&](const Worth &w) {
+  // Without a reference what is slow along the circle may be a motion that was followed badly, as
+  // where a shaft turns back: then the radius must have it, too.
+  const auto clear = [&](const Worth &w, Pattern pattern) {
     return w.nats > criteria::kNatsOfNoise &&
+           (parts.has_reference ||
+            radial_nats(left, parts, model, pattern) > criteria::kNatsOfNoise) &&
            w.share_v2 > criteria::kWorthAWord * criteria::kWorthAWord * noise2 &&
            w.share_v2 > crosstalk(periods, waves) * both_v2;
   };
@@ -424,7 +450,7 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
       effect_of(Evidence::process, "time", Pattern::offset, Character::process);
   const auto offset_course = course_of(left, 0);
   const double sin = rms(offset_course, true), cos = rms(offset_course, false);
-  if (offset_effect && clear(offset) && std::max(sin, cos) > word_v) {
+  if (offset_effect && clear(offset, Pattern::offset) && std::max(sin, cos) > word_v) {
     out.push_back({offset_effect,
                    {sin, cos},
                    {relative * sin, relative * cos},
@@ -435,7 +461,7 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
   const Effect *gain_effect =
       effect_of(Evidence::process, "time", Pattern::gain, Character::process);
   const double grown_v = rms(course_of(left, model.periods_per_turn), false);
-  if (gain_effect && clear(gain) && grown_v > word_v) {
+  if (gain_effect && clear(gain, Pattern::gain) && grown_v > word_v) {
     const double fraction = grown_v / std::abs(model.baseline.amplitude_v);
     out.push_back(
         {gain_effect, {fraction}, {relative * fraction}, {}, gain.nats, 0.5 * grown_v * grown_v});

@@ -39,6 +39,9 @@ public:
   double within(double low, double high) {
     return std::uniform_real_distribution<>(low, high)(rng_);
   }
+  double normal(double rms) {
+    return std::normal_distribution<>(0.0, rms)(rng_);
+  }
 
   /// `n` samples at `rate_hz` of a shaft at angle(t), mechanical rad, with `periods` a turn.
   Capture capture(std::size_t n, double rate_hz, int periods,

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Benches on which the readings themselves mislead: ranges that do not join, rows that are stale,
+// few rows or few readings a stop, references in steps, noise in one direction.
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "diagnosis/bench.h"
+
+namespace ada::test {
+namespace {
+
+constexpr double kMiddleV = 2.5;
+
+bool says(const Diagnosis &d, std::string_view words) {
+  return std::any_of(d.structure.begin(), d.structure.end(), [&](const Structure &s) {
+    return s.description.find(words) != std::string::npos;
+  });
+}
+
+std::string left_of(const Diagnosis &d) {
+  std::string out = names(d) + "left:";
+  for (const Structure &s : d.structure)
+    out += " " + s.description + ";";
+  return out;
+}
+
+/// A shaft that a hand turns, at about so many turns a second.
+std::function<double(double)> by_hand(Bench &bench, double hz) {
+  return wandering(bench, hz, 0.4, bench.within(0.05, 0.3) * hz);
+}
+
+KIND(two_ranges_that_do_not_join_are_told_and_no_cause_is_fitted_over_the_joint) {
+  Bench bench;
+  bench.pair.noise_v = 0.005;
+  const double jump_v = bench.within(0.2, 0.6) * bench.pair.amplitude_v;
+  Capture c = bench.capture(600, 100.0, 1, by_hand(bench, bench.within(0.5, 1.0)));
+  c.reference_deg.clear();
+  for (double &v : c.vsin_v)
+    if (v < kMiddleV)
+      v -= jump_v;
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_TRUE(d.findings.empty()) << names(d);
+  EXPECT_TRUE(says(d, "VSIN is never between")) << left_of(d);
+  EXPECT_EQ(d.verdict, Verdict::unexplained);
+}
+
+KIND(a_square_wave_has_two_ranges_and_a_table_with_stops_has_many) {
+  Bench bench;
+  const double step = bench.within(0.3, 0.5);
+  Capture c = bench.capture(2000, 1000.0, 1, [&](double t) { return step * std::floor(20.0 * t); });
+  c.reference_deg.clear();
+  EXPECT_FALSE(says(diagnose(c, {}), "do not join"));
+}
+
+KIND(a_gain_that_is_another_in_one_quadrant_is_no_bent_transfer) {
+  Bench bench;
+  const double more = bench.within(0.03, 0.06);
+  Capture c = bench.capture(6000, 2000.0, 1, by_hand(bench, bench.within(5.0, 8.0)));
+  c.reference_deg.clear();
+  for (std::size_t i = 0; i < c.size(); ++i)
+    if (c.vsin_v[i] > kMiddleV && c.vcos_v[i] > kMiddleV)
+      for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v})
+        (*v)[i] = kMiddleV + (1.0 + more) * ((*v)[i] - kMiddleV);
+  const Diagnosis d = diagnose(c, {});
+  for (const Finding &f : d.findings)
+    EXPECT_EQ(f.effect->info().prior_rank, 0) << left_of(d);
+  EXPECT_NE(d.verdict, Verdict::explained);
+}
+
+KIND(stale_rows_are_told_and_are_no_vibration) {
+  Bench bench;
+  const double share = bench.within(0.03, 0.1), rps = bench.within(4.0, 8.0);
+  Capture c = bench.capture(10000, 5000.0, 2, [&](double t) { return rps * kTwoPi * t; });
+  for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v})
+    for (double &x : *v)
+      x = std::round(x / 76e-6) * 76e-6;
+  for (std::size_t i = c.size() - 1; i > 0; --i)
+    if (bench.within(0.0, 1.0) < share) {
+      c.vsin_v[i] = c.vsin_v[i - 1];
+      c.vcos_v[i] = c.vcos_v[i - 1];
+    }
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  EXPECT_TRUE(says(d, "repeat the reading before them")) << left_of(d);
+  EXPECT_FALSE(named(d, "angle-noise") || named(d, "timing-jitter")) << names(d);
+}
+
+KIND(a_coarse_converter_before_a_shaft_that_nearly_stands_has_no_stale_rows) {
+  Bench bench;
+  bench.pair.noise_v = 2e-4;
+  const double start = bench.within(0.0, kTwoPi);
+  Capture c = bench.capture(6000, 1000.0, 1, [&](double t) {
+    return 3.0 * kTwoPi * std::sin(0.5 * t + start); // turns back, and stands there
+  });
+  for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v})
+    for (double &x : *v)
+      x = std::round(x / 1.2e-3) * 1.2e-3;
+  EXPECT_FALSE(says(diagnose(c, {}), "repeat the reading before them"));
+}
+
+KIND(a_table_with_five_readings_a_stop_shows_the_pair) {
+  Bench bench;
+  const double start = bench.within(0.0, 0.1);
+  Capture c = bench.capture(
+      180, 100.0, 2, [&](double t) { return start + kTwoPi / 36.0 * std::floor(20.0 * t + 1e-6); });
+  const Diagnosis d = diagnose(c, {});
+  ASSERT_TRUE(named(d, "amplitude-mismatch") && named(d, "quadrature-error")) << left_of(d);
+  EXPECT_NEAR(named(d, "quadrature-error")->values[0] * kRadPerDeg, bench.pair.delta_rad, 2e-3);
+  EXPECT_FALSE(named(d, "reference-resolution")) << names(d);
+  EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
+}
+
+KIND(a_hundred_and_thirty_six_rows_by_hand_show_the_pair) {
+  Bench bench;
+  bench.pair.noise_v = 0.01 * bench.pair.amplitude_v;
+  bench.pair.k = std::copysign(bench.within(0.04, 0.1), bench.pair.k);
+  bench.pair.delta_rad = std::copysign(bench.within(2.0, 5.0), bench.pair.delta_rad) * kRadPerDeg;
+  Capture c = bench.capture(136, 20.0, 1, by_hand(bench, 0.8));
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  ASSERT_TRUE(named(d, "amplitude-mismatch") && named(d, "quadrature-error")) << left_of(d);
+  EXPECT_NEAR(named(d, "amplitude-mismatch")->values[0], bench.pair.k, 0.015);
+  EXPECT_NEAR(named(d, "quadrature-error")->values[0] * kRadPerDeg, bench.pair.delta_rad, 0.015);
+  EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
+}
+
+KIND(noise_of_the_gain_is_told_without_a_reference) {
+  Bench bench;
+  const double fraction = bench.within(2e-3, 5e-3), rps = bench.within(3.0, 10.0);
+  Capture c = bench.capture(10000, 5000.0, 2, [&](double t) { return rps * kTwoPi * t; });
+  c.reference_deg.clear();
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double gain = 1.0 + bench.normal(fraction);
+    for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v})
+      (*v)[i] = kMiddleV + gain * ((*v)[i] - kMiddleV);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *noise = named(d, "amplitude-noise");
+  ASSERT_TRUE(noise) << left_of(d);
+  EXPECT_NEAR(noise->values[0], fraction, 0.1 * fraction);
+  EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
+}
+
+/// Flicker noise of so many volts a root of hertz at 1 Hz: a sum of relaxations whose corners are
+/// spread evenly over the logarithm (McWhorter 1957), each as a first-order recursion.
+std::vector<double> flicker(Bench &bench, std::size_t n, double rate_hz, double at_1_hz_v) {
+  constexpr int kRelaxations = 24;
+  const double low_hz = 0.5 * rate_hz / static_cast<double>(n), high_hz = rate_hz;
+  std::vector<double> out(n, 0.0);
+  for (int k = 0; k < kRelaxations; ++k) {
+    const double octaves = std::log(high_hz / low_hz) / kRelaxations;
+    const double corner_hz = low_hz * std::exp(octaves * (k + 0.5));
+    const double rms = at_1_hz_v * std::sqrt(octaves),
+                 keep = std::exp(-kTwoPi * corner_hz / rate_hz);
+    double x = bench.normal(rms);
+    for (double &v : out) {
+      v += x;
+      x = keep * x + bench.normal(rms * std::sqrt(1.0 - keep * keep));
+    }
+  }
+  return out;
+}
+
+KIND(flicker_noise_is_told_by_the_radius_of_a_steady_shaft) {
+  Bench bench;
+  constexpr double kRate = 2000.0;
+  bench.pair.noise_v = 1e-3;
+  const double corner_hz = bench.within(60.0, 150.0), rps = bench.within(5.0, 15.0);
+  const double density = 2.0 * bench.pair.noise_v * bench.pair.noise_v / kRate; // of the white part
+  Capture c = bench.capture(20000, kRate, 1, [&](double t) { return rps * kTwoPi * t; });
+  c.reference_deg.clear();
+  for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v}) {
+    const std::vector<double> noise =
+        flicker(bench, c.size(), kRate, std::sqrt(density * corner_hz));
+    for (std::size_t i = 0; i < c.size(); ++i)
+      (*v)[i] += noise[i];
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "flicker-noise");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(std::log(f->values[1] / corner_hz), 0.0, 0.6);
+  EXPECT_FALSE(named(d, "offset-wander")) << names(d);
+}
+
+KIND(what_a_coarse_reference_rounds_is_not_learnt_into_the_sensor) {
+  Bench bench;
+  constexpr double kStepDeg = 360.0 / 1024.0;
+  // A turn is a whole number of rows: the rounding repeats with the angle.
+  const double start = bench.within(0.0, kTwoPi);
+  const double rows = std::floor(bench.within(800.0, 1300.0));
+  Capture c =
+      bench.capture(20000, 5000.0, 2, [&](double t) { return start + kTwoPi * t * 5000.0 / rows; });
+  for (double &r : c.reference_deg)
+    r = std::floor(r / kStepDeg) * kStepDeg;
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  EXPECT_EQ(d.findings.size(), 3u) << left_of(d);
+  EXPECT_TRUE(named(d, "reference-resolution")) << left_of(d);
+  EXPECT_FALSE(d.extended.remainder) << left_of(d);
+  EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
+}
+
+KIND(a_harmonic_at_one_speed_may_be_a_tone) {
+  Bench bench;
+  const double rps = bench.within(4.0, 12.0), part = bench.within(0.005, 0.012);
+  Capture c = bench.capture(10000, 5000.0, 2, [&](double t) { return rps * kTwoPi * t; });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.vsin_v[i] += part * bench.pair.amplitude_v * std::cos(3.0 * 2.0 * kTwoPi * rps * c.time_s[i]);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *harmonic = named(d, "harmonic-distortion"),
+                *tone = named(d, "periodic-interference");
+  ASSERT_TRUE(harmonic || tone) << left_of(d);
+  const std::vector<std::string> &others = (harmonic ? harmonic : tone)->alternatives;
+  EXPECT_EQ(std::count(others.begin(), others.end(),
+                       harmonic ? "periodic-interference" : "harmonic-distortion"),
+            1)
+      << names(d);
+}
+
+KIND(at_a_speed_that_hardly_changes_a_skew_is_an_alternative_and_no_wider_error) {
+  Bench bench;
+  const auto angle = wandering(bench, bench.within(3.0, 6.0), bench.within(1e-4, 3e-3), 1.0);
+  Capture c = bench.capture(20000, 5000.0, 2, angle);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *quadrature = named(d, "quadrature-error");
+  ASSERT_TRUE(quadrature);
+  EXPECT_LT(quadrature->std_errors[0], 0.05);
+  EXPECT_EQ(
+      std::count(quadrature->alternatives.begin(), quadrature->alternatives.end(), "channel-skew"),
+      1);
+}
+
+} // namespace
+} // namespace ada::test
