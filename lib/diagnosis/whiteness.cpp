@@ -196,7 +196,10 @@ void report_bins(const Components &parts, const std::vector<int> &bin, int bins,
   BinTest strongest{0.0, 0.0};
   for (int k : parts.judged) {
     const BinTest t = test_bins(parts.of[k], bin, bins, sigma * parts.noise[k]);
-    if (t.z > 8.0 && t.rms_v > least && t.rms_v > strongest.rms_v) {
+    // Noise that grows with the speed, say, is not the same in all: each mean errs by its own
+    // scatter.
+    if (t.z > 8.0 && t.rms_v > least && t.rms_v > strongest.rms_v &&
+        test_bins(parts.of[k], bin, bins, 0.0).z > 8.0) {
       strongest = t;
       best = k;
     }
@@ -309,9 +312,9 @@ public:
   }
 
 private:
-  /// Of the mean power: a channel with a tenth of the noise of the other. Standard errors of a law
-  /// below which it is not known to be more than nothing.
-  static constexpr double kLeastOfMean = 0.01, kErrors = 4.0;
+  /// Of the mean power at a speed: a channel with a tenth of the noise of the other. Of the mean
+  /// over all speeds: a speed at which next to nothing scatters.
+  static constexpr double kLeastOfMean = 0.01, kLeastOfAll = 1e-4;
   using Row = Eigen::Vector4d;
 
   double square(int component, std::size_t i) const {
@@ -321,23 +324,34 @@ private:
     const double speed = mean_omega2_ > 0.0 ? data_.omega[i] * data_.omega[i] / mean_omega2_ : 1.0;
     return {1.0, parts_.cos2[i], parts_.sin2[i], speed - 1.0};
   }
+  /// The square of a normal variable scatters in proportion to its mean: weighted by the law
+  /// itself, and so a few times over (Nelder and Wedderburn, J. R. Stat. Soc. A 135, 1972).
   Row law(int component) const {
-    Eigen::Matrix4d normal = Eigen::Matrix4d::Identity() * 1e-9;
-    Row right = Row::Zero();
-    for (std::size_t i = 0; i < parts_.cos2.size(); ++i) {
-      if (!passes_[i])
-        continue;
-      Row x = row(i);
-      if (component == 2)
-        x[3] = 0.0;
-      normal += x * x.transpose();
-      right += x * square(component, i);
+    constexpr int kPasses = 5;
+    Row out = Row::Zero();
+    for (int pass = 0; pass < kPasses; ++pass) {
+      Eigen::Matrix4d normal = Eigen::Matrix4d::Identity() * 1e-9;
+      Row right = Row::Zero();
+      for (std::size_t i = 0; i < parts_.cos2.size(); ++i) {
+        if (!passes_[i])
+          continue;
+        Row x = row(i);
+        if (component == 2)
+          x[3] = 0.0;
+        const double weight = pass == 0 ? 1.0 : std::pow(out[0] / at(out, i), 2);
+        normal += weight * x * x.transpose();
+        right += weight * x * square(component, i);
+      }
+      out = normal.ldlt().solve(right);
+      if (!(out[0] > 0.0))
+        break;
     }
-    return normal.ldlt().solve(right);
+    return out;
   }
   double at(const Row &of, std::size_t i) const {
-    const double known = kErrors / std::sqrt(static_cast<double>(parts_.cos2.size()));
-    return std::max({of.dot(row(i)), std::max(kLeastOfMean, known) * of[0], 1e-300});
+    const Row x = row(i);
+    const double at_speed = std::max(of[0] + of[3] * x[3], kLeastOfAll * of[0]);
+    return std::max({of.dot(x), kLeastOfMean * at_speed, 1e-300});
   }
 
   const Observations &data_;
