@@ -37,6 +37,18 @@ Structure of_wrong_rows(const Scene &scene, double amplitude_v) {
           scene.periods * rms_rad * amplitude_v / std::numbers::sqrt2};
 }
 
+/// Jumps of the pair's own angle, where it is followed by nothing else.
+Structure of_own_jumps(const Scene &scene, const Model &model) {
+  const OwnJumps &j = scene.own_jumps;
+  return {"time",
+          fmt::format("the angle jumps from one reading to the next, {} times forward and {} times "
+                      "back, by up to {:.3g} deg, first at {:.6g} s, and goes on at the same speed: no "
+                      "shaft turns so, the rows are out of order or come from several clocks",
+                      j.forward, j.backward, j.largest_rad * kDegPerRad, j.first_s),
+          model.baseline.amplitude_v * scene.periods *
+              std::sqrt(j.squares_rad2 / (2.0 * static_cast<double>(scene.capture->size())))};
+}
+
 /// Rows that repeat the reading before them: no cause, and not the sensor's.
 Structure of_stale_rows(const Scene &scene) {
   const auto n = static_cast<double>(scene.capture->size());
@@ -121,6 +133,8 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
   }
   if (scene.episodes.count != 0)
     out.structure.push_back(of_episodes(scene));
+  if (scene.radius_only && scene.own_jumps.to_and_fro())
+    out.structure.push_back(of_own_jumps(scene, model));
   if (scene.stale.count != 0)
     out.structure.push_back(of_stale_rows(scene));
   if (scene.gap)

@@ -16,6 +16,7 @@
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/holdout.h"
 #include "diagnosis/conditions/level_gap.h"
+#include "diagnosis/conditions/own_jumps.h"
 #include "model/residual.h"
 #include "model/wave.h"
 #include "motion/reference_rows.h"
@@ -116,6 +117,7 @@ struct Scene {
   std::vector<Ripple> reference_ripples;
   WrongRows wrong_rows;
   StaleRows stale;
+  OwnJumps own_jumps; ///< looked for without a reference
   Episodes episodes;
   std::optional<LevelGap> gap; ///< between two ranges of the readings
 

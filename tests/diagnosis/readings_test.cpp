@@ -75,6 +75,32 @@ KIND(a_gain_that_is_another_in_one_quadrant_is_no_bent_transfer) {
   EXPECT_NE(d.verdict, Verdict::explained);
 }
 
+KIND(blocks_whose_halves_are_exchanged_are_no_motion_of_the_shaft) {
+  Bench bench;
+  const double rps = bench.within(2.0, 6.0);
+  Capture c = bench.capture(12800, 5000.0, 2, [&](double t) { return rps * kTwoPi * t; });
+  c.reference_deg.clear();
+  for (std::size_t block = 0; block + 64 <= c.size(); block += 64)
+    if (bench.within(0.0, 1.0) < 0.1)
+      for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v})
+        std::rotate(v->begin() + static_cast<std::ptrdiff_t>(block),
+                    v->begin() + static_cast<std::ptrdiff_t>(block + 32),
+                    v->begin() + static_cast<std::ptrdiff_t>(block + 64));
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_TRUE(says(d, "the angle jumps from one reading to the next")) << left_of(d);
+  EXPECT_NE(d.verdict, Verdict::explained) << left_of(d);
+}
+
+KIND(spikes_and_a_hand_that_turns_back_are_no_jumps_of_the_angle) {
+  Bench bench;
+  Capture c = bench.capture(3000, 500.0, 1, [&](double t) { return kTwoPi * std::sin(2.0 * t); });
+  c.reference_deg.clear();
+  for (std::size_t i = 0; i < c.size(); ++i)
+    if (bench.within(0.0, 1.0) < 0.005)
+      c.vsin_v[i] += bench.within(-0.4, 0.4);
+  EXPECT_FALSE(says(diagnose(c, {}), "the angle jumps from one reading to the next"));
+}
+
 KIND(stale_rows_are_told_and_are_no_vibration) {
   Bench bench;
   const double share = bench.within(0.03, 0.1), rps = bench.within(4.0, 8.0);

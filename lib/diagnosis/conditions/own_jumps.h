@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Jumps of the pair's own angle from one reading to the next: no shaft turns so.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+namespace ada {
+
+struct OwnJumps {
+  std::size_t forward = 0, backward = 0;
+  double largest_rad = 0.0, first_s = 0.0, squares_rad2 = 0.0; ///< mechanical; the sum over all
+  /// Rows that are lost let the angle jump in one sense only.
+  bool to_and_fro() const { return forward != 0 && backward != 0; }
+};
+
+/// Steps of an unwrapped angle, rad, that differ from those around them by far more than these do
+/// among themselves, and than a shaft changes its speed from one to the next, at an even clock.
+OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle);
+
+} // namespace ada
