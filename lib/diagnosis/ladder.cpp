@@ -390,6 +390,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
   if (weighs_alike)
     widen_by_what_is_not_borne_out(parts.train, whole);
   const std::vector<Untold> untold = widen_by_what_is_not_told_apart(parts.train, whole);
+  widen_by_choices(parts.train, whole);
   attach_errors(whole);
   out.extended = std::move(whole.model);
   const Model &model = out.extended;

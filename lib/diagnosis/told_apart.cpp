@@ -137,4 +137,28 @@ std::vector<Untold> widen_by_what_is_not_told_apart(const Observations &all, Fit
   return out;
 }
 
+void widen_by_choices(const Observations &data, FitResult &result) {
+  if (!result.determined)
+    return;
+  const std::vector<double> x = coordinates_of(result.model);
+  for (std::size_t e = 0; e < result.model.effects.size(); ++e) {
+    const EffectInstance &chosen = result.model.effects[e];
+    for (auto &values : chosen.effect->choices(chosen.values)) {
+      Model model = result.model;
+      model.effects[e].values = std::move(values);
+      const FitResult other = fit(data, model, 5);
+      const std::vector<double> y = coordinates_of(other.model);
+      const double nats = static_cast<double>(data.size()) * std::log(other.rss / result.rss);
+      if (!other.determined || y.size() != x.size() || !(nats < criteria::kRivalNats))
+        continue;
+      const double likelihood = std::exp(-std::max(nats, 0.0)); // over that of the choice made
+      const double weight = likelihood / (1.0 + likelihood);
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const auto at = static_cast<Eigen::Index>(k);
+        result.covariance(at, at) += weight * (1.0 - weight) * std::pow(y[k] - x[k], 2);
+      }
+    }
+  }
+}
+
 } // namespace ada

@@ -22,4 +22,8 @@ struct Untold {
 /// the name and the other is its alternative.
 std::vector<Untold> widen_by_what_is_not_told_apart(const Observations &data, FitResult &result);
 
+/// The same for the choices of an effect, such as where a transfer is straight: where another does
+/// nearly as well, every number hangs on it.
+void widen_by_choices(const Observations &data, FitResult &result);
+
 } // namespace ada

@@ -251,6 +251,26 @@ KIND(a_harmonic_at_one_speed_may_be_a_tone) {
       << names(d);
 }
 
+KIND(where_a_bend_is_straight_is_in_the_error_of_the_mismatch) {
+  Bench bench;
+  const double rps = bench.within(3.0, 6.0), q2 = bench.within(0.01, 0.02);
+  const double sin_v = bench.within(0.01, 0.03), cos_v = -bench.within(0.01, 0.03);
+  const bool about_offset = bench.within(0.0, 1.0) < 0.5;
+  Capture c = bench.capture(10000, 5000.0, 1, [&](double t) { return rps * kTwoPi * t; });
+  const auto bend = [&](std::vector<double> &v, double offset_v) {
+    for (double &x : v) {
+      const double u = x - kMiddleV + (about_offset ? 0.0 : offset_v);
+      x = kMiddleV + u + q2 * u * u / bench.pair.amplitude_v + (about_offset ? offset_v : 0.0);
+    }
+  };
+  bend(c.vsin_v, sin_v);
+  bend(c.vcos_v, cos_v);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *k = named(d, "amplitude-mismatch");
+  ASSERT_TRUE(k && named(d, "quadratic-nonlinearity")) << left_of(d);
+  EXPECT_NEAR(k->values[0], bench.pair.k, 3.0 * k->std_errors[0] + 2e-5) << names(d);
+}
+
 KIND(at_a_speed_that_hardly_changes_a_skew_is_an_alternative_and_no_wider_error) {
   Bench bench;
   // As much as a skew within the time of a sample could be all of.
