@@ -184,7 +184,9 @@ private:
     found_ = SearchResult{};
     found_.fit = fit(parts_.train, with_expected(found_baseline()), 12);
     take(build_ladder(parts_, found_));
+    ladder_.baseline = out_.extended; // the ellipse is no finding
     judge_model();
+    first_ = parts_.rung(ladder_.baseline); // at the angle that the pair has now
     angle_left_ = keep_for_last_look(scene_, out_.extended, floor());
     look_at_leftovers();
     conclude();
