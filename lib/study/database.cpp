@@ -79,7 +79,7 @@ Database::Database(const std::string &path) : path_(path), sqlite_(path, Sqlite:
 Database::Database(const std::string &path, const Setup &setup, bool shared)
     : path_(path), sqlite_(path, Sqlite::Mode::write), setup_(setup), shared_(shared) {
   if (shared)
-    sqlite_.run("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL");
+    sqlite_.share();
   else
     sqlite_.run("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF");
   if (!sqlite_.has_table("study"))

@@ -3,9 +3,11 @@
 
 #include "study/sqlite.h"
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <thread>
 #include <vector>
 
 #include <sqlite3.h>
@@ -76,6 +78,19 @@ void Sqlite::fail() const {
 void Sqlite::run(const std::string &sql) {
   if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK)
     fail();
+}
+
+void Sqlite::share() {
+  constexpr auto kPause = std::chrono::milliseconds(5);
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(kPatienceMs);
+  while (sqlite3_exec(database_.get(), "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr) !=
+         SQLITE_OK) {
+    if (status_of(sqlite3_errcode(database_.get())) != ADA4571_ERROR_BUSY ||
+        std::chrono::steady_clock::now() > until)
+      fail();
+    std::this_thread::sleep_for(kPause);
+  }
+  run("PRAGMA synchronous = NORMAL");
 }
 
 bool Sqlite::has_table(const std::string &name) {

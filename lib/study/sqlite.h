@@ -57,6 +57,10 @@ public:
   /// name.
   Sqlite(const std::string &path, Mode mode);
   void run(const std::string &sql);
+  /// For several processes at once: they read while one writes. To change over needs the file for
+  /// oneself, for which SQLite does not wait when another changes it over at the same moment or gives
+  /// it back: that is waited for here.
+  void share();
   /// Whether there is a table of this name.
   bool has_table(const std::string &name);
   std::int64_t last_id() const;

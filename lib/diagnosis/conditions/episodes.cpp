@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
