@@ -123,10 +123,14 @@ std::vector<Untold> widen_by_what_is_not_told_apart(const Observations &all, Fit
     if (!std::isfinite(added) || !moves.allFinite())
       continue;
     for (const auto &[k, effect] : places) {
-      const double wider = added * moves[k] * moves[k];
-      // Where the other could stand for all of it, it is the one or the other, as at one speed.
-      if (std::abs(x[static_cast<std::size_t>(k)]) < kSigmas * error * std::abs(moves[k])) {
+      double wider = added * moves[k] * moves[k];
+      // Where the other could stand for all of it, it is the one or the other: between all and
+      // nothing, each as likely, lies half of the value to either side.
+      const double value = x[static_cast<std::size_t>(k)];
+      if (std::abs(value) < kSigmas * error * std::abs(moves[k])) {
         out.push_back({effect, other});
+        wider = std::min(wider, 0.25 * value * value);
+        result.covariance(k, k) += wider;
         continue;
       }
       if (wider > criteria::kClear * before(k, k))

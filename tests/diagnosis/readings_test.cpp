@@ -271,7 +271,7 @@ KIND(where_a_bend_is_straight_is_in_the_error_of_the_mismatch) {
   EXPECT_NEAR(k->values[0], bench.pair.k, 3.0 * k->std_errors[0] + 2e-5) << names(d);
 }
 
-KIND(at_a_speed_that_hardly_changes_a_skew_is_an_alternative_and_no_wider_error) {
+KIND(at_a_speed_that_hardly_changes_a_skew_is_an_alternative_and_the_error_no_wider_than_that) {
   Bench bench;
   // As much as a skew within the time of a sample could be all of.
   bench.pair.delta_rad = std::copysign(bench.within(0.08, 0.2) * kRadPerDeg, bench.pair.delta_rad);
@@ -281,7 +281,7 @@ KIND(at_a_speed_that_hardly_changes_a_skew_is_an_alternative_and_no_wider_error)
   expect_pair(d, bench.pair);
   const Finding *quadrature = named(d, "quadrature-error");
   ASSERT_TRUE(quadrature);
-  EXPECT_LT(quadrature->std_errors[0], 0.01);
+  EXPECT_LT(quadrature->std_errors[0], 0.51 * std::abs(quadrature->values[0]));
   EXPECT_EQ(
       std::count(quadrature->alternatives.begin(), quadrature->alternatives.end(), "channel-skew"),
       1);
