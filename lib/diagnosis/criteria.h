@@ -186,7 +186,7 @@ inline constexpr int kMostEffects = 10;
 /// likeliest of some fifty shapes gains e^-12 of them by chance, and a coordinate that is fitted to
 /// nothing one nat on the average.
 inline constexpr double kLeastNats = 12.0, kNatsPerCoordinate = 3.0;
-/// What every pair has need only be likelier than not by this, beside what has no name.
+/// What every pair has need only be likelier than not by this, beyond what each coordinate costs.
 inline constexpr double kExpectedNats = 0.0;
 /// A moment that was looked for among all samples costs about the logarithm of their number.
 inline constexpr double kNatsPerMoment = 11.0;

@@ -133,7 +133,7 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
   }
   if (scene.episodes.count != 0)
     out.structure.push_back(of_episodes(scene));
-  if (scene.radius_only && scene.own_jumps.to_and_fro())
+  if (scene.own_jumps.to_and_fro())
     out.structure.push_back(of_own_jumps(scene, model));
   if (scene.stale.count != 0)
     out.structure.push_back(of_stale_rows(scene));

@@ -488,12 +488,12 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   }
   describe_temperature(capture, scene);
 
-  if (!scene.has_reference)
-    scene.own_jumps = own_jumps(capture.time_s, look.angle);
   std::vector<std::uint32_t> rough, bursts;
   Kinematics motion =
       scene.has_reference ? motion_by_reference(look, scene) : motion_by_pair(look, scene, rough);
-  if (!scene.radius_only)
+  if (scene.radius_only)
+    scene.own_jumps = own_jumps(capture.time_s, look.angle);
+  else
     bursts = in_rows(look.spikes);
   if (!scene.has_reference)
     for (std::uint32_t i : bursts)

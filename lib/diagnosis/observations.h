@@ -117,7 +117,7 @@ struct Scene {
   std::vector<Ripple> reference_ripples;
   WrongRows wrong_rows;
   StaleRows stale;
-  OwnJumps own_jumps; ///< looked for without a reference
+  OwnJumps own_jumps; ///< looked for where the angle is the pair's own
   Episodes episodes;
   std::optional<LevelGap> gap; ///< between two ranges of the readings
 

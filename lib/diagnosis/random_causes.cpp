@@ -513,8 +513,8 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   const double relative_error = std::sqrt(3.0 / n);
   const double error_of_two = std::hypot(along, across) * relative_error;
   // Without a reference what lies across the vector may be the motion's, which makes it no less.
-  const bool grows = differ && along > across && !parts.own_angle;
-  if (grows && white(shape.along)) {
+  const bool of_gain = differ && along > across && !parts.own_angle;
+  if (of_gain && white(shape.along)) {
     const double f = std::sqrt(along - across) / amplitude;
     const double error = error_of_two / (2.0 * f * amplitude * amplitude);
     std::vector<std::string> others;
@@ -557,7 +557,7 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
     }
   // White noise shows in both directions alike; what is more along one of them has been named.
   const bool one = differ || !parts.has_reference;
-  const double white2 = grows                  ? across
+  const double white2 = of_gain                ? across
                         : !parts.has_reference ? along
                         : differ               ? std::min(along, across)
                                                : 0.5 * (along + across);

@@ -156,11 +156,9 @@ Differences differences(const Screened &look, const std::vector<double> &weights
       sin += weights[k] * look.capture.vsin_v[i - k];
       cos += weights[k] * look.capture.vcos_v[i - k];
     }
-    out.sin.push_back(std::abs(sin) / std::sqrt(norm2));
-    out.cos.push_back(std::abs(cos) / std::sqrt(norm2));
+    out.sin.push_back(sin / std::sqrt(norm2));
+    out.cos.push_back(cos / std::sqrt(norm2));
     out.middle.push_back(i - reach / 2);
-    if (std::signbit(sin) != std::signbit(cos)) // the sign of the one to the other is all that counts
-      out.cos.back() = -out.cos.back();
   }
   return out;
 }
@@ -168,8 +166,9 @@ Differences differences(const Screened &look, const std::vector<double> &weights
 /// Of a channel, rms of both, from sample to sample, by differences, in which slow signals vanish:
 /// the higher their order the better, while white noise is the same in all, and of readings at rest
 /// the shortest has the fewest moves in it: the least of five orders. A median of 0 tells that half
-/// of the readings repeat the one before in the steps of their converter. One channel may be the noisier, or the noise may lie along the vector or across it: seen
-/// in other directions, such noise comes and goes, and the median makes it less than it is.
+/// of the readings repeat the one before in the steps of their converter. One channel may be the
+/// noisier, or the noise may lie along the vector or across it: seen in other directions, such noise
+/// comes and goes, and the median makes it less than it is.
 double white_noise(const Screened &look) {
   const auto scale = [](std::vector<double> x) {
     for (double &v : x)
@@ -199,11 +198,11 @@ double white_noise(const Screened &look) {
       if (now[k] > 0.0 || weights.size() > 3)
         least[k] = std::min(least[k], now[k]);
   }
-  // The median of |x y| with x normal and y a sine is 0.76 of what its rms would have it: noise in
+  // The median of |x y| with x normal and y a sine is 0.745 of what its rms would have it: noise in
   // one direction can look that much less, and where the vector has more it has moved.
-  constexpr double kMostHidden = 1.0 / 0.76;
+  constexpr double kMostHidden = 1.0 / 0.745, kOfMedian = 1.03; // the latter: a median's own scatter
   const double channels = std::hypot(least[0], least[1]), vector = std::hypot(least[2], least[3]);
-  const bool of_noise = vector < 1.05 * kMostHidden * channels;
+  const bool of_noise = vector < kOfMedian * kMostHidden * channels;
   return least[0] < kInfinite ? std::max(channels, of_noise ? vector : 0.0) / std::numbers::sqrt2
                               : 0.0;
 }

@@ -115,7 +115,7 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
     out.variance_v2[k] = std::max(local, criteria::kLeastOfResolution * variance[k]);
     freedom += out.variance_v2[k] * from_so_many;
   }
-  out.freedom = freedom / out.variance_v2.sum();
+  out.freedom = n > 0 ? freedom / out.variance_v2.sum() : 0.0;
   return out;
 }
 
