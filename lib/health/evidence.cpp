@@ -4,6 +4,7 @@
 #include "health/evidence.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/angle.h"
@@ -67,6 +68,28 @@ bool pair_turns(const Capture &capture) {
          kStillFraction * capture.meta.supply_v;
 }
 
+/// Whether the pair only stands at a few places and jumps between them: seen from the middle of
+/// both channels it is found in no more directions than an ellipse has free parameters. The ellipse
+/// itself cannot tell: where a channel stands for most of the time, the best one may be a huge
+/// circle along that line, which sees it in one direction. A direction that holds one sample in a
+/// thousand or fewer may be spikes.
+bool stands_at_few_places(const Capture &c, std::size_t few) {
+  constexpr std::size_t kCells = static_cast<std::size_t>(360 / kDirectionDeg), kSpikes = 1000;
+  const Reach sin = bulk(c.vsin_v), cos = bulk(c.vcos_v);
+  if (!(sin.width() > 0 && cos.width() > 0))
+    return false;
+  std::array<std::size_t, kCells> held{};
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double y = (c.vsin_v[i] - sin.low) / sin.width() - 0.5;
+    const double x = (c.vcos_v[i] - cos.low) / cos.width() - 0.5;
+    if (const double turn = wrap(std::atan2(y, x) / kTwoPi, 1.0); std::isfinite(turn))
+      ++held[std::min(static_cast<std::size_t>(turn * kCells), kCells - 1)];
+  }
+  const std::size_t most = std::max<std::size_t>(c.size() / kSpikes, 3);
+  return static_cast<std::size_t>(
+             std::ranges::count_if(held, [&](std::size_t n) { return n > most; })) <= few;
+}
+
 /// The ellipse of the capture itself, or why there is none.
 void find_ellipse(Evidence &e) {
   if (!e.turns) {
@@ -83,7 +106,8 @@ void find_ellipse(Evidence &e) {
   }
   e.no_ellipse = why_no_circle(*e.ellipse);
   e.no_circle = !e.no_ellipse.empty();
-  e.levels_only = e.no_circle && e.ellipse->directions <= e.ellipse->free_parameters;
+  e.levels_only = e.no_circle && e.ellipse->directions <= e.ellipse->free_parameters &&
+                  stands_at_few_places(e.capture, e.ellipse->free_parameters);
   if (e.no_circle)
     e.ellipse.reset();
 }

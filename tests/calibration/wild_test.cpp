@@ -132,20 +132,23 @@ TEST(WildOnTheEllipse, samples_do_not_move_a_calibration_by_a_standard_error) {
 }
 
 /// A contact that opens leaves rows of samples at one place, far from the circle. More of them than
-/// any fence cuts off, and they pull a fit of all samples to where it finds no way back.
+/// any fence cuts off, and they pull a fit of all samples to where it finds no way back. Those that
+/// happen to lie on the curve to within the fit's own limit nobody can tell from sound ones: they
+/// stay, in both fits. Of one channel that stands they are hundreds where it stands at its centre,
+/// about the other one's peak.
 TEST(WildRows, at_a_rail_do_not_move_a_calibration) {
   const std::uint64_t seed = fresh_seed();
   Sampler sampler(plain_pair(), seed);
   for (int draw = 0; draw < 12; ++draw) {
     const Capture clean = sampler.capture(kRate, 2, turning(300.0));
-    const EllipseFit before = fit_ellipse(clean.vsin_v, clean.vcos_v);
+    const EllipseFit sound = fit_ellipse(clean.vsin_v, clean.vcos_v);
     Capture struck = clean;
     const double share = sampler.uniform(0.005, 0.25); // of the record, in rows of 100 samples
     const bool both = sampler.uniform(0, 1) < 0.6;
     const double cos_v = sampler.uniform(-1, 6);
     double sin_v = sampler.uniform(-1, 6);
     // A place within the noise of the curve belongs to it, and pulls: not nearer than 0.1 V.
-    const EllipseParameters &e = before.value;
+    const EllipseParameters &e = sound.value;
     const auto near = [&] {
       const double x = sin_v - e.centre_sin_v, y = both ? cos_v - e.centre_cos_v : 0.0;
       return std::abs(std::hypot(x, y) - e.amplitude_v) < 0.1;
@@ -161,7 +164,18 @@ TEST(WildRows, at_a_rail_do_not_move_a_calibration) {
             struck.vcos_v[i] = cos_v;
         }
     const EllipseFit after = fit_ellipse(struck.vsin_v, struck.vcos_v);
-    // Of what is left in, a part of the samples is missing, and a few cross the curve.
+    const EllipseInverse inverse = invert(e);
+    std::vector<double> near_sin, near_cos;
+    for (std::size_t i = 0; i < struck.size(); ++i) {
+      const double radius = std::hypot(inverse.sine(struck.vsin_v[i], struck.vcos_v[i]),
+                                       inverse.cosine(struck.vsin_v[i], struck.vcos_v[i]));
+      if (std::abs(radius - 1) * e.amplitude_v <= sound.limit_v) {
+        near_sin.push_back(struck.vsin_v[i]);
+        near_cos.push_back(struck.vcos_v[i]);
+      }
+    }
+    const EllipseFit before = fit_ellipse(near_sin, near_cos);
+    // Those at the very limit are in one fit and not in the other.
     for (std::size_t i = 0; i < kEllipseSize; ++i) {
       const auto value = [&](const EllipseFit &fit) {
         return std::array{fit.value.amplitude_v, fit.value.k, fit.value.delta_rad,
