@@ -104,6 +104,11 @@ inline constexpr double kJump = 8.0, kSameSpeed = 0.1;
 /// widest is at most this part of it, as is what the jumps differ by.
 inline constexpr std::size_t kFewestCrossings = 4;
 inline constexpr double kNextGap = 0.25;
+/// A pair that comes near the centre of its curve: within this part of its usual distance more
+/// often than in this share of the samples. A disc that is filled evenly has 0.02 of them there, a
+/// square or the sum of two tones 0.01 and more, a sound sensor none; spikes on the way across, one
+/// in three hundred at most.
+inline constexpr double kDeadCentre = 0.2, kMostNearCentre = 1.0 / 300.0;
 /// Held-out nats by which an axis must gain to be admitted: by chance once in e^6 = 400 axes. Each
 /// further step in its order must gain this many.
 inline constexpr double kAdmittedNats = 6.0, kNatsPerOrder = 1.0;

@@ -69,6 +69,38 @@ Line line_at(const Residual &r, double frequency) {
   return line_along(r, [&](std::size_t i) { return kTwoPi * frequency * r.time[i]; });
 }
 
+/// Of the resolution: what lies nearer to an order of the turn is not told from it. A line's main
+/// lobe ends at 1, its error beside another line's lobes included at 3.
+constexpr double kOrderWidth = 3.0;
+
+/// Turns a second of a shaft that comes round at even intervals, however it turns within each: what
+/// repeats with its angle then repeats in time. 0: it does not, or came round too seldom to tell.
+double comes_round(const Residual &r) {
+  constexpr std::size_t kFewest = 4; // times that it is seen to pass the same angle
+  constexpr double kEven = 0.01;     // of a turn
+  constexpr double kStep = 0.25;     // of a turn; beyond it some turns lie between two samples
+  struct Pass {
+    double turn, time;
+  };
+  std::vector<Pass> passes;
+  for (std::size_t i = 1; i < r.alpha.size(); ++i) {
+    const double before = (r.alpha[i - 1] - r.alpha.front()) / kTwoPi;
+    const double after = (r.alpha[i] - r.alpha.front()) / kTwoPi;
+    const double turn = std::floor(std::max(before, after));
+    if (turn > std::min(before, after) && std::abs(after - before) < kStep)
+      passes.push_back(
+          {turn, r.time[i - 1] + (r.time[i] - r.time[i - 1]) * (turn - before) / (after - before)});
+  }
+  if (passes.size() < kFewest || passes.back().turn == passes.front().turn)
+    return 0.0;
+  const double rate =
+      (passes.back().turn - passes.front().turn) / (passes.back().time - passes.front().time);
+  const bool even = std::ranges::all_of(passes, [&](const Pass &p) {
+    return std::abs((p.time - passes.front().time) * rate - (p.turn - passes.front().turn)) < kEven;
+  });
+  return even ? std::abs(rate) : 0.0;
+}
+
 /// The order of the turn that a frequency is near at a speed at which the capture dwells; 0: none.
 int order_near(const Residual &r, double frequency, double resolution) {
   // Speeds at which the capture dwells, each with the width of its orders: what the reference reads
@@ -87,7 +119,7 @@ int order_near(const Residual &r, double frequency, double resolution) {
       continue;
     const double order = std::round(frequency / f);
     if (order >= 1.0 &&
-        std::abs(frequency - order * f) < 3.0 * resolution + kDwells * order * f)
+        std::abs(frequency - order * f) < kOrderWidth * resolution + kDwells * order * f)
       return static_cast<int>(order);
   }
   return 0;
@@ -361,12 +393,14 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
   const Rounded rounded(residual);
   const Residual &r = rounded.view;
   const double span = r.time.empty() ? 0.0 : r.time.back() - r.time.front();
+  const double round = comes_round(r);
   std::optional<MostlyAt> most;
   std::vector<std::vector<double>> tones;
   const auto no_tone = [&](double frequency, const Line &line) {
     if (!most)
       most = mostly_at(r);
-    return turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line) ||
+    return (round > 0.0 && std::abs(std::remainder(frequency, round)) < kOrderWidth / span) ||
+           turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line) ||
            slow_beside_pair(r, frequency) ||
            (rotates(line) && (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));
   };

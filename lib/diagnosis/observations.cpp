@@ -15,6 +15,7 @@
 #include "base/angle.h"
 #include "base/robust.h"
 #include "diagnosis/conditions/holdout.h"
+#include "diagnosis/conditions/no_circle.h"
 #include "diagnosis/conditions/several.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
@@ -108,6 +109,27 @@ void leave_out_reversals(const Kinematics &motion, std::vector<char> &usable) {
       usable[i] = 0;
 }
 
+/// Mean speed over one electrical period from each sample on, rad/s, along the stretches between
+/// two reversals; none where no stretch holds a period.
+std::vector<double> speed_of_periods(const Observations &all, int periods) {
+  const double period = kTwoPi / periods;
+  std::vector<double> out;
+  for (std::size_t from = 0, to = 0; from < all.size(); from = to) {
+    const double sense = all.omega[from] < 0.0 ? -1.0 : 1.0;
+    for (to = from + 1; to < all.size() && sense * all.omega[to] >= 0.0;)
+      ++to;
+    for (std::size_t i = from, j = from; i < to; ++i) {
+      while (j < to && sense * (all.alpha[j] - all.alpha[i]) < period)
+        ++j;
+      if (j == to)
+        break;
+      if (const double took = all.time[j] - all.time[i]; took > 0.0)
+        out.push_back(sense * (all.alpha[j] - all.alpha[i]) / took);
+    }
+  }
+  return out;
+}
+
 } // namespace
 
 void describe_motion(Scene &scene) {
@@ -134,7 +156,12 @@ void describe_motion(Scene &scene) {
       std::min(forward.time, backward.time) > 0.05 * (forward.time + backward.time) &&
       std::min(forward.travel, backward.travel) > least;
   scene.fastest_omega = quantile(speed, 0.98);
-  scene.several_speeds = quantile(speed, 0.05) < 0.8 * scene.fastest_omega;
+  // Whatever bends the pair's radius within a period bends its angle as well, and so its speed: of
+  // an angle that is the pair's own only the speeds of whole periods are the shaft's.
+  if (scene.radius_only)
+    if (std::vector<double> whole = speed_of_periods(all, scene.periods); !whole.empty())
+      speed = std::move(whole);
+  scene.several_speeds = quantile(speed, 0.05) < 0.8 * quantile(speed, 0.98);
 }
 
 namespace {
@@ -445,6 +472,7 @@ void judge_radius_only(Scene &scene) {
   scene.radius_only = true;
   scene.all.disturbed = Direction::motion;
   scene.all.weight_along = kWeightOfOwnAngle;
+  describe_motion(scene);
 }
 
 Scene prepare_record(const Capture &capture, bool needs_split, const Model *known,
@@ -528,7 +556,8 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   }
   if (scene.radius_only)
     judge_radius_only(scene);
-  describe_motion(scene);
+  else
+    describe_motion(scene);
   if (needs_split) {
     Stops stops = scene.stops;
     if (stops)
@@ -623,6 +652,8 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
   else if (on_one_line(all, scene.white_noise_v))
     scene.insufficient =
         "the shaft turns and the vector does not: VSIN and VCOS move along one line";
+  else if (!scene.has_reference)
+    scene.insufficient = why_no_angle(capture);
   if (!scene.has_reference || !scene.insufficient.empty())
     return scene;
   const std::vector<double> own = own_angle(all);

@@ -139,6 +139,7 @@ struct Scene {
 /// The angle that a pair gives itself says nothing about the pair; not 0, so that the zero angle
 /// stays determined.
 inline constexpr double kWeightOfOwnAngle = 0.02;
+/// Leaves the radius to be judged, and describes the motion as far as it is known then.
 void judge_radius_only(Scene &scene);
 /// What the motion of the usable samples can show, and the temperature of the whole capture.
 void describe_motion(Scene &scene);

@@ -287,5 +287,52 @@ KIND(at_a_speed_that_hardly_changes_a_skew_is_an_alternative_and_the_error_no_wi
       1);
 }
 
+KIND(two_tones_draw_no_circle_and_nothing_is_named) {
+  Bench bench;
+  const double sin_hz = bench.within(10.0, 40.0), cos_hz = sin_hz * bench.within(0.3, 0.9);
+  Capture c = bench.capture(8000, 4000.0, 1, [&](double t) { return kTwoPi * sin_hz * t; });
+  c.reference_deg.clear();
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.vcos_v[i] = kMiddleV + std::cos(kTwoPi * cos_hz * c.time_s[i]);
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_TRUE(d.findings.empty()) << names(d);
+  EXPECT_EQ(d.verdict, Verdict::insufficient_data) << left_of(d);
+  EXPECT_NE(d.reason.find("draw no circle"), std::string::npos) << d.reason;
+}
+
+/// Its length comes down to a third, and still tells where the vector points.
+KIND(a_length_that_wanders_far_still_draws_a_circle) {
+  Bench bench;
+  const double period_s = bench.within(0.5, 1.0);
+  Capture c = bench.capture(8000, 2000.0, 1, wandering(bench, bench.within(4.0, 8.0), 0.01, 0.5));
+  c.reference_deg.clear();
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double length = 0.67 + 0.33 * std::sin(kTwoPi * c.time_s[i] / period_s);
+    for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v})
+      (*v)[i] = kMiddleV + length * ((*v)[i] - kMiddleV);
+  }
+  EXPECT_NE(diagnose(c, {}).verdict, Verdict::insufficient_data);
+}
+
+/// What bends the radius of a pair within each turn bends its own angle as well. Of a shaft that
+/// comes round at even intervals that is neither a tone nor a matter of speed.
+KIND(a_pair_of_triangles_shows_neither_tone_nor_low_pass) {
+  Bench bench;
+  const double hz = bench.within(5.0, 15.0);
+  Capture c = bench.capture(8000, 4000.0, 1, [&](double t) { return kTwoPi * hz * t; });
+  c.reference_deg.clear();
+  const auto triangle = [](double turn) {
+    return 4.0 * std::abs(turn - std::floor(turn) - 0.5) - 1.0;
+  };
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double turn = hz * c.time_s[i];
+    c.vsin_v[i] = kMiddleV + 1.4 * triangle(turn + 0.25) + bench.within(-0.002, 0.002);
+    c.vcos_v[i] = kMiddleV + 1.4 * triangle(turn) + bench.within(-0.002, 0.002);
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_FALSE(named(d, "periodic-interference") || named(d, "low-pass-rolloff")) << names(d);
+  EXPECT_NE(d.verdict, Verdict::explained);
+}
+
 } // namespace
 } // namespace ada::test

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/conditions/no_circle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/error.h"
+#include "base/robust.h"
+#include "calibration/guards.h"
+#include "diagnosis/criteria.h"
+
+namespace ada {
+
+namespace {
+
+/// Share of the samples that fit the ellipse and lie within kDeadCentre of the usual distance from
+/// its centre.
+double share_near_centre(const std::vector<double> &vsin, const std::vector<double> &vcos,
+                         const EllipseFit &fit) {
+  std::vector<double> radius;
+  radius.reserve(vsin.size());
+  for (std::size_t i = 0; i < vsin.size(); ++i)
+    if (fit.accepted[i])
+      radius.push_back(
+          std::hypot(vsin[i] - fit.value.centre_sin_v, vcos[i] - fit.value.centre_cos_v));
+  const double near = criteria::kDeadCentre * quantile(radius, 0.5);
+  const auto count =
+      std::count_if(radius.begin(), radius.end(), [&](double r) { return r < near; });
+  return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(radius.size(), 1));
+}
+
+} // namespace
+
+std::string why_no_angle(const Capture &capture) {
+  constexpr std::size_t kEnough = 20000; // samples, for a share of 1/300 to a tenth of it
+  const std::size_t every = capture.size() / kEnough + 1;
+  std::vector<double> vsin, vcos;
+  for (std::size_t i = 0; i < capture.size(); i += every) {
+    vsin.push_back(capture.vsin_v[i]);
+    vcos.push_back(capture.vcos_v[i]);
+  }
+  EllipseFit fit;
+  try {
+    fit = fit_ellipse(vsin, vcos);
+  } catch (const Error &error) {
+    if (error.status() != ADA4571_ERROR_UNUSABLE_DATA)
+      throw;
+    return {}; // too few, or too short an arc: that is said elsewhere
+  }
+  if (std::string why = why_no_circle(fit);
+      !why.empty() && share_near_centre(vsin, vcos, fit) > criteria::kMostNearCentre)
+    return why + ", and they come near its centre, where a pair has no angle";
+  return {};
+}
+
+} // namespace ada

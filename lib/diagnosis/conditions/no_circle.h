@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Two signals that are no sine and cosine of one angle: without a reference there is then no angle
+// at all, and nothing that hangs on one can be looked for.
+#pragma once
+
+#include <string>
+
+#include "recording/capture.h"
+
+namespace ada {
+
+/// Why the pair has no angle of its own: the scatter about the best ellipse reaches from the curve
+/// to its centre (why_no_circle of calibration/guards.h), and the pair also comes near that centre.
+/// A length that wanders scatters, too, yet keeps its angle, for it never comes to nothing. Empty
+/// where there is a circle.
+std::string why_no_angle(const Capture &capture);
+
+} // namespace ada
