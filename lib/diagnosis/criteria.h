@@ -88,6 +88,9 @@ inline constexpr int kMostPeriodsInTurns = 32;
 inline constexpr double kSamplesPerOrder = 6.0;
 /// Samples from which on lines of the spectrum are looked for.
 inline constexpr std::size_t kFewestForLines = 1000;
+/// Rows in the middle of a record that its spectrum is taken of: their 65,000 lines know a corner
+/// to a hundredth, and a copy of more is memory spent on nothing.
+inline constexpr std::size_t kFlickerRows = 131072;
 
 /// Functions slow in time: at most so many half waves over the record, each of which lasts this
 /// many electrical periods, so that none follows the shaft, and no more than two to a round of what

@@ -298,11 +298,14 @@ ResidualColumns radial_of(const Observations &data, ResidualColumns as_it_is,
 
 Flicker flicker_of(const Observations &whole, bool has_reference, const Model &model,
                    const Anonymous &left) {
-  // What is smooth in time is taken out: flicker noise goes on above it, a wander does not. Of the
-  // whole record: into the gaps of a selection the low frequencies leak, and the corner seems
-  // higher.
+  // What is smooth in time is taken out: flicker noise goes on above it, a wander does not. Of rows
+  // that follow each other: into the gaps of a selection the low frequencies leak, and the corner
+  // seems higher.
   Flicker out;
-  Observations data = whole;
+  std::vector<std::uint32_t> rows(std::min(whole.size(), criteria::kFlickerRows));
+  std::iota(rows.begin(), rows.end(),
+            static_cast<std::uint32_t>((whole.size() - rows.size()) / 2));
+  Observations data = whole.select(rows);
   data.coloured.reset();
   if (!has_reference) // at an angle that is off the radius is that of another part of the ellipse
     data = at_own_angle(std::move(data), model);
