@@ -49,6 +49,19 @@ bool repeats_with_angle(const EffectInstance &e) {
          (e.effect->info().stage == Stage::record && !shows_beyond_angle(*e.effect));
 }
 
+/// Whether a cause that the capture cannot show as such may yet be what was found: one that effects
+/// know to look alike. Beside a reference that follows the shaft no motion does.
+bool may_look_alike(const Effect &found, const Effect &invisible, bool has_reference) {
+  if (!has_reference)
+    return true;
+  const auto knows = [](const Effect &a, const Effect &b) {
+    return std::ranges::any_of(a.info().separations,
+                               [&](const Separation &s) { return s.rival == b.info().id; });
+  };
+  return invisible.info().stage != Stage::motion &&
+         (knows(found, invisible) || knows(invisible, found));
+}
+
 } // namespace
 
 std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *better) const {
@@ -63,7 +76,7 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
   const double offset = std::hypot(base.offset_sin_v, base.offset_cos_v);
   const std::vector<Candidate> list =
       candidates(*data_.scene, quick_, less.fit.model,
-                 {.signatures = signatures_, .invisible = !data_.scene->has_reference});
+                 {.signatures = signatures_, .invisible = true});
   const double my_side = side_evidence(data_, now.fit.model);
   const double in_transfer = offsets_in_transfer(quick_, now.fit.model);
   // Which of two stages acts first is not known to second order.
@@ -76,7 +89,8 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
   if (highest == 0.0 && !list.empty())
     highest = list.front().gain;
   for (const Candidate &c : list) {
-    if (c.effect == self || c.gain < 0.8 * highest)
+    if (c.effect == self || c.gain < 0.8 * highest ||
+        (!c.visible && !may_look_alike(*self, *c.effect, data_.scene->has_reference)))
       continue;
     // A signature is no rival of a physical cause, unless other evidence speaks for it; without a
     // reference nothing tells them apart.
