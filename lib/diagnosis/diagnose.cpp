@@ -277,6 +277,7 @@ private:
     parts_.has_reference = scene_.has_reference;
     parts_.own_angle = scene_.radius_only;
     parts_.second_capture = judge_.has_value();
+    parts_.recent = std::make_shared<RecentAnonymous>();
     parts_.train = scene_.all.select(thin(scene_.train, kFitTrain));
     parts_.heldout =
         options_.heldout ? judge_->all : scene_.all.select(thin(scene_.heldout, kFitHeldout));

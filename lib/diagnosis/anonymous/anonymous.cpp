@@ -153,11 +153,7 @@ std::vector<double> steps_of(const Scene &scene, const Halves &halves, const Ano
   return out;
 }
 
-} // namespace
-
-Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model, Asked asked) {
-  const Halves halves = halves_of(parts, model);
-  asked.over_time = asked.over_time && !parts.second_capture;
+Anonymous compute(const Scene &scene, const Halves &halves, const Model &model, Asked asked) {
   std::vector<double> steps;
   const auto with = [&](int orders, const std::vector<SpectralLine> &lines) {
     return chosen(with_basis(scene, halves, zero_of(model), orders, lines, steps, asked));
@@ -185,6 +181,54 @@ Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &mode
     lines.insert(lines.end(), more.begin(), more.end());
     out = with(std::max(2, out.selection.orders[0]), lines);
   }
+  return out;
+}
+
+} // namespace
+
+bool RecentAnonymous::Question::is_same_as(const Question &other) const {
+  const auto same_data = [](const Observations &a, const Observations &b) {
+    return a.weight_along == b.weight_along && a.time == b.time && a.alpha == b.alpha &&
+           a.omega == b.omega && a.temp == b.temp && a.supply == b.supply;
+  };
+  const auto same_left = [](const ResidualColumns &a, const ResidualColumns &b) {
+    return a.sin == b.sin && a.cos == b.cos && a.model_sin == b.model_sin &&
+           a.model_cos == b.model_cos;
+  };
+  return scene == other.scene && zero_rad == other.zero_rad && asked == other.asked &&
+         same_left(train_left, other.train_left) && same_left(heldout_left, other.heldout_left) &&
+         same_data(train, other.train) && same_data(heldout, other.heldout);
+}
+
+const Anonymous *RecentAnonymous::find(const Question &question) const {
+  const auto at = std::find_if(kept_.rbegin(), kept_.rend(),
+                               [&](const auto &kept) { return kept.first.is_same_as(question); });
+  return at != kept_.rend() ? &at->second : nullptr;
+}
+
+void RecentAnonymous::keep(Question question, const Anonymous &answer) {
+  constexpr std::size_t kMost = 2;
+  if (kept_.size() == kMost)
+    kept_.erase(kept_.begin());
+  kept_.emplace_back(std::move(question), answer);
+}
+
+Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model, Asked asked) {
+  Halves halves = halves_of(parts, model);
+  asked.over_time = asked.over_time && !parts.second_capture;
+  if (!parts.recent)
+    return compute(scene, halves, model, asked);
+  RecentAnonymous::Question question{&scene,
+                                     halves.train,
+                                     halves.heldout,
+                                     halves.train_left,
+                                     halves.heldout_left,
+                                     zero_of(model),
+                                     asked};
+  if (const Anonymous *known = parts.recent->find(question))
+    return *known;
+  Anonymous out = compute(scene, halves, model, asked);
+  parts.recent->keep(std::move(question), out);
   return out;
 }
 

@@ -5,6 +5,9 @@
 // a name, and what is carried without one.
 #pragma once
 
+#include <utility>
+#include <vector>
+
 #include "diagnosis/anonymous/discrepancy.h"
 #include "diagnosis/parts.h"
 #include "diagnosis/result.h"
@@ -20,6 +23,25 @@ struct Anonymous {
   std::vector<double> steps_s;     ///< moments of its steps, the largest first
   int orders = 0;                  ///< that it was asked for
   bool any() const { return !selection.columns.empty(); }
+};
+
+/// The last answers of anonymous_of, by what they were computed from: half of the questions repeat
+/// one of the two before. For one thread.
+class RecentAnonymous {
+public:
+  struct Question {
+    const Scene *scene;
+    Observations train, heldout;
+    ResidualColumns train_left, heldout_left;
+    double zero_rad;
+    Asked asked;
+    bool is_same_as(const Question &other) const;
+  };
+  const Anonymous *find(const Question &question) const;
+  void keep(Question question, const Anonymous &answer);
+
+private:
+  std::vector<std::pair<Question, Anonymous>> kept_; ///< the latest last
 };
 
 /// The anonymous model of what `model` leaves over. Steps in time and lines of the spectrum are

@@ -116,6 +116,7 @@ struct Asked {
   bool over_time = true; ///< false: another capture judges, which knows nothing of this one's time
   bool speed = true;
   bool others = true; ///< temperature and supply
+  bool operator==(const Asked &) const = default;
 };
 
 /// Whether what repeats with the angle is told in orders of the turn: with a reference, and without
