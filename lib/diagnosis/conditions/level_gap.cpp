@@ -52,13 +52,19 @@ std::optional<LevelGap> gap_of(const Capture &capture, bool of_cos) {
   if (!(gap > 0.0) || widest.next > criteria::kNextGap * gap)
     return {};
   std::vector<double> jumps, others, ordinary;
+  // From the end of one record to the start of the next a pair may go anywhere.
+  const auto of_one_record = [&](std::size_t i) {
+    return std::ranges::none_of(capture.starts, [&](std::size_t start) {
+      return start + 1 >= i && start <= i + 1 && start != 0;
+    });
+  };
   for (std::size_t i = 2; i + 1 < x.size(); ++i) {
     const double by = beyond_neighbours(capture, x, i);
     if (!std::isfinite(by))
       continue;
     const bool up = x[i - 1] <= widest.low && x[i] >= widest.high;
     const bool down = x[i - 1] >= widest.high && x[i] <= widest.low;
-    if (up || down) {
+    if ((up || down) && of_one_record(i)) {
       jumps.push_back(up ? by : -by);
       others.push_back(std::abs(beyond_neighbours(capture, other, i)));
     } else {

@@ -4,6 +4,7 @@
 // Jumps of the pair's own angle from one reading to the next: no shaft turns so.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 
@@ -12,6 +13,14 @@ namespace ada {
 struct OwnJumps {
   std::size_t forward = 0, backward = 0;
   double largest_rad = 0.0, first_s = 0.0, squares_rad2 = 0.0; ///< mechanical; the sum over all
+  OwnJumps &operator+=(const OwnJumps &more) {
+    first_s = forward + backward != 0 ? first_s : more.first_s;
+    forward += more.forward;
+    backward += more.backward;
+    largest_rad = std::max(largest_rad, more.largest_rad);
+    squares_rad2 += more.squares_rad2;
+    return *this;
+  }
   /// Rows that are lost let the angle jump in one sense only.
   bool to_and_fro() const { return forward != 0 && backward != 0; }
 };

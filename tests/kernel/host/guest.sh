@@ -23,14 +23,15 @@ write_settings() {
 }
 
 # stage BUILD FOLDER: the programs and the library, without the debug information that would fill
-# the guest's memory.
+# the guest's memory. Each from its own place: another test may be writing a program of that name
+# elsewhere in the build just now.
 stage() {
   local file
   mkdir -p "$WORK/programs/$2"
   [[ -n $1 ]] || return 0
-  for file in iio-angle ada4571-kernel-probe libada4571.so.1; do
-    file=$(find "$1" -name "$file" -not -path '*CMakeFiles*' 2>/dev/null | head -1)
-    [[ -z $file ]] || strip -g -o "$WORK/programs/$2/$(basename "$file")" "$file"
+  for file in tools/iio-angle tests/kernel/ada4571-kernel-probe lib/libada4571.so.1; do
+    file=$1/$file
+    [[ ! -e $file ]] || strip -g -o "$WORK/programs/$2/$(basename "$file")" "$file"
   done
 }
 
