@@ -50,6 +50,15 @@ inline constexpr double kMostLeftOut = 0.8;
 /// Standard error of the sample clock, relative: of quartz that is good to 50 ppm, spread evenly.
 inline constexpr double kClock = 29e-6;
 
+/// Samples that a search fits and judges on, and those of the last fits: more only narrow errors
+/// that are far below anything physical.
+inline constexpr std::size_t kSearchTrain = 30000, kSearchHeldout = 15000;
+inline constexpr std::size_t kFitTrain = 160000, kFitHeldout = 80000;
+/// A residual this far above the noise is worth another look from the beginning.
+inline constexpr double kAboveNoise = 1.25;
+/// Below a tenth of its length a vector tells no angle.
+inline constexpr double kLeastGain = 0.1;
+
 // --- the hold-out
 
 /// Turns from which on whole turns are held out: two of six judge, and each of them sees all

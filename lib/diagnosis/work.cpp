@@ -1,0 +1,415 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/work.h"
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "diagnosis/candidates.h"
+#include "diagnosis/conditions/level_gap.h"
+#include "diagnosis/conditions/reference_zero.h"
+#include "diagnosis/conditions/several.h"
+#include "diagnosis/describe.h"
+#include "diagnosis/first_model.h"
+#include "diagnosis/images.h"
+#include "diagnosis/moments.h"
+#include "diagnosis/naming.h"
+#include "diagnosis/unseen_supply.h"
+
+namespace ada {
+
+Work::Work(const Capture &capture, const DiagnosisOptions &options, bool guess,
+           const Model *apart_from_motion)
+    : given_(capture), freed_(guess ? with_unseen_supply(capture) : std::nullopt),
+      options_(options), named_before_(named_part(options.baseline, capture.meta.supply_v)),
+      scene_(scene_of(worked_on(), options.heldout == nullptr)) {
+  if (apart_from_motion) {
+    scene_.all = at_own_angle(std::move(scene_.all), *apart_from_motion);
+    judge_radius_only(scene_);
+  }
+  if (options.heldout)
+    judge_ = scene_of(*options.heldout, false);
+  if (judge_ && judge_->insufficient.empty() && scene_.insufficient.empty() &&
+      judge_->has_reference && scene_.has_reference && judge_->periods == scene_.periods)
+    move_angle(*judge_, ReferenceZero(scene_).move_if_needed(ReferenceZero(*judge_)));
+  if (judge_ && scene_.radius_only != judge_->radius_only)
+    judge_radius_only(scene_.radius_only ? *judge_ : scene_);
+}
+
+Diagnosis Work::run() {
+  describe_capture(given_, scene_, out_);
+  out_.baseline_name = options_.baseline_name;
+  if (!usable()) {
+    name_dead_channel();
+    return out_;
+  }
+  noise_ = expected_noise(worked_on(), scene_, noise_stated_);
+  out_.noise_rms_v = noise_;
+  if ((scene_.gap = level_gap(worked_on()))) {
+    name_nothing();
+    return out_;
+  }
+  free_vtemp();
+  search_causes(scene_.has_reference);
+  if (offsets_moved()) {
+    judge_->all.own_offsets = true;
+    search_causes(scene_.has_reference);
+  }
+  constexpr int kMostZeros = 3;
+  for (int k = 0; k < kMostZeros && scene_.has_reference && zeros_moved(); ++k)
+    search_causes(true);
+  // Without a reference what was found bent the motion as well: with it taken out look again, as
+  // long as that leaves less over.
+  constexpr int kMostLooks = 4;
+  constexpr double kMuchLess = 0.9, kLess = 0.97;
+  double before = std::numeric_limits<double>::infinity();
+  for (int look = 1; !scene_.has_reference && look < kMostLooks; ++look) {
+    const double now = found_.residual_rms_v;
+    const double less = now > criteria::kAboveNoise * floor() ? kMuchLess : kLess;
+    if (found_.order.empty() || now > less * std::exchange(before, now))
+      break;
+    Model known = found_.fit.model;
+    fold_images(scene_.all, known);
+    Scene again = prepare(worked_on(), options_.heldout == nullptr, &known, vdd_level_v());
+    if (!again.insufficient.empty())
+      break;
+    if (scene_.radius_only) {
+      again.all = at_own_angle(std::move(again.all), known);
+      judge_radius_only(again);
+    }
+    scene_ = std::move(again);
+    search_causes(false);
+  }
+  if (!scene_.has_reference && (!found_.order.empty() || found_.supply_rms_fraction > 0.0))
+    search_causes(true);
+  if (!scene_.has_reference && found_.supply_rms_fraction > 0.0 &&
+      !accounts_for_radius(parts_.heldout, found_.fit.model, found_.supply_rms_fraction, floor()))
+    found_.supply_rms_fraction = 0.0;
+  // What wandered hid what does not: with its course taken out the search is made once more.
+  constexpr int kMostRounds = 2;
+  const Direction disturbed = scene_.all.disturbed;
+  const double weight_along = scene_.all.weight_along;
+  settle();
+  if (take_out_record_gains()) {
+    weigh(disturbed, weight_along);
+    search_causes(true);
+    settle();
+  }
+  for (int round = 0; round < kMostRounds && take_out_processes(); ++round) {
+    weigh(disturbed, weight_along);
+    search_causes(true);
+    settle();
+  }
+  take_out_rest_of_courses();
+  name_random_causes();
+  angle_left_ = keep_for_last_look(scene_, out_.extended, floor());
+  look_at_leftovers();
+  conclude();
+  return out_;
+}
+
+bool Work::may_blame_the_sensor_for_the_motion() const {
+  return !scene_.has_reference && !scene_.radius_only &&
+         (out_.verdict == Verdict::partly_explained || out_.verdict == Verdict::unexplained);
+}
+
+bool Work::guessed_in_vain() const {
+  return freed_ && freed_->has_vdd() && !given_.has_vdd() && !has(out_.extended, follows_supply);
+}
+
+void Work::weigh(Direction disturbed, double weight_along) {
+  for (Observations *o : {&scene_.all, &scene_.spiked}) {
+    o->disturbed = disturbed;
+    o->weight_along = weight_along;
+  }
+}
+
+void Work::settle() {
+  weigh(found_.disturbed, found_.weight_along);
+  found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
+  found_ = name_against_anonymous({scene_, judge(), found_baseline(), noise_, options_.progress},
+                                  parts_, std::move(found_));
+  take(build_ladder(parts_, found_));
+  while (drop_what_is_impossible() || drop_what_harms() || drop_what_is_unclear())
+    take(build_ladder(parts_, found_));
+  judge_model();
+}
+
+void Work::name_nothing() {
+  choose_parts();
+  found_ = SearchResult{};
+  found_.fit = fit(parts_.train, with_expected(found_baseline()), 12);
+  take(build_ladder(parts_, found_));
+  ladder_.baseline = out_.extended; // the ellipse is no finding
+  judge_model();
+  first_ = parts_.rung(ladder_.baseline); // at the angle that the pair has now
+  angle_left_ = keep_for_last_look(scene_, out_.extended, floor());
+  look_at_leftovers();
+  conclude();
+}
+
+void Work::judge_model() {
+  if (processes_.empty())
+    first_ = ladder_.first;
+  if (scene_.radius_only) { // the angle is that of the pair as the model has it now
+    for (Observations *o : {&scene_.all, &parts_.train, &parts_.heldout})
+      *o = at_own_angle(std::move(*o), out_.extended);
+    last_ = parts_.rung(out_.extended);
+  }
+  compare_with_anonymous();
+  if (spikes())
+    compare_with_anonymous();
+}
+
+std::optional<Model> Work::named_part(const Model *model, double supply_v) {
+  if (!model)
+    return std::nullopt;
+  Model out = model->at_supply(supply_v);
+  out.remainder.reset();
+  return out;
+}
+
+std::optional<Model> Work::with_given_remainder(Model model) const {
+  if (!options_.baseline || !options_.baseline->remainder)
+    return std::nullopt;
+  model.remainder = options_.baseline->remainder;
+  return model;
+}
+
+void Work::choose_parts() {
+  parts_.has_reference = scene_.has_reference;
+  parts_.own_angle = scene_.radius_only;
+  parts_.second_capture = judge_.has_value();
+  parts_.recent = std::make_shared<RecentAnonymous>();
+  parts_.train = scene_.all.select(thin(scene_.train, criteria::kFitTrain));
+  parts_.heldout = options_.heldout
+                       ? judge_->all
+                       : scene_.all.select(thin(scene_.heldout, criteria::kFitHeldout));
+}
+
+bool Work::usable() {
+  out_.reason = scene_.insufficient;
+  if (out_.reason.empty() && judge_ && !judge_->insufficient.empty())
+    out_.reason = "the held-out capture: " + judge_->insufficient;
+  if (out_.reason.empty() && judge_ &&
+      (judge_->has_reference != scene_.has_reference || judge_->periods != scene_.periods))
+    out_.reason = "the two captures differ in reference or periods per turn";
+  out_.verdict = Verdict::insufficient_data;
+  return out_.reason.empty();
+}
+
+void Work::name_dead_channel() {
+  for (Finding &f : screened_findings())
+    if (f.effect->info().spoils == Spoils::channel) {
+      out_.reason = f.explanation + " Beyond that: " + out_.reason;
+      out_.findings.push_back(std::move(f));
+    }
+}
+
+bool Work::given(const Effect *effect) const {
+  return named_before_ && std::any_of(named_before_->effects.begin(), named_before_->effects.end(),
+                                      [&](const EffectInstance &e) { return e.effect == effect; });
+}
+
+std::vector<Finding> Work::screened_findings() {
+  std::vector<Finding> out;
+  for (const ScreenFinding &f : scene_.screened) {
+    // Spikes are measured against the final model.
+    if (f.effect->info().spoils == Spoils::readings)
+      continue;
+    if (given(f.effect)) {
+      given_seen_ = true;
+      continue;
+    }
+    // Without a reference the ends of a burst jump as well.
+    if (in_bursts_ && !scene_.has_reference && is_jump(f.effect->info()))
+      continue;
+    const bool correctable = f.effect->info().correctable;
+    out.push_back(
+        {f.effect, f.values, f.std_errors, f.alternatives, {}, {}, first_, first_, correctable});
+    put_in_words(out.back());
+    if (!correctable)
+      recorded_.push_back({f.effect, f.values, f.std_errors});
+  }
+  return out;
+}
+
+Finding Work::recorded(Finding finding) {
+  put_in_words(finding);
+  recorded_.push_back({finding.effect, finding.values, finding.std_errors});
+  return finding;
+}
+
+void Work::compare_with_anonymous() {
+  Parts white = parts_;
+  white.train.coloured.reset();
+  unnamed_ = anonymous_of(scene_, white, out_.extended);
+  if (processes_.empty()) {
+    const Anonymous whole = anonymous_of(scene_, white, ladder_.baseline);
+    out_.budget = budget_of(whole, unnamed_);
+    out_.anonymous = quality_with(whole, white, ladder_.baseline);
+  } else {
+    name_in_budget();
+  }
+  out_.noise = noise_shape(unnamed_, white, out_.extended);
+  named_ = last_;
+  carry_remainder(white);
+}
+
+void Work::carry_remainder(const Parts &white) {
+  const auto likelier = [&](const Rung &rung) {
+    return rung.heldout.log_likelihood > last_.heldout.log_likelihood;
+  };
+  out_.remainder_rms_v = out_.remainder_angle_rms_deg = 0.0;
+  std::optional<Model> carried;
+  if (const Model judged = with_remainder(scene_, unnamed_, white.train, out_.extended);
+      judged.remainder)
+    if (const Rung after = white.rung(judged); likelier(after)) {
+      carried = with_remainder(scene_, unnamed_, everything(), out_.extended);
+      last_ = after;
+    }
+  if (auto kept = with_given_remainder(out_.extended))
+    if (const Rung after = white.rung(*kept); likelier(after)) {
+      carried = std::move(kept);
+      last_ = after;
+    }
+  if (!carried)
+    return;
+  out_.extended = std::move(*carried);
+  out_.remainder_rms_v = out_.extended.remainder->rms() * out_.extended.baseline.amplitude_v;
+  if (parts_.has_reference)
+    out_.remainder_angle_rms_deg = remainder_angle_rms(parts_.heldout, out_.extended);
+}
+
+Observations Work::everything() const {
+  if (judge_)
+    return parts_.train;
+  std::vector<std::uint32_t> all(scene_.all.size());
+  std::iota(all.begin(), all.end(), 0u);
+  Observations out = scene_.all.select(thin(all, criteria::kRemainderSamples));
+  return out;
+}
+
+bool Work::spikes() {
+  const double noise = std::max({floor(), std::sqrt(unnamed_.selection.noise_v2),
+                                 loudest_noise(parts_.train, out_.extended)});
+  const Spikes spikes = spikes_against(scene_, out_.extended, scene_.heldout, noise);
+  no_spikes_ = spikes.no_spikes;
+  if (!spikes.found)
+    return false;
+  // Those that no first look took out have bent the fits.
+  const Rung with = ladder_.first;
+  leave_out(spikes.hit);
+  take(build_ladder(parts_, found_));
+  if (given(&the_effect_that_spoils(Spoils::readings))) {
+    given_seen_ = true;
+    return true;
+  }
+  Finding finding{&the_effect_that_spoils(Spoils::readings),
+                  {spikes.rate, spikes.amplitude_v},
+                  {spikes.rate_error, spikes.amplitude_error_v},
+                  {},
+                  {},
+                  {},
+                  with,
+                  ladder_.first,
+                  false};
+  finding.before.heldout.log_likelihood = spikes.before;
+  finding.after.heldout.log_likelihood = spikes.after;
+  spikes_ = recorded(std::move(finding));
+  return true;
+}
+
+void Work::take(Ladder ladder) {
+  ladder_ = std::move(ladder);
+  out_.extended = ladder_.extended;
+  last_ = ladder_.last;
+}
+
+void Work::leave_out(const std::vector<char> &hit) {
+  const auto rest = [&](const std::vector<std::uint32_t> &from) {
+    std::vector<std::uint32_t> keep;
+    for (std::uint32_t i : from)
+      if (!hit[i])
+        keep.push_back(i);
+    return keep;
+  };
+  const auto select = [&](const Observations &old, const std::vector<std::uint32_t> &keep) {
+    Observations out = scene_.all.select(keep);
+    out.disturbed = old.disturbed;
+    out.weight_along = old.weight_along;
+    return out;
+  };
+  parts_.train = select(parts_.train, rest(thin(scene_.train, criteria::kFitTrain)));
+  if (!judge_)
+    parts_.heldout = select(parts_.heldout, rest(thin(scene_.heldout, criteria::kFitHeldout)));
+}
+
+void Work::note_invisible(const Effect &effect) {
+  const ResidualColumns none;
+  const Residual facts =
+      residual_view(scene_, scene_.all, none, noise_, out_.extended.baseline.amplitude_v);
+  std::string why = effect.invisible(facts);
+  if (why.empty() && scene_.lag_in_zeros && is_common_delay(effect.info()))
+    why = "each capture has one speed and a zero angle of its own, which holds the delay";
+  if (why.empty() && scene_.radius_only && needs_motion(effect))
+    why = "without a reference, and with a shaft that turns unevenly, only the radius is judged";
+  if (!why.empty())
+    out_.invisible.push_back({std::string(effect.info().id), why});
+}
+
+void Work::conclude() {
+  out_.radius_only = scene_.radius_only;
+  report_moved_offsets();
+  out_.baseline = ladder_.baseline;
+  const auto given = with_given_remainder(ladder_.baseline);
+  out_.baseline_quality = given ? parts_.rung(*given) : first_;
+  out_.extended_quality = last_;
+  out_.ladder = std::move(ladder_.models);
+  out_.findings = screened_findings();
+  for (std::optional<Finding> *finding : {&spikes_, &ladder_.supply})
+    if (*finding)
+      out_.findings.push_back(std::move(**finding));
+  std::move(ladder_.findings.begin(), ladder_.findings.end(), std::back_inserter(out_.findings));
+  std::move(random_.begin(), random_.end(), std::back_inserter(out_.findings));
+  if (free_lag_)
+    for (Model *m : {&out_.baseline, &out_.extended})
+      std::erase_if(m->effects,
+                    [](const EffectInstance &e) { return is_common_delay(e.effect->info()); });
+  for (EffectInstance &e : recorded_)
+    out_.extended.effects.push_back(std::move(e));
+  if (has(out_.extended, follows_supply))
+    out_.extended.vdd_reference_v = vdd_level_v();
+  out_.extended.noise_rms_v = last_.in_sample.residual_rms_v;
+  out_.extended.provenance = provenance_of(worked_on(), last_);
+  for (const Effect *effect : catalogue())
+    note_invisible(*effect);
+  out_.verdict = verdict();
+}
+
+Verdict Work::verdict() const {
+  const bool named = !out_.findings.empty() || given_explains();
+  if (out_.structure.empty())
+    return named ? Verdict::explained : Verdict::no_discrepancy;
+  return named ? Verdict::partly_explained : Verdict::unexplained;
+}
+
+bool Work::given_explains() const {
+  if (!named_before_ || named_before_->effects.empty())
+    return false;
+  const bool random = std::any_of(seen_random_.begin(), seen_random_.end(),
+                                  [&](const EffectInstance &e) { return given(e.effect); });
+  if (given_seen_ || random)
+    return true;
+  const Model bare = fit(parts_.train, first_model(scene_, nullptr), 6).model;
+  const double nats =
+      (ladder_.first.heldout.log_likelihood - parts_.rung(bare).heldout.log_likelihood) *
+      static_cast<double>(parts_.heldout.size());
+  return nats > criteria::kAdmittedNats;
+}
+
+} // namespace ada

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// One diagnosis, step by step.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "diagnosis/anonymous/anonymous.h"
+#include "diagnosis/criteria.h"
+#include "diagnosis/diagnose.h"
+#include "diagnosis/ladder.h"
+#include "diagnosis/leftovers.h"
+#include "diagnosis/noise_causes.h"
+#include "diagnosis/parts.h"
+#include "diagnosis/random_causes.h"
+#include "diagnosis/search.h"
+
+namespace ada {
+
+/// The parts of a diagnosis that work on one pair of training and held-out data.
+class Work {
+public:
+  /// `guess`: a supply that is not recorded may be read off the radius first. `apart_from_motion`:
+  /// only the radius is judged, at the angle that the pair gives with this model.
+  Work(const Capture &capture, const DiagnosisOptions &options, bool guess,
+       const Model *apart_from_motion = nullptr);
+
+  Diagnosis run();
+
+  /// Whether the shaft was taken for a reference and something is left over that may be its motion.
+  bool may_blame_the_sensor_for_the_motion() const;
+  /// What the extended model leaves along the radius of held-out data, V rms.
+  RadiusLeft radius_left() const { return ada::radius_left(parts_.heldout, out_.extended); }
+
+  /// Whether a supply was read off the radius that the search then did not confirm.
+  bool guessed_in_vain() const;
+
+private:
+  void weigh(Direction disturbed, double weight_along);
+
+  /// Names what the search found against what has no name, and fits and judges the whole.
+  void settle();
+
+  /// What the readings of two ranges that do not join show together is no cause's: a fit of any
+  /// would mend the joint. The ellipse, and what repeats with the angle, are carried all the same.
+  void name_nothing();
+
+  /// The model as it stands now, beside what has no name.
+  void judge_model();
+
+  bool zeros_moved();
+
+  /// What a given model carries without a name is no cause: it is looked for anew, so that a model
+  /// is judged alike whether it was just found or is given.
+  static std::optional<Model> named_part(const Model *model, double supply_v);
+
+  const Model *baseline() const { return named_before_ ? &*named_before_ : nullptr; }
+
+  /// `model` with what the given model carries without a name; nothing: it carries nothing.
+  std::optional<Model> with_given_remainder(Model model) const;
+
+  /// Without a reference the motion is read off the pair as the given model corrects it, as it is
+  /// off what was found; where that leaves nothing to judge, off the pair as it is.
+  Scene scene_of(const Capture &capture, bool needs_split) const;
+
+  /// Where the supply counts from, V: one level for all captures, that of the given model if it has
+  /// one. Nothing: the supply is not recorded.
+  std::optional<double> vdd_level_v() const;
+
+  const Capture &worked_on() const { return freed_ ? *freed_ : given_; }
+
+  /// With a reference the search itself sees a supply that is not recorded; where VTEMP follows it
+  /// every temperature effect would.
+  void free_vtemp();
+
+  const Scene &judge() const { return options_.heldout ? *judge_ : scene_; }
+  double floor() const { return std::max(noise_, scene_.white_noise_v); }
+
+  void choose_parts();
+
+  void search_causes(bool thorough);
+
+  /// Whether the second capture has other offsets than what was found accounts for. They would hide
+  /// everything that the two captures have in common.
+  bool offsets_moved() const;
+
+  /// What no cause within one capture can explain.
+  void report_moved_offsets();
+
+  bool usable();
+
+  /// A channel that died leaves little to judge; that it died is known all the same.
+  void name_dead_channel();
+
+  bool given(const Effect *effect) const;
+
+  /// What the first look found, before any fit.
+  std::vector<Finding> screened_findings();
+
+  /// A cause that the extended model names and no conversion corrects.
+  Finding recorded(Finding finding);
+
+  /// What the search began with: the model without its findings.
+  Model found_baseline() const;
+
+  /// No finding makes held-out data worse: where all together do, the one that harms most goes.
+  bool drop_what_harms();
+
+  /// A cause that the last fit, with all of the data and what has no name, leaves outside of what
+  /// it can be (a delay below zero) stands for something else.
+  bool drop_what_is_impossible();
+
+  /// A cause whose own standard error, beside what has no name, does not exclude that it is absent
+  /// is no finding, whatever the held-out data gained by it: something else is there that it stands
+  /// for. Unless it takes most of what is left without it, and is likelier there than not: what has
+  /// no name could do that as well, with many columns in its place.
+  bool drop_what_is_unclear();
+
+  /// The budget, the best model that names nothing, and what is carried without a name.
+  void compare_with_anonymous();
+
+  /// What repeats with the angle and has no name, where held-out data confirm it: what this capture
+  /// shows, or what the given model brought along where that tells more.
+  void carry_remainder(const Parts &white);
+
+  /// All usable samples: the numbers of a remainder that held-out data have confirmed are taken
+  /// from them, too.
+  Observations everything() const;
+
+  /// Isolated spikes stand out of the noise that there is, whatever was stated. False: none.
+  bool spikes();
+
+  void take(Ladder ladder);
+
+  /// Takes samples out of everything that is judged from here on.
+  void leave_out(const std::vector<char> &hit);
+
+  static bool has(const Model &model, bool (*is)(const EffectInfo &));
+
+  /// Slow processes, read off what everything else leaves over; their courses are taken out of the
+  /// data. Whether they moved the pair by more than its noise, and so may have hidden something.
+  bool take_out_processes();
+
+  /// Whether a process has a name already, and this is more of it.
+  bool goes_on(const RandomCause &c) const;
+
+  /// What the first half waves leave of a course is seen where nothing else is left beside it.
+  void take_out_rest_of_courses();
+
+  double periods_in_all() const { return scene_.turns * scene_.periods; }
+
+  /// Names slow processes and the shape of the noise.
+  void name_random_causes();
+
+  /// Whether the speed, with fewer functions, explains as well what a slow process would, up to
+  /// what chance lets them follow. `whole_v2`: what there is without either.
+  bool goes_with_speed(const Anonymous &slow, double whole_v2, const Parts &white,
+                       const Model &named) const;
+
+  /// Whether a spectrum over time means anything: an even clock, and a motion that is known.
+  bool even_clock() const;
+
+  void name_process(const RandomCause &c);
+
+  /// A slow process that has a name is taken out of what is looked at from now on: its course is
+  /// known. Offsets are subtracted; a gain divides what turns, so that what goes in proportion to
+  /// it is constant again. False, and nothing is taken out, where less than half of what goes on
+  /// slowly goes with it: then that was something else, which the course went along with.
+  bool take_out_courses(Anonymous slow, const std::vector<RandomCause> &processes);
+
+  std::array<Observations *, 3> all_data() { return {&scene_.all, &parts_.train, &parts_.heldout}; }
+
+  /// The outputs before something is taken out of them that may not be there.
+  struct Outputs {
+    std::array<std::array<std::vector<double>, 2>, 3> pairs;
+    explicit Outputs(Work &of) {
+      for (std::size_t k = 0; k < pairs.size(); ++k)
+        pairs[k] = {of.all_data()[k]->vsin, of.all_data()[k]->vcos};
+    }
+    void put_back(Work &to) const {
+      for (std::size_t k = 0; k < pairs.size(); ++k) {
+        to.all_data()[k]->vsin = pairs[k][0];
+        to.all_data()[k]->vcos = pairs[k][1];
+      }
+    }
+  };
+
+  /// What has no name beside the model, and what the model is worth, with a course taken out.
+  void look_anew();
+
+  /// Several records may each have a pair of its own length: between them a magnet, an air gap or a
+  /// gain was changed. That goes with the time and with the speed of each, and no half waves follow
+  /// it. Taken out where that takes most of what goes with either.
+  bool take_out_record_gains();
+
+  /// What the courses of processes and the causes beside them account for of each axis.
+  void name_in_budget();
+
+  void look_at_leftovers();
+
+  /// Where nothing is seen to be left over, and the best model that names nothing still leaves
+  /// clearly less of held-out data, the named model does not explain the capture.
+  void note_what_the_anonymous_model_does_better();
+
+  double channel_rms_v() const;
+
+  /// How much a process moves a channel, V rms.
+  double process_v(const EffectInfo &info, const std::vector<double> &values) const;
+
+  /// V rms of a channel that the random processes with a name and the steps of a reference or of a
+  /// coarse converter leave over: what is smaller is of their kind. A slow process goes on above
+  /// the half waves that its course was taken out by, and comes with what does not go on in time
+  /// the less, the more periods lie in each of them.
+  double random_v(bool in_time = true) const;
+
+  static bool is_white(const EffectInfo &info);
+  static bool is_white_noise(const EffectInstance &e) { return is_white(e.effect->info()); }
+  static bool finds_white_noise(const Finding &f) { return is_white(f.effect->info()); }
+  /// V rms of a channel above the expected noise, where a white noise has a name.
+  double white_v() const;
+
+  /// V rms of a channel that a motion without a reference leaves over: it was found as a smooth
+  /// curve through the pair's own angles, and what it misses lies across the vector only.
+  double motion_v() const;
+
+  /// Takes out what the named random causes account for. White noise is what has no structure:
+  /// where much of it has, it is no cause of its own.
+  void drop_what_is_random();
+
+  /// A process that accounts for less than what goes on in time beside it, its own half waves
+  /// aside, is no cause: what switches between two states, say, has a slow part, too.
+  void drop_processes_that_leave_more();
+
+  /// Step of the reference, rad; 0: none was seen.
+  double reference_step_rad() const;
+
+  /// What the named model leaves of the axes, where held-out data confirm it and it is worth a
+  /// word.
+  void note_unnamed();
+
+  void note_what_stands_out();
+
+  bool supply_is_inferred() const;
+
+  void note_invisible(const Effect &effect);
+
+  /// Puts the parts together.
+  void conclude();
+
+  /// The model of all that has a name against the best that names nothing. Structure is what of
+  /// that the named model leaves over, and what a last look still sees. What a given model names
+  /// counts as what was just found does.
+  Verdict verdict() const;
+
+  /// Whether the given model's causes are at work here: one that changes what is random or recorded
+  /// was seen, or those of the signal make held-out data likelier than a sensor without them.
+  bool given_explains() const;
+
+  const Capture &given_;
+  std::optional<Capture> freed_; ///< of a supply that was not recorded
+  const DiagnosisOptions &options_;
+  std::optional<Model> named_before_; ///< the given model, as far as it has names
+  Scene scene_;
+  std::optional<Scene> judge_;
+  Diagnosis out_;
+  Parts parts_;
+  SearchResult found_;
+  Ladder ladder_;
+  Anonymous unnamed_; ///< what the named model leaves over
+  Rung named_;        ///< of the model of all that has a name
+  std::optional<Finding> spikes_;
+  decltype(Spikes::no_spikes) no_spikes_;
+  std::vector<RandomCause> processes_; ///< whose courses are out of the data
+  std::vector<Finding> random_;
+  std::vector<EffectInstance>
+      seen_random_; ///< the causes of these, and those that the given model names
+  Rung first_;      ///< of the baseline, spikes and all
+  Rung last_;       ///< of the extended model, with what noise causes take out
+  std::vector<EffectInstance>
+      recorded_;                      ///< causes that the extended model names but never corrects
+  std::vector<Structure> angle_left_; ///< what the last look kept of the angle
+  double noise_ = 0.0, explained_noise_ = 0.0;
+  bool noise_stated_ = false, free_lag_ = false;
+  double slow_v2_ = 0.0;    ///< of the largest slow process that has a name, V^2
+  int slow_waves_ = 0;      ///< half waves by which the course of a slow process was taken out
+  bool in_bursts_ = false;  ///< samples in a row are left over
+  bool given_seen_ = false; ///< a cause that the given model names was seen before any fit
+};
+
+} // namespace ada

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/work.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/angle.h"
+#include "diagnosis/describe.h"
+
+namespace ada {
+
+void Work::look_at_leftovers() {
+  const Explained explained{explained_noise_ > 0.0 ? explained_noise_ : noise_,
+                            second_order_floor(out_.extended, found_), noise_stated_,
+                            supply_is_inferred()};
+  note_unnamed();
+  note_what_stands_out();
+  LeftOver left = left_over(scene_, parts_, out_.extended, explained, last_, angle_left_);
+  std::move(left.structure.begin(), left.structure.end(), std::back_inserter(out_.structure));
+  drop_what_is_random();
+  note_what_the_anonymous_model_does_better();
+  std::stable_sort(out_.structure.begin(), out_.structure.end(),
+                   [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
+  double unnamed2 = left.unexplained_rms_v * left.unexplained_rms_v;
+  for (const BudgetLine &line : out_.budget)
+    if (line.axis != Axis::noise)
+      unnamed2 += line.unnamed_rms_v * line.unnamed_rms_v;
+  out_.unexplained_rms_v = std::sqrt(unnamed2);
+  in_bursts_ = left.bursts;
+}
+
+void Work::note_what_the_anonymous_model_does_better() {
+  const double named2 = std::pow(last_.heldout.residual_rms_v, 2) - std::pow(random_v(), 2);
+  const double anonymous2 = std::pow(out_.anonymous.residual_rms_v, 2);
+  // Where the motion is read off the pair the anonymous model takes a part of it.
+  const bool of_motion = !scene_.has_reference && !scene_.radius_only;
+  if (!out_.structure.empty() || supply_is_inferred() || of_motion || !(anonymous2 > 0.0) ||
+      named2 < criteria::kMoreVariance * anonymous2 ||
+      static_cast<double>(parts_.heldout.size()) * std::log(named2 / anonymous2) <
+          criteria::kNatsOfNoise)
+    return;
+  const double left_v = std::sqrt(named2 - anonymous2);
+  out_.structure.push_back(
+      {std::string(axis_name(Axis::time)),
+       fmt::format("the best model that names nothing takes out {:.3g} mV rms more of held-out "
+                   "data, and no named cause accounts for them",
+                   1e3 * left_v),
+       left_v});
+}
+
+double Work::channel_rms_v() const {
+  return std::abs(out_.extended.baseline.amplitude_v) / std::numbers::sqrt2;
+}
+
+double Work::process_v(const EffectInfo &info, const std::vector<double> &values) const {
+  return info.pattern == Pattern::gain ? values[0] * channel_rms_v()
+                                       : std::max(values[0], values[1]);
+}
+
+double Work::random_v(bool in_time) const {
+  const double waves = std::max(1, slow_waves_);
+  const double alike = in_time ? 1.0 : crosstalk(periods_in_all(), waves) / criteria::kLittle;
+  double sum = 0.0;
+  for (const EffectInstance &e : seen_random_) {
+    const EffectInfo &info = e.effect->info();
+    if (info.evidence == Evidence::noise && info.character == Character::process)
+      sum += e.values[0] * e.values[0];        // what else is left over is not its own
+    else if (info.evidence != Evidence::noise) // white noise has no structure of its own
+      sum += std::pow(process_v(info, e.values), 2) / waves * alike;
+  }
+  sum += std::pow(reference_step_rad() * scene_.periods * channel_rms_v(), 2) / 12.0;
+  // Steps that no noise blurs err by the place, and so with whatever the place goes with.
+  sum += std::pow(scene_.coarse_step_v, 2) / 12.0;
+  // A supply that is only inferred is weighed down to the noise along one of two directions, and
+  // goes with whatever changes as slowly as it does.
+  if (found_.disturbed == Direction::supply)
+    sum += 0.5 * unnamed_.selection.noise_v2;
+  return std::sqrt(sum);
+}
+
+bool Work::is_white(const EffectInfo &info) {
+  return info.evidence == Evidence::noise && info.character != Character::process;
+}
+
+double Work::white_v() const {
+  const bool any = std::any_of(seen_random_.begin(), seen_random_.end(), is_white_noise);
+  const double left = last_.heldout.residual_rms_v;
+  return any ? std::sqrt(std::max(0.0, left * left - noise_ * noise_)) : 0.0;
+}
+
+double Work::motion_v() const {
+  if (scene_.has_reference || scene_.radius_only)
+    return 0.0;
+  const NoiseShape &n = out_.noise;
+  return std::sqrt(0.5 * std::max(0.0, n.across_v * n.across_v - n.along_v * n.along_v));
+}
+
+void Work::drop_what_is_random() {
+  const double accounted = std::hypot(random_v(), white_v());
+  const bool noise_only = white_v() > 0.0;
+  const auto too_much = [&](const Structure &s) {
+    return (s.along == "angle" || s.along == "frequency") &&
+           s.rms_v > criteria::kOfRandom * accounted;
+  };
+  if (noise_only && std::any_of(out_.structure.begin(), out_.structure.end(), too_much)) {
+    std::erase_if(recorded_, is_white_noise);
+    std::erase_if(random_, finds_white_noise);
+    std::erase_if(seen_random_, is_white_noise);
+  }
+  drop_processes_that_leave_more();
+  std::erase_if(out_.structure, [&](const Structure &s) {
+    const bool in_time = s.along == axis_name(Axis::time) || s.along == axis_name(Axis::frequency);
+    return s.rms_v < criteria::kOfProcess * random_v(in_time);
+  });
+}
+
+void Work::drop_processes_that_leave_more() {
+  const auto leaves_more = [&](const auto &named) {
+    const EffectInfo &info = named.effect->info();
+    if (info.character != Character::process || info.evidence == Evidence::noise)
+      return false;
+    const double v = process_v(info, named.values);
+    return std::any_of(out_.structure.begin(), out_.structure.end(), [&](const Structure &s) {
+      return s.along == axis_name(Axis::time) && s.rms_v > std::numbers::sqrt2 * v;
+    });
+  };
+  if (!std::any_of(seen_random_.begin(), seen_random_.end(), leaves_more))
+    return;
+  std::erase_if(recorded_, leaves_more);
+  std::erase_if(random_, leaves_more);
+  std::erase_if(seen_random_, leaves_more);
+  for (BudgetLine &line : out_.budget)
+    if (line.axis == Axis::time)
+      line.unnamed_rms_v =
+          std::exchange(line.named_rms_v, 0.0) > 0.0 ? line.rms_v : line.unnamed_rms_v;
+}
+
+double Work::reference_step_rad() const {
+  double step = 0.0;
+  for (const ScreenFinding &f : scene_.screened)
+    step = std::max(step, f.effect->reference_step_rad(f.values));
+  return step;
+}
+
+void Work::note_unnamed() {
+  const double noise = std::sqrt(unnamed_.selection.noise_v2);
+  const double steps_v2 = std::max(0.0, unnamed_.selection.steps_v2);
+  for (Structure &step : unnamed_steps(unnamed_, out_.extended))
+    if (step.rms_v > criteria::kWorthAWord * noise)
+      out_.structure.push_back(std::move(step));
+  const double least = std::max(criteria::kWorthAWord * noise, criteria::kOfProcess * motion_v());
+  for (BudgetLine line : out_.budget) {
+    // How a supply that is only inferred goes with the time is its own affair.
+    if (found_.disturbed == Direction::supply &&
+        (line.axis == Axis::time || line.axis == Axis::frequency))
+      continue;
+    if (line.axis == Axis::time) // the steps have sentences of their own
+      line.unnamed_rms_v =
+          std::sqrt(std::max(0.0, line.unnamed_rms_v * line.unnamed_rms_v - steps_v2));
+    if (line.axis != Axis::noise && line.unnamed_rms_v > least)
+      out_.structure.push_back({std::string(axis_name(line.axis)),
+                                unnamed_sentence(line, unnamed_.selection, scene_),
+                                line.unnamed_rms_v});
+  }
+}
+
+void Work::note_what_stands_out() {
+  const auto n = static_cast<double>(scene_.all.size() + scene_.spiked.size());
+  const double rms = no_spikes_.rms_v * std::sqrt(static_cast<double>(no_spikes_.count) / n);
+  if (no_spikes_.count == 0 || rms < criteria::kWorthAWord * floor())
+    return;
+  out_.structure.push_back(
+      {std::string(axis_name(no_spikes_.place_rad ? Axis::angle : Axis::time)),
+       fmt::format(
+           "{} of {:.0f} samples stand out of the noise by {:.3g} mV rms, {}", no_spikes_.count, n,
+           1e3 * no_spikes_.rms_v,
+           no_spikes_.place_rad
+               ? fmt::format("at the same places in the turn, most of them about {:.0f} deg",
+                             *no_spikes_.place_rad * kDegPerRad)
+               : "several in a row"),
+       rms});
+}
+
+bool Work::supply_is_inferred() const {
+  return found_.supply_rms_fraction > 0.0 ||
+         (freed_ && freed_->has_vdd() && !given_.has_vdd() && has(out_.extended, follows_supply));
+}
+
+} // namespace ada

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/work.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "diagnosis/conditions/gains.h"
+#include "diagnosis/random_causes.h"
+
+namespace ada {
+
+bool Work::take_out_processes() {
+  if (found_.disturbed == Direction::supply) // what goes on slowly along it is the supply's
+    return false;
+  Parts white = parts_;
+  white.train.coloured.reset();
+  // What is carried without a name is a part of what the anonymous model holds.
+  Model named = out_.extended;
+  named.remainder.reset();
+  // A slow process goes along with speed and temperature by chance. It is named where it alone
+  // explains most of what changes with any of them, unless the speed alone does so as well: what
+  // wanders is not expected to follow its few functions.
+  Anonymous slow = anonymous_of(scene_, white, named, {.speed = false, .others = false});
+  const double whole =
+      slow.from.heldout(slow.from.heldout.rows() - 1, slow.from.heldout.rows() - 1) /
+      slow.from.n_heldout;
+  if (slow.selection.noise_v2 - unnamed_.selection.noise_v2 >=
+      criteria::kLittle * (whole - unnamed_.selection.noise_v2))
+    return false;
+  std::vector<RandomCause> found = slow_causes(slow, white, named, periods_in_all());
+  std::erase_if(found, [&](const RandomCause &c) { return goes_on(c); });
+  if (found.empty() || goes_with_speed(slow, whole, white, named))
+    return false;
+  const int waves = slow.selection.orders[static_cast<std::size_t>(Axis::time)];
+  if (!take_out_courses(std::move(slow), found))
+    return false;
+  slow_waves_ = std::max(slow_waves_, waves);
+  double moved_v2 = 0.0;
+  for (const RandomCause &c : found)
+    moved_v2 += c.slow_v2;
+  std::move(found.begin(), found.end(), std::back_inserter(processes_));
+  return moved_v2 > unnamed_.selection.noise_v2;
+}
+
+bool Work::goes_on(const RandomCause &c) const {
+  return std::any_of(processes_.begin(), processes_.end(),
+                     [&](const RandomCause &old) { return old.effect == c.effect; });
+}
+
+void Work::take_out_rest_of_courses() {
+  if (processes_.empty())
+    return;
+  Parts white = parts_;
+  white.train.coloured.reset();
+  Model named = out_.extended;
+  named.remainder.reset();
+  Anonymous slow = anonymous_of(scene_, white, named, {.speed = false, .others = false});
+  std::vector<RandomCause> rest = slow_causes(slow, white, named, periods_in_all());
+  std::erase_if(rest, [&](const RandomCause &c) { return !goes_on(c); });
+  if (!rest.empty())
+    take_out_courses(std::move(slow), rest);
+}
+
+void Work::name_random_causes() {
+  Parts white = parts_;
+  white.train.coloured.reset();
+  Model named = out_.extended;
+  named.remainder.reset();
+  // A converter's steps are no noise.
+  const bool reads_noise = !supply_is_inferred() && scene_.coarse_step_v <= 0.0;
+  const double stated = !noise_stated_ ? 0.0
+                        : named_before_ && named_before_->noise_rms_v
+                            ? std::max(noise_, *named_before_->noise_rms_v)
+                            : noise_;
+  const std::vector<double> &t = scene_.all.time;
+  std::vector<RandomCause> noise;
+  if (reads_noise)
+    noise = noise_causes(unnamed_, white, named, stated, reference_step_rad(),
+                         even_clock() ? &scene_.all : nullptr);
+  leave_to_flicker(processes_, noise, slow_waves_, t.back() - t.front());
+  for (const std::vector<RandomCause> *causes : {&processes_, &noise})
+    for (const RandomCause &c : *causes)
+      name_process(c);
+  if (!reads_noise)
+    return;
+  // Without a reference the motion has taken in what lies along the circle.
+  const double left = std::max(std::sqrt(unnamed_.selection.noise_v2),
+                               scene_.has_reference ? 0.0 : out_.noise.along_v);
+  if (!random_.empty() || !noise.empty())
+    explained_noise_ = std::max(noise_, left);
+}
+
+bool Work::goes_with_speed(const Anonymous &slow, double whole_v2, const Parts &white,
+                           const Model &named) const {
+  if (!scene_.several_speeds && !scene_.both_directions)
+    return false;
+  const Anonymous speed = anonymous_of(scene_, white, named, {.over_time = false, .others = false});
+  const double of_slow = whole_v2 - slow.selection.noise_v2;
+  return speed.selection.noise_v2 - slow.selection.noise_v2 < criteria::kNearlyAll * of_slow;
+}
+
+bool Work::even_clock() const {
+  const std::vector<double> &t = scene_.all.time;
+  const double mean = (t.back() - t.front()) / static_cast<double>(t.size());
+  return t.size() >= criteria::kFewestForLines && !scene_.radius_only && !scene_.stops &&
+         mean < criteria::kUneven * scene_.all.frame_period_s;
+}
+
+void Work::name_process(const RandomCause &c) {
+  // What the functions of a larger process leave of it is faster, and passes for noise.
+  if (c.effect->info().evidence == Evidence::noise && c.slow_v2 > 0.0 &&
+      c.slow_v2 < criteria::kLittle * slow_v2_)
+    return;
+  slow_v2_ = std::max(slow_v2_, c.slow_v2);
+  seen_random_.push_back({c.effect, c.values, c.std_errors});
+  if (given(c.effect))
+    return;
+  Rung before = last_;
+  const double samples = static_cast<double>(std::max<std::size_t>(1, parts_.heldout.size()));
+  before.heldout.log_likelihood = last_.heldout.log_likelihood - c.nats / samples;
+  random_.push_back(
+      recorded({c.effect, c.values, c.std_errors, c.alternatives, {}, {}, before, last_, false}));
+}
+
+bool Work::take_out_courses(Anonymous slow, const std::vector<RandomCause> &processes) {
+  const double before_v2 = left_v2(parts_, out_.extended);
+  const double goes_on_v2 = slow.selection.share_v2[static_cast<std::size_t>(Axis::time)];
+  const Outputs as_they_were(*this);
+  Anonymous unnamed = std::exchange(unnamed_, std::move(slow));
+  const auto courses_of = [&](Pattern pattern) {
+    Selection out;
+    std::vector<double> values;
+    if (std::any_of(processes.begin(), processes.end(),
+                    [&](const RandomCause &c) { return c.effect->info().pattern == pattern; }))
+      for (std::size_t k = 0; k < unnamed_.selection.columns.size(); ++k)
+        if (is_course_of(unnamed_, unnamed_.selection.columns[k], pattern)) {
+          out.columns.push_back(unnamed_.selection.columns[k]);
+          values.push_back(unnamed_.selection.values[static_cast<Eigen::Index>(k)]);
+        }
+    out.values =
+        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+    return out;
+  };
+  const Selection offsets = courses_of(Pattern::offset), gain = courses_of(Pattern::gain);
+  const Baseline &b = out_.extended.baseline;
+  const double middle_v = 0.5 * scene_.supply_v;
+  for (Observations *data : all_data()) {
+    if (judge_ && data == &parts_.heldout)
+      continue;
+    ResidualColumns pair, turning;
+    pair.sin = data->vsin;
+    pair.cos = data->vcos;
+    subtract(unnamed_.basis, offsets, *data, pair);
+    turning.sin.assign(data->size(), 0.0);
+    turning.cos = turning.sin;
+    subtract(unnamed_.basis, gain, *data, turning);
+    for (std::size_t i = 0; i < data->size(); ++i) {
+      const double sin_v = b.offset_sin_v + middle_v, cos_v = b.offset_cos_v + middle_v;
+      const double s = pair.sin[i] - sin_v, c = pair.cos[i] - cos_v;
+      // What the gain adds lies along the vector that it was read off.
+      const double more = std::hypot(turning.sin[i], turning.cos[i]);
+      const double sign = s * turning.sin[i] + c * turning.cos[i] > 0.0 ? -1.0 : 1.0;
+      const double by = std::max(1.0 + sign * more / b.amplitude_v, criteria::kLeastGain);
+      data->vsin[i] = sin_v + s / by;
+      data->vcos[i] = cos_v + c / by;
+    }
+  }
+  if (before_v2 - left_v2(parts_, out_.extended) < criteria::kOfCourse * goes_on_v2) {
+    as_they_were.put_back(*this);
+    unnamed_ = std::move(unnamed);
+    return false;
+  }
+  look_anew();
+  return true;
+}
+
+void Work::look_anew() {
+  parts_.courses_taken_out = true;
+  Parts white = parts_;
+  white.train.coloured.reset();
+  Model named = out_.extended;
+  named.remainder.reset();
+  unnamed_ = anonymous_of(scene_, white, named);
+  name_in_budget();
+  out_.noise = noise_shape(unnamed_, white, named);
+  last_ = white.rung(out_.extended);
+}
+
+bool Work::take_out_record_gains() {
+  const auto share = [&](Axis axis) {
+    return std::max(0.0, unnamed_.selection.share_v2[static_cast<std::size_t>(axis)]);
+  };
+  const double goes_on_v2 = share(Axis::time) + share(Axis::speed);
+  if (worked_on().starts.size() < 2 || judge_ || found_.disturbed == Direction::supply ||
+      goes_on_v2 < unnamed_.selection.noise_v2)
+    return false;
+  const double before_v2 = left_v2(parts_, out_.extended);
+  const Outputs as_they_were(*this);
+  const RecordGains gains(worked_on(), scene_, out_.extended);
+  for (Observations *data : all_data())
+    for (std::size_t i = 0; i < data->size(); ++i)
+      gains.take_out(data->time[i], data->vsin[i], data->vcos[i]);
+  const Model alike = fit(parts_.train, gains.common(), 5).model;
+  const double after_v2 = left_v2(parts_, alike);
+  if (before_v2 - after_v2 < criteria::kOfCourse * goes_on_v2 || after_v2 > goes_on_v2) {
+    as_they_were.put_back(*this);
+    return false;
+  }
+  const double samples = static_cast<double>(parts_.heldout.size());
+  const double nats =
+      samples * std::log(before_v2 / std::max(after_v2, criteria::kLeastMeanSquare));
+  look_anew();
+  processes_.push_back(gains.as_cause(nats, before_v2 - after_v2));
+  return true;
+}
+
+void Work::name_in_budget() {
+  for (BudgetLine &line : out_.budget) {
+    if (line.axis == Axis::noise) {
+      line.rms_v = line.unnamed_rms_v = std::sqrt(unnamed_.selection.noise_v2);
+      continue;
+    }
+    const double left =
+        std::max(0.0, unnamed_.selection.share_v2[static_cast<std::size_t>(line.axis)]);
+    line.unnamed_rms_v = std::min(line.rms_v, std::sqrt(left));
+    line.named_rms_v =
+        std::sqrt(std::max(0.0, line.rms_v * line.rms_v - line.unnamed_rms_v * line.unnamed_rms_v));
+  }
+}
+
+} // namespace ada

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/work.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "diagnosis/conditions/reference_zero.h"
+#include "diagnosis/first_model.h"
+#include "diagnosis/naming.h"
+#include "diagnosis/unseen_supply.h"
+#include "motion/surroundings.h"
+
+namespace ada {
+
+bool Work::zeros_moved() {
+  return move_zeros(scene_, worked_on(), found_.fit.model, std::max(noise_, found_.residual_rms_v));
+}
+
+Scene Work::scene_of(const Capture &capture, bool needs_split) const {
+  if (baseline() && !capture.has_reference()) {
+    const Model known = baseline()->at_supply(capture.meta.supply_v);
+    if (Scene scene = prepare(capture, needs_split, &known, vdd_level_v());
+        scene.insufficient.empty())
+      return scene;
+  }
+  return prepare(capture, needs_split, nullptr, vdd_level_v());
+}
+
+std::optional<double> Work::vdd_level_v() const {
+  if (!given_.has_vdd())
+    return std::nullopt;
+  if (named_before_ && named_before_->vdd_reference_v)
+    return named_before_->vdd_reference_v;
+  return SupplyOverTime(given_).mean_v;
+}
+
+void Work::free_vtemp() {
+  if (!scene_.has_reference || given_.has_vdd() || !scene_.why_no_temperature.empty())
+    return;
+  search_causes(false);
+  if (found_.disturbed != Direction::supply)
+    return;
+  auto freed = with_free_vtemp(worked_on(), scene_, found_.fit.model);
+  if (!freed)
+    return;
+  freed_ = std::move(freed);
+  scene_ = prepare(*freed_, options_.heldout == nullptr);
+}
+
+void Work::search_causes(bool thorough) {
+  choose_parts();
+  Model start = first_model(scene_, baseline());
+  // Without a reference the angle is the pair's own, lag and all: a common delay is free.
+  // So it is where each of several captures has its own zero angle and one speed.
+  const bool own = scene_.has_reference ? scene_.lag_in_zeros : !scene_.radius_only;
+  free_lag_ =
+      own && (scene_.several_speeds || scene_.both_directions) && !has(start, is_common_delay);
+  if (free_lag_)
+    start.effects.push_back({&the_effect(is_common_delay), {0.0}, {}});
+  const auto search = [&] {
+    return Search({&scene_, scene_.all.select(thin(scene_.train, criteria::kSearchTrain)),
+                   options_.heldout
+                       ? judge_->all
+                       : scene_.all.select(thin(scene_.heldout, criteria::kSearchHeldout)),
+                   &judge()},
+                  start, noise_, options_.progress);
+  };
+  found_ = search().run(false);
+  if (!thorough)
+    return;
+  const Model physical = found_.fit.model;
+  const Unnamed unnamed =
+      unnamed_beside(scene_, parts_, physical, anonymous_of(scene_, parts_, physical), noise_);
+  // What is left over is looked at against what has no name: second thoughts come there.
+  found_ = search().run(false, &physical, unnamed);
+  if (!anonymous_of(scene_, parts_, found_.fit.model).any()) {
+    const Model known = found_.fit.model;
+    found_ = search().run(true, &known, unnamed);
+  }
+}
+
+bool Work::offsets_moved() const {
+  constexpr double kMuch = 0.75; // of the sum of squares stays with offsets of its own
+  if (!judge_)
+    return false;
+  Observations own = parts_.heldout;
+  own.own_offsets = true;
+  const Model &model = found_.fit.model;
+  return sum_of_squares(own, as_seen_by(own, model)) <
+         kMuch * sum_of_squares(parts_.heldout, as_seen_by(parts_.heldout, model));
+}
+
+void Work::report_moved_offsets() {
+  if (!judge_ || !judge_->all.own_offsets)
+    return;
+  const Baseline &first = out_.extended.baseline;
+  const Baseline second = as_seen_by(parts_.heldout, out_.extended).baseline;
+  const double sin = second.offset_sin_v - first.offset_sin_v;
+  const double cos = second.offset_cos_v - first.offset_cos_v;
+  out_.structure.push_back(
+      {"time",
+       fmt::format("between the two captures the offsets move by {:+.3g} mV (VSIN) and {:+.3g} "
+                   "mV (VCOS); the second is judged with its own",
+                   1e3 * sin, 1e3 * cos),
+       std::hypot(sin, cos) / std::sqrt(2.0)});
+}
+
+Model Work::found_baseline() const {
+  Model out = first_model(scene_, baseline());
+  if (free_lag_)
+    out.effects.push_back({&the_effect(is_common_delay), {0.0}, {}});
+  return out;
+}
+
+bool Work::drop_what_harms() {
+  const Quality &first = ladder_.first.heldout, &last = ladder_.last.heldout;
+  const bool likelier = last.log_likelihood >= first.log_likelihood;
+  const bool closer = !last.angle_error_rms_deg ||
+                      *last.angle_error_rms_deg <= criteria::kNoWorse * *first.angle_error_rms_deg;
+  if (found_.order.empty() || (likelier && closer))
+    return false;
+  std::size_t worst = 0;
+  double most = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < ladder_.findings.size(); ++i) {
+    const Quality &before = ladder_.findings[i].before.heldout;
+    const Quality &after = ladder_.findings[i].after.heldout;
+    const double harm = likelier ? *after.angle_error_rms_deg - *before.angle_error_rms_deg
+                                 : before.log_likelihood - after.log_likelihood;
+    if (harm > most) {
+      most = harm;
+      worst = i;
+    }
+  }
+  found_.forget(worst);
+  return true;
+}
+
+bool Work::drop_what_is_impossible() {
+  const auto &f = ladder_.findings;
+  const auto impossible = std::find_if(f.begin(), f.end(), [](const Finding &of) {
+    return !in_range({of.effect, of.values, {}});
+  });
+  if (impossible == f.end())
+    return false;
+  found_.forget(static_cast<std::size_t>(impossible - f.begin()));
+  return true;
+}
+
+bool Work::drop_what_is_unclear() {
+  std::vector<std::size_t> places(ladder_.clearness.size());
+  std::iota(places.begin(), places.end(), std::size_t{0});
+  std::sort(places.begin(), places.end(),
+            [&](auto a, auto b) { return ladder_.clearness[a] < ladder_.clearness[b]; });
+  for (const std::size_t place : places) {
+    if (ladder_.clearness[place] >= criteria::kClear)
+      return false;
+    if (ladder_.clearness[place] >= criteria::kUnclear &&
+        takes_most(scene_, parts_, found_.fit.model, found_.order[place]))
+      continue;
+    found_.forget(place);
+    return true;
+  }
+  return false;
+}
+
+bool Work::has(const Model &model, bool (*is)(const EffectInfo &)) {
+  return std::any_of(model.effects.begin(), model.effects.end(),
+                     [&](const EffectInstance &e) { return is(e.effect->info()); });
+}
+
+} // namespace ada
