@@ -13,7 +13,7 @@ namespace ada {
 
 namespace {
 
-constexpr double kFewestTurns = 3.0;
+constexpr double kFewestTurns = 2.0; ///< every angle is seen twice then
 constexpr std::size_t kMostLines = 4;
 constexpr std::size_t kLongest = std::size_t{1} << 20; ///< of the transform: 16 MB
 /// A line stands this far above the median power: exp(-12 ln 2) of the lines of noise do.

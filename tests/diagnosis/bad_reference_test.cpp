@@ -168,5 +168,23 @@ KIND(a_third_harmonic_of_either_channel_is_within_the_errors) {
               3.0 * delta->std_errors[0] * kRadPerDeg + 2e-3 * std::abs(bench.pair.delta_rad));
 }
 
+/// Of fewer than six turns nothing tells the lines of an encoder from a field of the same order.
+KIND(a_high_order_of_few_turns_is_the_fields_or_the_references) {
+  Bench bench;
+  const double turns = bench.within(2.5, 5.0), e_deg = bench.within(0.03, 0.1);
+  const double order = std::round(bench.within(13.5, 50.5));
+  Capture c = bench.capture(12000, 4000.0, 2, [&](double t) { return kTwoPi * turns * t / 3.0; });
+  for (double &r : c.reference_deg)
+    r = wrap(r + e_deg * std::sin(order * r * kRadPerDeg), 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *found = named(d, "field-direction-error");
+  ASSERT_TRUE(found) << names(d);
+  EXPECT_DOUBLE_EQ(found->values[0], order);
+  EXPECT_NEAR(found->values[1], e_deg, 0.1 * e_deg);
+  EXPECT_EQ(
+      std::count(found->alternatives.begin(), found->alternatives.end(), "reference-harmonic"), 1);
+}
+
 } // namespace
 } // namespace ada::test
