@@ -121,7 +121,7 @@ TEST(FindOrders, FindsWholeAndBrokenOrders) {
 }
 
 TEST(FindOrders, IsQuietWhereThereAreNoTurnsOrNoLines) {
-  EXPECT_TRUE(find_orders(Turning(2.5, 3000, 1e-3, {20.0}, 1e-2).residual).empty());
+  EXPECT_TRUE(find_orders(Turning(1.8, 3000, 1e-3, {20.0}, 1e-2).residual).empty());
   EXPECT_TRUE(find_orders(Turning(10.0, 3000, 0.0, {}, 0.0).residual).empty());
 }
 
