@@ -97,8 +97,8 @@ inline constexpr int kMostPeriodsInTurns = 32;
 inline constexpr double kSamplesPerOrder = 6.0;
 /// Samples from which on lines of the spectrum are looked for.
 inline constexpr std::size_t kFewestForLines = 1000;
-/// Rows in the middle of a record that its spectrum is taken of: their 65,000 lines know a corner
-/// to a hundredth, and a copy of more is memory spent on nothing.
+/// Rows in the middle of a record that its spectrum is taken of, so that a long one takes no copy of
+/// itself: below a corner from a thousandth of the sample rate on lie a hundred lines and more.
 inline constexpr std::size_t kFlickerRows = 131072;
 
 /// Functions slow in time: at most so many half waves over the record, each of which lasts this
@@ -117,10 +117,12 @@ inline constexpr double kJump = 8.0, kSameSpeed = 0.1;
 inline constexpr std::size_t kFewestCrossings = 4;
 inline constexpr double kNextGap = 0.25;
 /// A pair that comes near the centre of its curve: within this part of its usual distance more
-/// often than in this share of the samples. A disc that is filled evenly has 0.02 of them there, a
-/// square or the sum of two tones 0.01 and more, a sound sensor none; spikes on the way across, one
-/// in three hundred at most.
+/// often than in this share of the samples, a third of the least that follows. A disc that is
+/// filled evenly has 0.02 of them there (0.2 squared, the usual distance being 0.7 of its radius),
+/// two tones 0.01; a sound sensor has none.
 inline constexpr double kDeadCentre = 0.2, kMostNearCentre = 1.0 / 300.0;
+/// Samples that this is seen in: a share of one in 300 to a tenth of it.
+inline constexpr std::size_t kForCircle = 30000;
 /// Held-out nats by which an axis must gain to be admitted: by chance once in e^6 = 400 axes. Each
 /// further step in its order must gain this many.
 inline constexpr double kAdmittedNats = 6.0, kNatsPerOrder = 1.0;

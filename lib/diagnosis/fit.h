@@ -60,6 +60,7 @@ std::vector<char> where_outputs_pass(const Observations &data, const Model &mode
 /// Data minus model, and the model, in volts.
 struct ResidualColumns {
   std::vector<double> sin, cos, model_sin, model_cos;
+  bool operator==(const ResidualColumns &) const = default;
 };
 ResidualColumns residual_columns(const Observations &data, const Model &model);
 /// The same without the model's own columns: a long capture has no memory to spare.

@@ -652,8 +652,13 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
   else if (on_one_line(all, scene.white_noise_v))
     scene.insufficient =
         "the shaft turns and the vector does not: VSIN and VCOS move along one line";
-  else if (!scene.has_reference)
-    scene.insufficient = why_no_angle(capture);
+  else if (!scene.has_reference) {
+    // Of all samples: those about the centre turn too fast to be usable.
+    std::vector<std::uint32_t> some(capture.size());
+    std::iota(some.begin(), some.end(), 0u);
+    some = thin(some, criteria::kForCircle);
+    scene.insufficient = why_no_angle(pick(capture.vsin_v, some), pick(capture.vcos_v, some));
+  }
   if (!scene.has_reference || !scene.insufficient.empty())
     return scene;
   const std::vector<double> own = own_angle(all);

@@ -80,6 +80,7 @@ struct Observations {
   Observations select(const std::vector<std::uint32_t> &indices) const;
   /// The same in place, with one column more in memory at a time.
   void keep(const std::vector<std::uint32_t> &indices);
+  bool operator==(const Observations &) const = default;
 };
 
 /// Single rows in which the reference alone is wrong: none of them is used.

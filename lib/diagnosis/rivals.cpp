@@ -74,9 +74,11 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
   const double n = static_cast<double>(data_.heldout.size());
   const Baseline &base = now.fit.model.baseline;
   const double offset = std::hypot(base.offset_sin_v, base.offset_cos_v);
-  const std::vector<Candidate> list =
-      candidates(*data_.scene, quick_, less.fit.model,
-                 {.signatures = signatures_, .invisible = true});
+  std::vector<Candidate> list = candidates(*data_.scene, quick_, less.fit.model,
+                                           {.signatures = signatures_, .invisible = true});
+  std::erase_if(list, [&](const Candidate &c) {
+    return !c.visible && !may_look_alike(*self, *c.effect, data_.scene->has_reference);
+  });
   const double my_side = side_evidence(data_, now.fit.model);
   const double in_transfer = offsets_in_transfer(quick_, now.fit.model);
   // Which of two stages acts first is not known to second order.
@@ -89,8 +91,7 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
   if (highest == 0.0 && !list.empty())
     highest = list.front().gain;
   for (const Candidate &c : list) {
-    if (c.effect == self || c.gain < 0.8 * highest ||
-        (!c.visible && !may_look_alike(*self, *c.effect, data_.scene->has_reference)))
+    if (c.effect == self || c.gain < 0.8 * highest)
       continue;
     // A signature is no rival of a physical cause, unless other evidence speaks for it; without a
     // reference nothing tells them apart.

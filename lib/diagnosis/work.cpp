@@ -13,6 +13,7 @@
 #include "diagnosis/conditions/level_gap.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/conditions/several.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/describe.h"
 #include "diagnosis/first_model.h"
 #include "diagnosis/images.h"

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "diagnosis/anonymous/anonymous.h"
-#include "diagnosis/criteria.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/ladder.h"
 #include "diagnosis/leftovers.h"

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/angle.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/describe.h"
 
 namespace ada {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "diagnosis/conditions/gains.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/random_causes.h"
 
 namespace ada {

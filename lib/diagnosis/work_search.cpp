@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "diagnosis/conditions/reference_zero.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/first_model.h"
 #include "diagnosis/naming.h"
 #include "diagnosis/unseen_supply.h"

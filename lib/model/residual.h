@@ -78,7 +78,7 @@ std::vector<double> find_modulations(const Residual &residual);
 std::vector<std::vector<double>> find_clipping(const Residual &residual);
 
 /// Orders of the turn, whole or not, at which the angle of the residual shows lines against the
-/// angle; the strongest first. Empty below a few turns.
+/// angle; the strongest first. Empty below two turns.
 const std::vector<double> &find_orders(const Residual &residual);
 
 /// Slowest speed, rad/s, of a motion that without a reference tells a ripple of the shaft, which

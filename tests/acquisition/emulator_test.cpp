@@ -274,6 +274,7 @@ private:
 TEST(LeftRuns, BelongToTheClientThatTimedOutAndToNoNewOne) {
   ScanFormat u16;
   u16.bits = u16.storage = 16;
+  // A second from frame to frame: what is to time out within one must also do so on a busy machine.
   const Served server(served_pair(u16, u16, 1.0, false, 4)); // counts 1, 2, 3, 4 and 0, 3, 6, 9
   OneFrame first(server, "00000001"), other(server, "00000002");
   EXPECT_EQ(first.read(), 1);

@@ -52,11 +52,6 @@ Observations some_of(const Observations &data, std::size_t most) {
   return out;
 }
 
-struct Halves {
-  Observations train, heldout;
-  ResidualColumns train_left, heldout_left;
-};
-
 Halves halves_of(const Parts &parts, const Model &model) {
   Halves out{some_of(parts.train, criteria::kAnonymousTrain),
              some_of(parts.heldout, criteria::kAnonymousHeldout), {}, {}};
@@ -186,23 +181,9 @@ Anonymous compute(const Scene &scene, const Halves &halves, const Model &model, 
 
 } // namespace
 
-bool RecentAnonymous::Question::is_same_as(const Question &other) const {
-  const auto same_data = [](const Observations &a, const Observations &b) {
-    return a.weight_along == b.weight_along && a.time == b.time && a.alpha == b.alpha &&
-           a.omega == b.omega && a.temp == b.temp && a.supply == b.supply;
-  };
-  const auto same_left = [](const ResidualColumns &a, const ResidualColumns &b) {
-    return a.sin == b.sin && a.cos == b.cos && a.model_sin == b.model_sin &&
-           a.model_cos == b.model_cos;
-  };
-  return scene == other.scene && zero_rad == other.zero_rad && asked == other.asked &&
-         same_left(train_left, other.train_left) && same_left(heldout_left, other.heldout_left) &&
-         same_data(train, other.train) && same_data(heldout, other.heldout);
-}
-
 const Anonymous *RecentAnonymous::find(const Question &question) const {
   const auto at = std::find_if(kept_.rbegin(), kept_.rend(),
-                               [&](const auto &kept) { return kept.first.is_same_as(question); });
+                               [&](const auto &kept) { return kept.first == question; });
   return at != kept_.rend() ? &at->second : nullptr;
 }
 
@@ -214,21 +195,13 @@ void RecentAnonymous::keep(Question question, const Anonymous &answer) {
 }
 
 Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model, Asked asked) {
-  Halves halves = halves_of(parts, model);
   asked.over_time = asked.over_time && !parts.second_capture;
-  if (!parts.recent)
-    return compute(scene, halves, model, asked);
-  RecentAnonymous::Question question{&scene,
-                                     halves.train,
-                                     halves.heldout,
-                                     halves.train_left,
-                                     halves.heldout_left,
-                                     zero_of(model),
-                                     asked};
-  if (const Anonymous *known = parts.recent->find(question))
+  RecentAnonymous::Question question{&scene, halves_of(parts, model), zero_of(model), asked};
+  if (const Anonymous *known = parts.recent ? parts.recent->find(question) : nullptr)
     return *known;
-  Anonymous out = compute(scene, halves, model, asked);
-  parts.recent->keep(std::move(question), out);
+  Anonymous out = compute(scene, question.halves, model, asked);
+  if (parts.recent)
+    parts.recent->keep(std::move(question), out);
   return out;
 }
 

@@ -25,17 +25,23 @@ struct Anonymous {
   bool any() const { return !selection.columns.empty(); }
 };
 
-/// The last answers of anonymous_of, by what they were computed from: half of the questions repeat
-/// one of the two before. For one thread.
+/// What an anonymous model is fitted to and judged on.
+struct Halves {
+  Observations train, heldout;
+  ResidualColumns train_left, heldout_left;
+  bool operator==(const Halves &) const = default;
+};
+
+/// The last answers of anonymous_of, by all that they were computed from: many questions repeat one
+/// of the two before. For one thread.
 class RecentAnonymous {
 public:
   struct Question {
     const Scene *scene;
-    Observations train, heldout;
-    ResidualColumns train_left, heldout_left;
+    Halves halves;
     double zero_rad;
     Asked asked;
-    bool is_same_as(const Question &other) const;
+    bool operator==(const Question &) const = default;
   };
   const Anonymous *find(const Question &question) const;
   void keep(Question question, const Anonymous &answer);

@@ -64,7 +64,9 @@ std::optional<LevelGap> gap_of(const Capture &capture, bool of_cos) {
       continue;
     const bool up = x[i - 1] <= widest.low && x[i] >= widest.high;
     const bool down = x[i - 1] >= widest.high && x[i] <= widest.low;
-    if ((up || down) && of_one_record(i)) {
+    if (up || down) {
+      if (!of_one_record(i))
+        continue;
       jumps.push_back(up ? by : -by);
       others.push_back(std::abs(beyond_neighbours(capture, other, i)));
     } else {
@@ -79,8 +81,8 @@ std::optional<LevelGap> gap_of(const Capture &capture, bool of_cos) {
     off.push_back(std::abs(j - jump));
   const double usual = quantile(std::move(ordinary), 0.5);
   const double alike = criteria::kNextGap * jump;
-  if (jump < 0.5 * gap || jump < criteria::kJump * usual ||
-      quantile(std::move(off), 0.5) > alike || quantile(std::move(others), 0.5) > alike)
+  if (jump < 0.5 * gap || jump < criteria::kJump * usual || quantile(std::move(off), 0.5) > alike ||
+      quantile(std::move(others), 0.5) > alike)
     return {};
   return LevelGap{of_cos, widest.low, widest.high, jump, jumps.size()};
 }

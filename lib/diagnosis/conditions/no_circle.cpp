@@ -34,14 +34,7 @@ double share_near_centre(const std::vector<double> &vsin, const std::vector<doub
 
 } // namespace
 
-std::string why_no_angle(const Capture &capture) {
-  constexpr std::size_t kEnough = 20000; // samples, for a share of 1/300 to a tenth of it
-  const std::size_t every = capture.size() / kEnough + 1;
-  std::vector<double> vsin, vcos;
-  for (std::size_t i = 0; i < capture.size(); i += every) {
-    vsin.push_back(capture.vsin_v[i]);
-    vcos.push_back(capture.vcos_v[i]);
-  }
+std::string why_no_angle(const std::vector<double> &vsin, const std::vector<double> &vcos) {
   EllipseFit fit;
   try {
     fit = fit_ellipse(vsin, vcos);

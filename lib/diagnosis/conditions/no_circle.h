@@ -6,8 +6,7 @@
 #pragma once
 
 #include <string>
-
-#include "recording/capture.h"
+#include <vector>
 
 namespace ada {
 
@@ -15,6 +14,6 @@ namespace ada {
 /// to its centre (why_no_circle of calibration/guards.h), and the pair also comes near that centre.
 /// A length that wanders scatters, too, yet keeps its angle, for it never comes to nothing. Empty
 /// where there is a circle.
-std::string why_no_angle(const Capture &capture);
+std::string why_no_angle(const std::vector<double> &vsin, const std::vector<double> &vcos);
 
 } // namespace ada
