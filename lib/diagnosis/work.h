@@ -118,6 +118,10 @@ private:
   /// no name could do that as well, with many columns in its place.
   bool drop_what_is_unclear();
 
+  /// A step that is no larger than what a process of its pattern goes on with, once its course is
+  /// taken out, is a part of that.
+  bool drop_steps_of_processes();
+
   /// The budget, the best model that names nothing, and what is carried without a name.
   void compare_with_anonymous();
 
@@ -208,6 +212,8 @@ private:
 
   /// How much a process moves a channel, V rms.
   double process_v(const EffectInfo &info, const std::vector<double> &values) const;
+  /// What it goes on with above the half waves that its course was taken out by, V^2.
+  double beyond_course_v2(const EffectInfo &info, const std::vector<double> &values) const;
 
   /// V rms of a channel that the random processes with a name and the steps of a reference or of a
   /// coarse converter leave over: what is smaller is of their kind. A slow process goes on above

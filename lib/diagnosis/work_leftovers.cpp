@@ -65,6 +65,10 @@ double Work::process_v(const EffectInfo &info, const std::vector<double> &values
                                        : std::max(values[0], values[1]);
 }
 
+double Work::beyond_course_v2(const EffectInfo &info, const std::vector<double> &values) const {
+  return std::pow(process_v(info, values), 2) / std::max(1, slow_waves_);
+}
+
 double Work::random_v(bool in_time) const {
   const double waves = std::max(1, slow_waves_);
   const double alike = in_time ? 1.0 : crosstalk(periods_in_all(), waves) / criteria::kLittle;
@@ -74,7 +78,7 @@ double Work::random_v(bool in_time) const {
     if (info.evidence == Evidence::noise && info.character == Character::process)
       sum += e.values[0] * e.values[0];        // what else is left over is not its own
     else if (info.evidence != Evidence::noise) // white noise has no structure of its own
-      sum += std::pow(process_v(info, e.values), 2) / waves * alike;
+      sum += beyond_course_v2(info, e.values) * alike;
   }
   sum += std::pow(reference_step_rad() * scene_.periods * channel_rms_v(), 2) / 12.0;
   // Steps that no noise blurs err by the place, and so with whatever the place goes with.

@@ -10,6 +10,7 @@
 
 #include "diagnosis/conditions/gains.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/moments.h"
 #include "diagnosis/random_causes.h"
 
 namespace ada {
@@ -64,6 +65,23 @@ void Work::take_out_rest_of_courses() {
   std::erase_if(rest, [&](const RandomCause &c) { return !goes_on(c); });
   if (!rest.empty())
     take_out_courses(std::move(slow), rest);
+}
+
+bool Work::drop_steps_of_processes() {
+  for (std::size_t place = 0; place < found_.order.size(); ++place) {
+    const Effect &step = *found_.fit.model.effects[found_.order[place]].effect;
+    if (!has_moment(step))
+      continue;
+    double left_v2 = 0.0;
+    for (const RandomCause &process : processes_)
+      if (process.effect->info().pattern == step.info().pattern)
+        left_v2 += beyond_course_v2(process.effect->info(), process.values);
+    if (found_.contribution[place] < criteria::kOfProcess * std::sqrt(left_v2)) {
+      found_.forget(place);
+      return true;
+    }
+  }
+  return false;
 }
 
 void Work::name_random_causes() {
