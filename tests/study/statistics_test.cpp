@@ -162,7 +162,7 @@ TEST(Statistics, DistancesCallNothingFarInOneDistribution) {
   EXPECT_GT(distances(x, error)[17].p, 1e-3);
   EXPECT_EQ(distances(x, error)[16].p, distances(x)[16].p);
   error[17] = 1.0;
-  EXPECT_LT(distances(x, error)[17].p, 1e-5);
+  EXPECT_LT(distances(x, error)[17].p, 0.01 / 100.0); // one of a hundred that is called far
 }
 
 constexpr std::size_t kFewSensors[] = {5, 8, 12, 20};
