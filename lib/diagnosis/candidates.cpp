@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/products.h"
 #include "diagnosis/anonymous/discrepancy.h"
 #include "diagnosis/fit.h"
+#include "diagnosis/over_samples.h"
 #include "model/forward.h"
 
 namespace ada {
@@ -150,18 +150,13 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
     for (std::size_t k = 0; k < v.models.size(); ++k)
       add(v.models[k], v.steps[k]);
   const auto total = static_cast<Eigen::Index>(forward.size());
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(total + 1, total + 1);
-  Eigen::MatrixXd rows(total + 1, 2 * kWaveBlock);
-  std::array<double, kWaveBlock> s, c;
   const Conditions conditions = data.conditions();
   const Coloured *coloured = data.coloured.get();
-  Eigen::MatrixXd projected;
-  if (coloured)
-    projected = Eigen::MatrixXd::Zero(coloured->columns(), total + 1);
-  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
-    const std::size_t n = std::min(kWaveBlock, data.size() - first);
+  const auto add_block = [&](Crosses &sums, std::size_t first, std::size_t n) {
     const Conditions at = conditions.slice(first, n);
+    std::array<double, kWaveBlock> s, c;
     std::array<Observations::Whitener, kWaveBlock> whiten;
+    Eigen::MatrixXd rows(total + 1, static_cast<Eigen::Index>(2 * n));
     for (std::size_t i = 0; i < n; ++i)
       whiten[i] =
           data.whitener_at(first + i, columns.model_sin[first + i], columns.model_cos[first + i]);
@@ -178,13 +173,12 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
         rows(k, static_cast<Eigen::Index>(2 * i + 1)) = dc;
       }
     }
-    const auto block = rows.leftCols(static_cast<Eigen::Index>(2 * n));
-    add_squares(block, gram);
-    if (coloured)
-      coloured->project(first, block, projected);
-  }
+    sums.add(rows, first, coloured);
+  };
+  Crosses sums = sum_over(data.size(), Crosses(total + 1, coloured), add_block);
+  Eigen::MatrixXd &gram = sums.products;
   if (coloured)
-    gram.triangularView<Eigen::Lower>() = gram - coloured->taken(projected);
+    gram.triangularView<Eigen::Lower>() = gram - coloured->taken(sums.projected);
   gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
   if (data.vtemp_on_vcos_error > 0.0) {
     // What VTEMP carries over tells effects apart that the pair cannot.

@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "base/angle.h"
-#include "base/products.h"
 #include "diagnosis/anonymous/discrepancy.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/over_samples.h"
 #include "model/forward.h"
 
 namespace ada {
@@ -42,18 +42,12 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
     models.emplace_back(with_coordinates(model, moved), AlphaIs::reference);
     moved[k] = x[k];
   }
-  // Of the derivatives and, last, the residual.
-  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(parameters + 1, parameters + 1);
   const Conditions all = data.conditions();
-  Eigen::MatrixXd rows(parameters + 1, 2 * kWaveBlock);
-  std::array<double, kWaveBlock> s0, c0, s1, c1;
-  std::array<Observations::Whitener, kWaveBlock> whiten;
   const Coloured *coloured = data.coloured.get();
-  Eigen::MatrixXd projected;
-  if (coloured)
-    projected = Eigen::MatrixXd::Zero(coloured->columns(), parameters + 1);
-  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
-    const std::size_t n = std::min(kWaveBlock, data.size() - first);
+  const auto add = [&](Crosses &sums, std::size_t first, std::size_t n) {
+    std::array<double, kWaveBlock> s0, c0, s1, c1;
+    std::array<Observations::Whitener, kWaveBlock> whiten;
+    Eigen::MatrixXd rows(parameters + 1, static_cast<Eigen::Index>(2 * n));
     const Conditions at = all.slice(first, n);
     models[0].evaluate(at, s0.data(), c0.data());
     for (std::size_t i = 0; i < n; ++i) {
@@ -73,17 +67,16 @@ Normal normal_equations(const Observations &data, const Model &model, const std:
         rows(k, static_cast<Eigen::Index>(2 * i + 1)) = c;
       }
     }
-    const auto block = rows.leftCols(static_cast<Eigen::Index>(2 * n));
-    add_squares(block, products);
-    if (coloured)
-      coloured->project(first, block, projected);
-  }
+    sums.add(rows, first, coloured);
+  };
+  Crosses sums = sum_over(data.size(), Crosses(parameters + 1, coloured), add);
+  Eigen::MatrixXd &products = sums.products;
   Eigen::MatrixXd damping = Eigen::MatrixXd::Zero(parameters, parameters), white;
   if (coloured) {
     damping = kDamping * products.topLeftCorner(parameters, parameters);
     damping.triangularView<Eigen::StrictlyUpper>() = damping.transpose();
     white = damping / kDamping;
-    products -= coloured->taken(projected);
+    products -= coloured->taken(sums.projected);
   }
   products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
   Normal out{products.topLeftCorner(parameters, parameters), products.topRightCorner(parameters, 1),
@@ -169,26 +162,21 @@ namespace {
 double sum_of_squares(const Observations &data, const Model &model, const Coloured *coloured) {
   const ForwardModel forward(model, AlphaIs::reference);
   const Conditions all = data.conditions();
-  std::array<double, kWaveBlock> s, c;
-  Eigen::VectorXd residual(2 * kWaveBlock), projected;
-  if (coloured)
-    projected = Eigen::VectorXd::Zero(coloured->columns());
-  double sum = 0.0;
-  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
-    const std::size_t n = std::min(kWaveBlock, data.size() - first);
+  const auto add = [&](Crosses &sums, std::size_t first, std::size_t n) {
+    std::array<double, kWaveBlock> s, c;
+    Eigen::MatrixXd row(1, static_cast<Eigen::Index>(2 * n));
     forward.evaluate(all.slice(first, n), s.data(), c.data());
     for (std::size_t i = 0; i < n; ++i) {
       double rs = data.vsin[first + i] - s[i], rc = data.vcos[first + i] - c[i];
       data.whiten(first + i, s[i], c[i], rs, rc);
-      sum += rs * rs + rc * rc;
-      residual[static_cast<Eigen::Index>(2 * i)] = rs;
-      residual[static_cast<Eigen::Index>(2 * i + 1)] = rc;
+      row(0, static_cast<Eigen::Index>(2 * i)) = rs;
+      row(0, static_cast<Eigen::Index>(2 * i + 1)) = rc;
     }
-    if (coloured)
-      coloured->project(first, residual.head(static_cast<Eigen::Index>(2 * n)).transpose(),
-                        projected);
-  }
-  return coloured ? std::max(0.0, sum - coloured->taken(projected)(0, 0)) : sum;
+    sums.add(row, first, coloured);
+  };
+  const Crosses sums = sum_over(data.size(), Crosses(1, coloured), add);
+  const double sum = sums.products(0, 0);
+  return coloured ? std::max(0.0, sum - coloured->taken(sums.projected)(0, 0)) : sum;
 }
 
 } // namespace
@@ -389,12 +377,15 @@ ResidualColumns residual_columns(const Observations &data, const Model &model) {
   ResidualColumns out;
   for (auto *v : {&out.sin, &out.cos, &out.model_sin, &out.model_cos})
     v->resize(data.size());
-  ForwardModel(model, AlphaIs::reference)
-      .evaluate(data.conditions(), out.model_sin.data(), out.model_cos.data());
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    out.sin[i] = data.vsin[i] - out.model_sin[i];
-    out.cos[i] = data.vcos[i] - out.model_cos[i];
-  }
+  const ForwardModel forward(model, AlphaIs::reference);
+  const Conditions all = data.conditions();
+  for_all_samples(data.size(), [&](std::size_t first, std::size_t n) {
+    forward.evaluate(all.slice(first, n), &out.model_sin[first], &out.model_cos[first]);
+    for (std::size_t i = first; i < first + n; ++i) {
+      out.sin[i] = data.vsin[i] - out.model_sin[i];
+      out.cos[i] = data.vcos[i] - out.model_cos[i];
+    }
+  });
   return out;
 }
 
@@ -430,15 +421,14 @@ ResidualColumns residuals_alone(const Observations &data, const Model &model) {
   out.cos.resize(data.size());
   const ForwardModel forward(model, AlphaIs::reference);
   const Conditions all = data.conditions();
-  std::array<double, kWaveBlock> s, c;
-  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
-    const std::size_t n = std::min(kWaveBlock, data.size() - first);
+  for_all_samples(data.size(), [&](std::size_t first, std::size_t n) {
+    std::array<double, kWaveBlock> s, c;
     forward.evaluate(all.slice(first, n), s.data(), c.data());
     for (std::size_t i = 0; i < n; ++i) {
       out.sin[first + i] = data.vsin[first + i] - s[i];
       out.cos[first + i] = data.vcos[first + i] - c[i];
     }
-  }
+  });
   return out;
 }
 

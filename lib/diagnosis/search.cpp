@@ -4,6 +4,7 @@
 #include "diagnosis/search.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -52,7 +53,29 @@ double Search::log_likelihood(const FitResult &fit, double heldout) const {
          0.5 * heldout / variance + side_evidence(data_, fit.model);
 }
 
+Search::Start Search::start_of(const Model &model, int iterations) {
+  const Baseline &b = model.baseline;
+  Start out{static_cast<std::uint64_t>(iterations)};
+  const auto add = [&](double v) { out.push_back(std::bit_cast<std::uint64_t>(v)); };
+  for (double v : {b.amplitude_v, b.offset_sin_v, b.offset_cos_v, b.angle_zero_deg})
+    add(v);
+  for (const EffectInstance &e : model.effects) {
+    out.push_back(reinterpret_cast<std::uintptr_t>(e.effect));
+    for (const std::vector<double> *of : {&e.values, &e.std_errors})
+      for (double v : *of)
+        add(v);
+  }
+  return out;
+}
+
 Search::State Search::evaluate(const Model &start, int iterations) const {
+  Start key = start_of(start, iterations);
+  if (const auto known = known_fits_.find(key); known != known_fits_.end())
+    return known->second;
+  return known_fits_.emplace(std::move(key), fitted(start, iterations)).first->second;
+}
+
+Search::State Search::fitted(const Model &start, int iterations) const {
   // A thin part brings the fit near the end; what is not converged would look like a gain of
   // whatever is tried next.
   State out;
@@ -343,6 +366,7 @@ void Search::colour(const Discrepancy &discrepancy) {
   for (Observations *o : {&data_.train, &data_.heldout})
     o->coloured = std::make_shared<Coloured>(discrepancy, *o);
   quick_.coloured = data_.train.coloured;
+  known_fits_.clear();
 }
 
 SearchResult Search::run_against(const Discrepancy &discrepancy, const Unnamed &unnamed,

@@ -5,6 +5,7 @@
 // what they can do without, sideways by rivals. Nothing here knows an effect by name.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
@@ -73,6 +74,11 @@ private:
     double score;   ///< log likelihood of the held-out data under the training fit
     double heldout; ///< whitened sum of squares of the held-out data
   };
+
+  /// What a fit begins with, to the bit: baseline, effects, numbers, and iterations.
+  using Start = std::vector<std::uint64_t>;
+  static Start start_of(const Model &model, int iterations);
+  State fitted(const Model &start, int iterations) const;
 
   SearchResult result(State &now, bool thorough);
   void colour(const Discrepancy &discrepancy);
@@ -144,6 +150,9 @@ private:
   /// Alternatives found so far, by the score of the state and the effect: what is compared on the way
   /// is asked for again at the end.
   std::map<std::pair<double, std::size_t>, std::vector<Rival>> known_rivals_;
+  /// Fits made so far to the data as they are weighed now: forward, backward and sideways ask for
+  /// many of them again.
+  mutable std::map<Start, State> known_fits_;
 };
 
 } // namespace ada

@@ -78,6 +78,8 @@ check_help_of_what_there_is_not_is_refused() {
   done
   status 2 iio-angle help clibrate single
   says err "did you mean 'calibrate'"
+  status 2 iio-angle --jobs 1 check x.csv
+  says err "^iio-angle: --jobs: the options of iio-angle check stand behind its name$"
   for words in "" calibrate "calibrate single" "study run" definitions "list --help" -h; do
     # shellcheck disable=SC2086
     status 0 iio-angle help $words

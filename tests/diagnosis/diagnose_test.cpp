@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "base/angle.h"
+#include "base/parallel.h"
 #include "diagnosis/captures.h"
 #include "support/seed.h"
 
@@ -135,6 +136,20 @@ TEST(Diagnose, a_swing_within_a_turn_shows_mismatch_and_quadrature_without_a_ref
   for (const Finding &f : d.findings) {
     const double truth = f.effect == find_effect("amplitude-mismatch") ? 0.05 : -2.0;
     EXPECT_NEAR(f.values[0], truth, 5.0 * f.std_errors[0]) << f.explanation;
+  }
+}
+
+TEST(Diagnose, gives_the_same_for_any_number_of_threads) {
+  std::mt19937_64 rng(fresh_seed());
+  const Capture c = chipped(with({"quadrature-error:delta_deg=1.5"}, rng), 0.006);
+  std::string first;
+  for (unsigned threads : {1u, 3u}) {
+    set_jobs(threads);
+    const std::string json = to_json(diagnose(c, {}));
+    set_jobs(0);
+    if (first.empty())
+      first = json;
+    EXPECT_EQ(json, first) << threads << " threads";
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "base/products.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/over_samples.h"
 
 namespace ada {
 
@@ -123,13 +124,12 @@ Coloured::Coloured(const Discrepancy &discrepancy, const Observations &data)
     : freedom_(discrepancy.freedom), rest_v2_(discrepancy.rest_v2) {
   const auto m = static_cast<Eigen::Index>(discrepancy.columns.size());
   rows_.resize(m, static_cast<Eigen::Index>(2 * data.size()));
-  Eigen::MatrixXd inner = Eigen::MatrixXd::Zero(m, m);
-  Eigen::MatrixXd all(static_cast<Eigen::Index>(discrepancy.basis.columns()), 2 * kWaveBlock);
-  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
-    const std::size_t n = std::min(kWaveBlock, data.size() - first);
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(m, m);
+  const auto add = [&](Eigen::MatrixXd &sum, std::size_t first, std::size_t n) {
     const auto values = static_cast<Eigen::Index>(2 * n);
+    Eigen::MatrixXd all(static_cast<Eigen::Index>(discrepancy.basis.columns()), values);
     discrepancy.basis.evaluate(data, first, n, all);
-    Eigen::MatrixXd block = all(discrepancy.columns, Eigen::seqN(0, values));
+    Eigen::MatrixXd block = all(discrepancy.columns, Eigen::all);
     if (data.weight_along != 1.0)
       for (std::size_t i = 0; i < n; ++i) {
         const auto whiten = data.whitener_at(first + i, data.vsin[first + i], data.vcos[first + i]);
@@ -137,9 +137,10 @@ Coloured::Coloured(const Discrepancy &discrepancy, const Observations &data)
           whiten(block(k, static_cast<Eigen::Index>(2 * i)),
                  block(k, static_cast<Eigen::Index>(2 * i + 1)));
       }
-    add_squares(block, inner);
+    add_squares(block, sum);
     rows_.middleCols(static_cast<Eigen::Index>(2 * first), values) = block;
-  }
+  };
+  Eigen::MatrixXd inner = sum_over(data.size(), none, add);
   inner.triangularView<Eigen::StrictlyUpper>() = inner.transpose();
   inner.diagonal() += (discrepancy.noise_v2 / discrepancy.variance_v2.array()).matrix();
   inner_.compute(inner);
@@ -152,6 +153,19 @@ void Coloured::project(std::size_t first, const Eigen::Ref<const Eigen::MatrixXd
 
 Eigen::MatrixXd Coloured::taken(const Eigen::Ref<const Eigen::MatrixXd> &p) const {
   return p.transpose() * inner_.solve(p);
+}
+
+void Crosses::add(const Eigen::Ref<const Eigen::MatrixXd> &rows, std::size_t first,
+                  const Coloured *coloured) {
+  add_squares(rows, products);
+  if (coloured)
+    coloured->project(first, rows, projected);
+}
+
+Crosses &Crosses::operator+=(const Crosses &other) {
+  products += other.products;
+  projected += other.projected;
+  return *this;
 }
 
 } // namespace ada

@@ -68,4 +68,19 @@ private:
   Eigen::LDLT<Eigen::MatrixXd> inner_;
 };
 
+/// Products of rows, of which each has two values a sample, over many samples: with one another (the
+/// lower triangle) and with the columns of a discrepancy, where there is one.
+struct Crosses {
+  Eigen::MatrixXd products, projected;
+
+  Crosses() = default;
+  Crosses(Eigen::Index rows, const Coloured *coloured)
+      : products(Eigen::MatrixXd::Zero(rows, rows)),
+        projected(Eigen::MatrixXd::Zero(coloured ? coloured->columns() : 0, rows)) {}
+  /// `rows` of the samples from `first` on.
+  void add(const Eigen::Ref<const Eigen::MatrixXd> &rows, std::size_t first,
+           const Coloured *coloured);
+  Crosses &operator+=(const Crosses &other);
+};
+
 } // namespace ada

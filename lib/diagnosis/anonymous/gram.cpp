@@ -12,6 +12,7 @@
 
 #include "base/products.h"
 #include "diagnosis/anonymous/regression.h"
+#include "diagnosis/over_samples.h"
 
 namespace ada {
 
@@ -23,16 +24,9 @@ class Sums {
 public:
   Sums(const Basis &basis, const Observations &data, const ResidualColumns &left) : basis_(basis) {
     take_apart();
-    const auto functions = static_cast<Eigen::Index>(functions_.size());
-    plain_ = Eigen::VectorXcd::Zero(span_plain_ + 1);
-    mixed_ = Eigen::MatrixXcd::Zero(functions, span_mixed_ + 1);
-    of_plain_ = Eigen::VectorXcd::Zero(2 * highest_plain_ + 1);
-    for (auto &[k, sum] : between_)
-      sum = Eigen::MatrixXcd::Zero(functions, functions);
-    for (auto &[k, sum] : of_function_)
-      sum = Eigen::VectorXcd::Zero(functions);
-    for (std::size_t first = 0; first < data.size(); first += kWaveBlock)
-      add(data, left, first, std::min(kWaveBlock, data.size() - first));
+    sums_ = sum_over(data.size(), nothing(), [&](Tables &sums, std::size_t first, std::size_t n) {
+      add(data, left, first, n, sums);
+    });
   }
 
   Eigen::MatrixXd gram() const {
@@ -49,7 +43,7 @@ public:
       out(2 * q, m) = sum.real();
       out(2 * q + 1, m) = sum.imag();
     }
-    out(m, m) = squares_;
+    out(m, m) = sums_.squares;
     out.triangularView<Eigen::StrictlyLower>() = out.transpose();
     return out;
   }
@@ -62,9 +56,44 @@ private:
     int function;
   };
 
+  struct Tables {
+    Eigen::VectorXcd plain;                      ///< sums of e^(j k x), by k
+    Eigen::MatrixXcd mixed;                      ///< the same with each function, by function and k
+    std::map<int, Eigen::MatrixXcd> between;     ///< with each pair of functions, by k
+    Eigen::VectorXcd of_plain;                   ///< of the residual times e^(-j k x)
+    std::map<int, Eigen::VectorXcd> of_function; ///< and with each function
+    double squares = 0.0;
+
+    Tables &operator+=(const Tables &other) {
+      plain += other.plain;
+      mixed += other.mixed;
+      for (auto &[k, sum] : between)
+        sum += other.between.at(k);
+      of_plain += other.of_plain;
+      for (auto &[k, sum] : of_function)
+        sum += other.of_function.at(k);
+      squares += other.squares;
+      return *this;
+    }
+  };
+
+  Tables nothing() const {
+    const auto functions = static_cast<Eigen::Index>(functions_.size());
+    Tables out;
+    out.plain = Eigen::VectorXcd::Zero(span_plain_ + 1);
+    out.mixed = Eigen::MatrixXcd::Zero(functions, span_mixed_ + 1);
+    out.of_plain = Eigen::VectorXcd::Zero(2 * highest_plain_ + 1);
+    for (int a : exponents_) {
+      out.of_function[a] = Eigen::VectorXcd::Zero(functions);
+      for (int b : exponents_)
+        if (b >= a)
+          out.between[b - a] = Eigen::MatrixXcd::Zero(functions, functions);
+    }
+    return out;
+  }
+
   void take_apart() {
     int highest_mixed = 0;
-    std::vector<int> exponents; // of the terms with a function
     for (Basis::Term t : basis_.terms()) {
       t.exponent /= unit_;
       Modulation by = t.modulation;
@@ -84,28 +113,23 @@ private:
           at = functions_.insert(functions_.end(), by);
         pieces_.push_back({{t.exponent, 1.0, static_cast<int>(at - functions_.begin())}});
         highest_mixed = std::max(highest_mixed, std::abs(t.exponent));
-        exponents.push_back(t.exponent);
-        of_function_[t.exponent];
+        exponents_.push_back(t.exponent);
       }
       for (const Piece &p : pieces_.back())
         if (p.function < 0)
           highest_plain_ = std::max(highest_plain_, std::abs(p.exponent));
     }
-    std::sort(exponents.begin(), exponents.end());
-    exponents.erase(std::unique(exponents.begin(), exponents.end()), exponents.end());
-    for (int a : exponents)
-      for (int b : exponents)
-        if (b >= a)
-          between_[b - a];
+    std::sort(exponents_.begin(), exponents_.end());
+    exponents_.erase(std::unique(exponents_.begin(), exponents_.end()), exponents_.end());
     span_plain_ = 2 * highest_plain_;
     span_mixed_ = highest_plain_ + highest_mixed;
   }
 
-  void add(const Observations &data, const ResidualColumns &left, std::size_t first,
-           std::size_t n) {
+  void add(const Observations &data, const ResidualColumns &left, std::size_t first, std::size_t n,
+           Tables &sums) const {
     const auto samples = static_cast<Eigen::Index>(n);
-    const int span =
-        std::max({span_plain_, span_mixed_, between_.empty() ? 0 : between_.rbegin()->first});
+    const int span = std::max(
+        {span_plain_, span_mixed_, sums.between.empty() ? 0 : sums.between.rbegin()->first});
     Eigen::MatrixXd cosine(samples, span + 1), sine(samples, span + 1);
     Eigen::VectorXcd residual(samples);
     Eigen::MatrixXd function(samples, static_cast<Eigen::Index>(functions_.size()));
@@ -127,18 +151,18 @@ private:
       return cosine.col(std::abs(k)).cast<Complex>() + Complex(0.0, sign) * sine.col(std::abs(k));
     };
     for (int k = 0; k <= span_plain_; ++k)
-      plain_[k] += Complex(cosine.col(k).sum(), sine.col(k).sum());
-    mixed_.real() += function.transpose() * cosine.leftCols(span_mixed_ + 1);
-    mixed_.imag() += function.transpose() * sine.leftCols(span_mixed_ + 1);
-    for (auto &[k, sum] : between_) {
+      sums.plain[k] += Complex(cosine.col(k).sum(), sine.col(k).sum());
+    sums.mixed.real() += function.transpose() * cosine.leftCols(span_mixed_ + 1);
+    sums.mixed.imag() += function.transpose() * sine.leftCols(span_mixed_ + 1);
+    for (auto &[k, sum] : sums.between) {
       sum.real() += function.transpose() * (cosine.col(k).asDiagonal() * function);
       sum.imag() += function.transpose() * (sine.col(k).asDiagonal() * function);
     }
     for (int k = -highest_plain_; k <= highest_plain_; ++k)
-      of_plain_[k + highest_plain_] += turned(k).dot(residual);
-    for (auto &[k, sum] : of_function_)
+      sums.of_plain[k + highest_plain_] += turned(k).dot(residual);
+    for (auto &[k, sum] : sums.of_function)
       sum += function.transpose() * turned(k).conjugate().cwiseProduct(residual);
-    squares_ += residual.squaredNorm();
+    sums.squares += residual.squaredNorm();
   }
 
   /// Sum over the samples of conj(q) r, q and r two terms.
@@ -153,18 +177,18 @@ private:
 
   Complex between(int f, int g, int k) const {
     const int up = std::abs(k);
-    const Complex sum = f < 0 && g < 0 ? plain_[up]
-                        : f < 0        ? mixed_(g, up)
-                        : g < 0        ? mixed_(f, up)
-                                       : between_.at(up)(f, g);
+    const Complex sum = f < 0 && g < 0 ? sums_.plain[up]
+                        : f < 0        ? sums_.mixed(g, up)
+                        : g < 0        ? sums_.mixed(f, up)
+                                       : sums_.between.at(up)(f, g);
     return k < 0 ? std::conj(sum) : sum; // the functions are real
   }
 
   Complex with_residual(Eigen::Index q) const {
     Complex sum = 0.0;
     for (const Piece &a : pieces_[static_cast<std::size_t>(q)])
-      sum += std::conj(a.factor) * (a.function < 0 ? of_plain_[a.exponent + highest_plain_]
-                                                   : of_function_.at(a.exponent)[a.function]);
+      sum += std::conj(a.factor) * (a.function < 0 ? sums_.of_plain[a.exponent + highest_plain_]
+                                                   : sums_.of_function.at(a.exponent)[a.function]);
     return sum;
   }
 
@@ -172,23 +196,18 @@ private:
   const int unit_ = basis_.unit();         ///< of the exponents of the pieces
   std::vector<std::vector<Piece>> pieces_; ///< of each term
   std::vector<Modulation> functions_;
+  std::vector<int> exponents_; ///< of the terms with a function
   int highest_plain_ = 0, span_plain_ = 0, span_mixed_ = 0;
-  Eigen::VectorXcd plain_;                      ///< sums of e^(j k x), by k
-  Eigen::MatrixXcd mixed_;                      ///< the same with each function, by function and k
-  std::map<int, Eigen::MatrixXcd> between_;     ///< with each pair of functions, by k
-  Eigen::VectorXcd of_plain_;                   ///< of the residual times e^(-j k x)
-  std::map<int, Eigen::VectorXcd> of_function_; ///< and with each function
-  double squares_ = 0.0;
+  Tables sums_;
 };
 
 /// Column by column, where residual and columns alike go through the weights of the data.
 Eigen::MatrixXd weighted_gram(const Basis &basis, const Observations &data,
                               const ResidualColumns &left) {
   const auto m = static_cast<Eigen::Index>(basis.columns());
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(m + 1, m + 1);
-  Eigen::MatrixXd rows(m + 1, 2 * kWaveBlock);
-  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
-    const std::size_t n = std::min(kWaveBlock, data.size() - first);
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(m + 1, m + 1);
+  const auto add = [&](Eigen::MatrixXd &sum, std::size_t first, std::size_t n) {
+    Eigen::MatrixXd rows(m + 1, static_cast<Eigen::Index>(2 * n));
     basis.evaluate(data, first, n, rows.topRows(m));
     for (std::size_t i = 0; i < n; ++i) {
       const auto s = static_cast<Eigen::Index>(2 * i);
@@ -199,8 +218,9 @@ Eigen::MatrixXd weighted_gram(const Basis &basis, const Observations &data,
       for (Eigen::Index k = 0; k <= m; ++k)
         whiten(rows(k, s), rows(k, s + 1));
     }
-    add_squares(rows.leftCols(static_cast<Eigen::Index>(2 * n)), out);
-  }
+    add_squares(rows, sum);
+  };
+  Eigen::MatrixXd out = sum_over(data.size(), none, add);
   out.triangularView<Eigen::StrictlyUpper>() = out.transpose();
   return out;
 }

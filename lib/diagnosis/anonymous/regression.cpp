@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "diagnosis/criteria.h"
+#include "diagnosis/over_samples.h"
 
 namespace ada {
 
@@ -212,17 +213,15 @@ void subtract(const Basis &basis, const Selection &selection, const Observations
   const auto m = static_cast<Eigen::Index>(columns.size());
   if (m == 0)
     return;
-  Eigen::MatrixXd rows(m, 2 * kWaveBlock);
-  for (std::size_t first = 0; first < data.size(); first += kWaveBlock) {
-    const std::size_t n = std::min(kWaveBlock, data.size() - first);
+  for_all_samples(data.size(), [&](std::size_t first, std::size_t n) {
+    Eigen::MatrixXd rows(m, static_cast<Eigen::Index>(2 * n));
     chosen.evaluate(data, first, n, rows);
-    const Eigen::VectorXd part =
-        rows.leftCols(static_cast<Eigen::Index>(2 * n)).transpose() * values;
+    const Eigen::VectorXd part = rows.transpose() * values;
     for (std::size_t i = 0; i < n; ++i) {
       residual.sin[first + i] -= part[static_cast<Eigen::Index>(2 * i)];
       residual.cos[first + i] -= part[static_cast<Eigen::Index>(2 * i + 1)];
     }
-  }
+  });
 }
 
 } // namespace ada

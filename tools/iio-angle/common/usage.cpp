@@ -51,8 +51,11 @@ std::string too_many(const CLI::App &verb, const std::string &word) {
 std::string unknown_word(const CLI::App &verb, const std::string &word) {
   if (word.size() > 1 && word.front() == '-') {
     const std::string name = word.substr(0, word.find('='));
+    const std::vector<std::string> known = option_names(verb);
+    if (std::find(known.begin(), known.end(), name) != known.end())
+      return fmt::format("{}: the options of {} stand behind its name", name, full_name(verb));
     return fmt::format("{}: {} has no such option{}", name, full_name(verb),
-                       did_you_mean(name, option_names(verb), help_of(verb)));
+                       did_you_mean(name, known, help_of(verb)));
   }
   const auto verbs = verb_names(verb);
   if (!verbs.empty())
