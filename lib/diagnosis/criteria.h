@@ -193,6 +193,11 @@ inline constexpr double kClear = 9.0;
 /// less its own size, and its sign, are not known.
 inline constexpr double kUnclear = 4.0;
 
+/// A ripple of the shaft over what the motion does at its order in a turn by itself, divided by the
+/// square root of the turns: the mean of so many independent turns is that large with a probability
+/// of e^-9, one of 8000.
+inline constexpr double kChanceRipple = 3.0;
+
 // --- naming causes
 
 /// Samples of the search: for looking around, and for a first fit.
@@ -201,6 +206,9 @@ inline constexpr std::size_t kQuick = 16000, kCoarse = 6000;
 /// at most.
 inline constexpr std::size_t kShortlist = 5, kShortlistOfAxis = 2;
 inline constexpr int kMostEffects = 10;
+/// Amplitude along the vector over that across it, from where on both have one cause: a sum with
+/// another field has as much of either, an error of an angle has none.
+inline constexpr double kAsMuchAlong = 0.5;
 /// A cause must be worth this many nats on held-out data, and more for each coordinate: the
 /// likeliest of some fifty shapes gains e^-12 of them by chance, and a coordinate that is fitted to
 /// nothing one nat on the average.

@@ -323,14 +323,18 @@ bool screen_stuck(Screened &look, const Effect &effect) {
     const double moved = std::min(1.0, 0.5 * bulk(last(1 - k)).width() / whole);
     const double least = whole * (1.0 - std::sqrt(1.0 - moved * moved));
     // Of less than a step of its converter nobody knows whether it moved.
-    if (least < converter_step(*channels[k]))
+    const double step_v = converter_step(*channels[k]);
+    if (least < step_v)
       continue;
     const double spread = robust_spread(last(k));
     if (spread > 0.01 * whole || bulk(last(k)).width() > criteria::kStuckMoves * least)
       continue;
     const double held =
         quantile({channels[k]->end() - static_cast<std::ptrdiff_t>(tail), channels[k]->end()}, 0.5);
-    const double band = std::max(8.0 * spread, 1e-4 * whole);
+    // Of noise below 0.74 steps, rms, half of the readings are the same step, and its median
+    // deviation is nothing.
+    constexpr double kUnseen = 0.74;
+    const double band = std::max(8.0 * std::max(spread, kUnseen * step_v), 1e-4 * whole);
     std::size_t first = n;
     while (first > 0 && std::abs((*channels[k])[first - 1] - held) <= band)
       --first;

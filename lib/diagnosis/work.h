@@ -118,9 +118,15 @@ private:
   /// no name could do that as well, with many columns in its place.
   bool drop_what_is_unclear();
 
+  /// What only turns the vector leaves its length. Where the length changes with the same order, and
+  /// that is none of the turn's own, both are one thing, which has another cause.
+  bool drop_turns_that_lengthen();
+  /// Amplitude of an order of the turn in what a model leaves along the vector, V.
+  double lengthens(const Model &model, double order) const;
+
   /// A step that is no larger than what a process of its pattern goes on with, once its course is
-  /// taken out, is a part of that.
-  bool drop_steps_of_processes();
+  /// taken out, or than coloured noise, is a part of that.
+  bool drop_steps_of_processes(const std::vector<RandomCause> &noise = {});
 
   /// The budget, the best model that names nothing, and what is carried without a name.
   void compare_with_anonymous();
@@ -154,6 +160,8 @@ private:
   void take_out_rest_of_courses();
 
   double periods_in_all() const { return scene_.turns * scene_.periods; }
+
+  std::vector<RandomCause> read_noise() const;
 
   /// Names slow processes and the shape of the noise.
   void name_random_causes();
@@ -222,6 +230,7 @@ private:
   double random_v(bool in_time = true) const;
 
   static bool is_white(const EffectInfo &info);
+  static bool is_coloured_noise(const EffectInfo &info);
   static bool is_white_noise(const EffectInstance &e) { return is_white(e.effect->info()); }
   static bool finds_white_noise(const Finding &f) { return is_white(f.effect->info()); }
   /// V rms of a channel above the expected noise, where a white noise has a name.
@@ -291,6 +300,7 @@ private:
   bool noise_stated_ = false, free_lag_ = false;
   double slow_v2_ = 0.0;    ///< of the largest slow process that has a name, V^2
   int slow_waves_ = 0;      ///< half waves by which the course of a slow process was taken out
+  std::vector<double> lengthening_; ///< orders of the turn at which the length changes as the angle does
   bool in_bursts_ = false;  ///< samples in a row are left over
   bool given_seen_ = false; ///< a cause that the given model names was seen before any fit
 };

@@ -75,7 +75,7 @@ double Work::random_v(bool in_time) const {
   double sum = 0.0;
   for (const EffectInstance &e : seen_random_) {
     const EffectInfo &info = e.effect->info();
-    if (info.evidence == Evidence::noise && info.character == Character::process)
+    if (is_coloured_noise(info))
       sum += e.values[0] * e.values[0];        // what else is left over is not its own
     else if (info.evidence != Evidence::noise) // white noise has no structure of its own
       sum += beyond_course_v2(info, e.values) * alike;
@@ -88,6 +88,10 @@ double Work::random_v(bool in_time) const {
   if (found_.disturbed == Direction::supply)
     sum += 0.5 * unnamed_.selection.noise_v2;
   return std::sqrt(sum);
+}
+
+bool Work::is_coloured_noise(const EffectInfo &info) {
+  return info.evidence == Evidence::noise && info.character == Character::process;
 }
 
 bool Work::is_white(const EffectInfo &info) {

@@ -67,7 +67,7 @@ void Work::take_out_rest_of_courses() {
     take_out_courses(std::move(slow), rest);
 }
 
-bool Work::drop_steps_of_processes() {
+bool Work::drop_steps_of_processes(const std::vector<RandomCause> &noise) {
   for (std::size_t place = 0; place < found_.order.size(); ++place) {
     const Effect &step = *found_.fit.model.effects[found_.order[place]].effect;
     if (!has_moment(step))
@@ -76,6 +76,10 @@ bool Work::drop_steps_of_processes() {
     for (const RandomCause &process : processes_)
       if (process.effect->info().pattern == step.info().pattern)
         left_v2 += beyond_course_v2(process.effect->info(), process.values);
+    for (const RandomCause &cause : noise) // none of its course was taken out
+      if (is_coloured_noise(cause.effect->info()) &&
+          cause.effect->info().pattern == step.info().pattern)
+        left_v2 += std::pow(cause.values[0], 2);
     if (found_.contribution[place] < criteria::kOfProcess * std::sqrt(left_v2)) {
       found_.forget(place);
       return true;
@@ -84,22 +88,30 @@ bool Work::drop_steps_of_processes() {
   return false;
 }
 
-void Work::name_random_causes() {
+std::vector<RandomCause> Work::read_noise() const {
   Parts white = parts_;
   white.train.coloured.reset();
   Model named = out_.extended;
   named.remainder.reset();
-  // A converter's steps are no noise.
-  const bool reads_noise = !supply_is_inferred() && scene_.coarse_step_v <= 0.0;
   const double stated = !noise_stated_ ? 0.0
                         : named_before_ && named_before_->noise_rms_v
                             ? std::max(noise_, *named_before_->noise_rms_v)
                             : noise_;
+  return noise_causes(unnamed_, white, named, stated, reference_step_rad(),
+                      even_clock() ? &scene_.all : nullptr);
+}
+
+void Work::name_random_causes() {
+  // A converter's steps are no noise.
+  const bool reads_noise = !supply_is_inferred() && scene_.coarse_step_v <= 0.0;
   const std::vector<double> &t = scene_.all.time;
-  std::vector<RandomCause> noise;
-  if (reads_noise)
-    noise = noise_causes(unnamed_, white, named, stated, reference_step_rad(),
-                         even_clock() ? &scene_.all : nullptr);
+  const auto noise_now = [&] { return reads_noise ? read_noise() : std::vector<RandomCause>{}; };
+  std::vector<RandomCause> noise = noise_now();
+  while (drop_steps_of_processes(noise)) {
+    take(build_ladder(parts_, found_));
+    judge_model();
+    noise = noise_now();
+  }
   leave_to_flicker(processes_, noise, slow_waves_, t.back() - t.front());
   for (const std::vector<RandomCause> *causes : {&processes_, &noise})
     for (const RandomCause &c : *causes)

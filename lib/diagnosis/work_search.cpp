@@ -8,8 +8,10 @@
 #include <limits>
 #include <numeric>
 
+#include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "diagnosis/admission.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/first_model.h"
@@ -151,6 +153,46 @@ bool Work::drop_what_is_impossible() {
     return false;
   found_.forget(static_cast<std::size_t>(impossible - f.begin()));
   return true;
+}
+
+double Work::lengthens(const Model &model, double order) const {
+  const Observations &data = parts_.heldout;
+  const ResidualColumns left = residual_columns(data, as_seen_by(data, model));
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const double s = left.model_sin[i] - data.centre_sin_v,
+                 c = left.model_cos[i] - data.centre_cos_v;
+    const double along = (left.sin[i] * s + left.cos[i] * c) / std::hypot(s, c);
+    const Eigen::Vector3d row(1.0, std::cos(order * data.alpha[i]), std::sin(order * data.alpha[i]));
+    normal += row * row.transpose();
+    right += along * row;
+  }
+  const Eigen::Vector3d x = normal.ldlt().solve(right);
+  return std::hypot(x[1], x[2]);
+}
+
+bool Work::drop_turns_that_lengthen() {
+  for (std::size_t place = 0; place < found_.order.size(); ++place) {
+    const EffectInstance &e = found_.fit.model.effects[found_.order[place]];
+    const auto order = chosen(e, "order", "per turn");
+    if (!order || e.effect->info().pattern != Pattern::turn ||
+        std::abs(*order - std::round(*order)) * scene_.turns < 1.0)
+      continue;
+    const Model &model = found_.fit.model;
+    // Once a slow process of the gain is taken out, the length no longer shows it.
+    const bool known = std::any_of(lengthening_.begin(), lengthening_.end(), [&](double other) {
+      return std::abs(*order - other) * scene_.turns < 1.0;
+    });
+    // V along a circle, of which each channel has half the power.
+    const double turns_v = 2.0 * moved_rms_v(parts_.heldout, model, found_.order[place]);
+    if (!known && lengthens(model, *order) < criteria::kAsMuchAlong * turns_v)
+      continue;
+    lengthening_.push_back(*order);
+    found_.forget(place);
+    return true;
+  }
+  return false;
 }
 
 bool Work::drop_what_is_unclear() {

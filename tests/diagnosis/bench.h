@@ -135,8 +135,8 @@ inline void expect_pair(const Diagnosis &d, const Pair &pair, double close_rad =
   ASSERT_TRUE(k && delta) << names(d);
   const double close =
       std::max(close_rad, 0.01 * std::max(std::abs(pair.k), std::abs(pair.delta_rad)));
-  EXPECT_NEAR(k->values[0], pair.k, close);
-  EXPECT_NEAR(delta->values[0] * kRadPerDeg, pair.delta_rad, close);
+  EXPECT_NEAR(k->values[0], pair.k, close) << names(d);
+  EXPECT_NEAR(delta->values[0] * kRadPerDeg, pair.delta_rad, close) << names(d);
 }
 
 /// A speed about `hz` turns a second that wanders slowly, by a part of itself: the shaft's angle.

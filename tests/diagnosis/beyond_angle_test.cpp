@@ -263,6 +263,23 @@ KIND(a_chipped_magnet_hides_no_skew) {
   EXPECT_EQ(d.verdict, Verdict::partly_explained);
 }
 
+KIND(the_magnet_of_another_shaft_is_no_error_of_the_reference) {
+  Bench bench;
+  const double ratio = bench.within(1.2, 1.45), part = bench.within(0.01, 0.03);
+  const Shaft shaft = at_speeds({bench.within(2.0, 3.5), bench.within(5.0, 6.5), 8.0}, 1.1);
+  Capture c = bench.capture(13200, 4000.0, 1, shaft);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double other = ratio * shaft(c.time_s[i]) + 1.0;
+    c.vsin_v[i] += part * bench.pair.amplitude_v * std::sin(other);
+    c.vcos_v[i] += part * bench.pair.amplitude_v * std::cos(other);
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_FALSE(named(d, "reference-harmonic")) << names(d);
+  // The other shaft's field is no noise: what a part of the turns has of it goes into the pair.
+  expect_pair(d, bench.pair, 0.4 * part);
+  EXPECT_EQ(d.verdict, Verdict::partly_explained);
+}
+
 KIND(a_hysteresis_is_seen_with_long_rests_and_a_noisy_reference) {
   Bench bench;
   const double width = bench.within(0.15, 0.4) * kRadPerDeg, rest_s = bench.within(0.2, 0.5);

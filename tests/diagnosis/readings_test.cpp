@@ -5,7 +5,9 @@
 // few rows or few readings a stop, references in steps, noise in one direction.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +37,54 @@ std::string left_of(const Diagnosis &d) {
 /// A shaft that a hand turns, at about so many turns a second.
 std::function<double(double)> by_hand(Bench &bench, double hz) {
   return wandering(bench, hz, 0.4, bench.within(0.05, 0.3) * hz);
+}
+
+/// A speed that is another in each part of a turn, as a hand has it: about `hz` turns a second, with
+/// six slow waves of its own.
+std::function<double(double)> by_an_uneven_hand(Bench &bench, double hz) {
+  std::vector<std::array<double, 3>> waves; // part of the speed, rad/s, rad
+  for (int k = 0; k < 6; ++k)
+    waves.push_back({bench.within(0.08, 0.16), kTwoPi * hz * bench.within(0.2, 1.6),
+                     bench.within(0.0, kTwoPi)});
+  return [=](double t) {
+    double angle = t;
+    for (const auto &[part, w, phase] : waves)
+      angle -= part / w * std::cos(w * t + phase);
+    return kTwoPi * hz * angle;
+  };
+}
+
+KIND(a_hand_that_turns_unevenly_makes_no_ripple_of_the_turn) {
+  Bench bench;
+  const double turns = std::floor(bench.within(3.0, 9.0));
+  Capture c = bench.capture(2000, 200.0, 1, by_an_uneven_hand(bench, turns / 10.0));
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  for (const char *id : {"rotation-nonuniformity", "stray-field", "sensor-off-axis",
+                         "field-direction-error"})
+    EXPECT_FALSE(named(d, id)) << names(d);
+  // Of few samples at one place of the turn and many at another.
+  expect_pair(d, bench.pair, 0.003);
+}
+
+KIND(a_wire_that_breaks_is_seen_through_steps_that_are_larger_than_the_noise) {
+  Bench bench;
+  const double step_v = bench.within(1.2, 3.0) * bench.pair.noise_v;
+  const double hz = bench.within(3.0, 8.0);
+  Capture c = bench.capture(10000, 5000.0, 2, [=](double t) { return kTwoPi * hz * t; });
+  c.reference_deg.clear();
+  const auto from = static_cast<std::size_t>(bench.within(2000.0, 8000.0));
+  std::vector<double> &stands = bench.within(0.0, 1.0) < 0.5 ? c.vsin_v : c.vcos_v;
+  for (std::size_t i = from; i < c.size(); ++i)
+    stands[i] = stands[from] + bench.normal(bench.pair.noise_v);
+  for (auto *v : {&c.vsin_v, &c.vcos_v})
+    for (double &x : *v)
+      x = step_v * std::round(x / step_v);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "stuck-channel");
+  ASSERT_TRUE(f) << names(d);
+  // Before it broke it was as near for as long as it stays within the noise of where it stands.
+  EXPECT_NEAR(f->values[1], c.time_s[from], 0.02) << names(d);
 }
 
 KIND(two_ranges_that_do_not_join_are_told_and_no_cause_is_fitted_over_the_joint) {

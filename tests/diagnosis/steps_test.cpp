@@ -136,6 +136,30 @@ KIND(offsets_that_step_up_or_down_twice_are_two_steps) {
 }
 
 /// What moves slowly, however far, does nothing at once.
+KIND(flicker_noise_makes_no_step) {
+  Bench bench;
+  constexpr double kRate = 4000.0;
+  const double rms_v = bench.within(0.5, 1.5) * bench.pair.noise_v,
+               corner_hz = bench.within(60.0, 150.0);
+  Capture c = bench.capture(20000, kRate, 2, there_and_back(bench));
+  // 1/f from the record's length to the corner: first-order processes of equal power, two an octave.
+  const double lowest_hz = kRate / static_cast<double>(c.size());
+  const int processes = static_cast<int>(2.0 * std::log2(corner_hz / lowest_hz));
+  for (auto *v : {&c.vsin_v, &c.vcos_v})
+    for (int k = 0; k < processes; ++k) {
+      const double keeps = std::exp(-kTwoPi * lowest_hz * std::pow(2.0, 0.5 * k) / kRate);
+      const double each_v = rms_v / std::sqrt(processes);
+      double x = bench.normal(each_v);
+      for (double &volts : *v) {
+        volts += x;
+        x = keeps * x + bench.normal(each_v * std::sqrt(1.0 - keeps * keeps));
+      }
+    }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_FALSE(named(d, "offset-step")) << all_of(d);
+  expect_pair(d, bench.pair);
+}
+
 KIND(an_amplitude_that_drifts_is_no_step) {
   Bench bench;
   const double by = bench.within(0.005, 0.03), hz = bench.within(0.05, 0.3),

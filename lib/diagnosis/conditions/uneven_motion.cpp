@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/conditions/uneven_motion.h"
+
+#include <cmath>
+#include <complex>
+#include <utility>
+#include <vector>
+
+#include "base/angle.h"
+#include "base/robust.h"
+#include "diagnosis/criteria.h"
+
+namespace ada {
+
+namespace {
+
+/// Whole turns in one sense, as [first, last] sample.
+std::vector<std::pair<std::size_t, std::size_t>> whole_turns(const Kinematics &motion) {
+  std::vector<std::pair<std::size_t, std::size_t>> out;
+  std::size_t first = 0;
+  for (std::size_t i = 1; i < motion.alpha.size(); ++i) {
+    if (motion.direction[i] != motion.direction[first]) {
+      first = i;
+    } else if (std::abs(motion.alpha[i] - motion.alpha[first]) >= kTwoPi) {
+      out.emplace_back(first, i);
+      first = i;
+    }
+  }
+  return out;
+}
+
+/// Coefficient of an order of the turn in the speed along one turn, over its mean speed: the change
+/// of speed that is left beside an even one, as of a shaft that runs up.
+double at_order(const Kinematics &motion, std::size_t first, std::size_t last, int order) {
+  const double from = motion.alpha[first], length = motion.alpha[last] - from;
+  // Sums over the turn, each sample by the angle that it stands for.
+  double mean = 0.0, slope = 0.0;
+  std::complex<double> at = 0.0;
+  for (std::size_t i = first; i < last; ++i) {
+    const double part = (motion.alpha[i + 1] - motion.alpha[i]) / length;
+    const double x = (0.5 * (motion.alpha[i] + motion.alpha[i + 1]) - from) / length; // 0 to 1
+    const double speed = 0.5 * (motion.omega[i] + motion.omega[i + 1]);
+    mean += part * speed;
+    slope += part * speed * 12.0 * (x - 0.5);
+    at += 2.0 * part * speed * std::polar(1.0, -order * kTwoPi * x);
+  }
+  // Twice the integral of x e^(-2 pi j n x) from 0 to 1 is j / (pi n).
+  at -= slope * std::complex<double>(0.0, 1.0 / (kPi * order));
+  return mean != 0.0 ? std::abs(at / mean) : 0.0;
+}
+
+} // namespace
+
+bool ripples_by_chance(const SmoothMotion &smooth) {
+  const auto turns = whole_turns(smooth.motion);
+  if (turns.size() < 2)
+    return false;
+  int order = 0;
+  double most = 0.0, ripple_rad = 0.0;
+  for (std::size_t k = 0; k < smooth.cos.size(); ++k) {
+    const double rad = std::hypot(smooth.cos[k], smooth.sin[k]);
+    if (const double of_speed = static_cast<double>(k + 1) * rad; of_speed > most) {
+      most = of_speed;
+      ripple_rad = rad;
+      order = static_cast<int>(k + 1);
+    }
+  }
+  if (order == 0 || ripple_rad < smooth.residual_rms_rad)
+    return false;
+  std::vector<double> by_turn;
+  for (const auto &[first, last] : turns)
+    by_turn.push_back(at_order(smooth.motion, first, last, order));
+  return most < criteria::kChanceRipple * quantile(by_turn, 0.5) /
+                    std::sqrt(static_cast<double>(turns.size()));
+}
+
+} // namespace ada
