@@ -129,11 +129,16 @@ check_the_keys_hold_zero_and_quit() {
   mux send-keys z
   shows 'angle +0\.000 deg' "zero at ${held//[!0-9.]/} deg"
   mux send-keys a
-  shows "$held"
+  local i
+  for ((i = 0; i < 100; i++)); do # the picture may be half drawn
+    screen >shot
+    grep -q 'zero at' shot || break
+    sleep 0.1
+  done
   ! grep -q 'zero at' shot || fail "the zero is still there"
+  shows "$held"
   mux send-keys Space
   shows 'angle +[0-9]'
-  local i
   for ((i = 0; i < 100; i++)); do
     screen >shot
     grep -q 'HELD' shot || break
