@@ -3,6 +3,7 @@
 //
 // Standard errors that are right: of 1000 fits 95 % intervals hold the truth in 93 to 97 %.
 
+#include <cmath>
 #include <map>
 #include <random>
 #include <string>
@@ -39,8 +40,10 @@ TEST(FitCoverage, intervals_hold_the_truth_as_often_as_they_say) {
              {"amplitude-mismatch", {draw(-0.015, 0.015)}},
              {"quadrature-error", {draw(-0.8, 0.8)}},
              {"stray-field", {draw(0.003, 0.015), draw(20.0, 340.0)}},
-             {"weak-field", {draw(0.002, 0.02)}}})
+             {"weak-field", {draw(0.002, 0.02), std::nan("")}}}) {
+      ASSERT_EQ(values.size(), find_effect(name)->info().parameters.size()) << name;
       truth.effects.push_back({find_effect(name), values, {}});
+    }
     const Observations data = observations_of(truth, rng);
     FitResult result = fit(data, truth, 8);
     ASSERT_TRUE(result.determined);
@@ -58,7 +61,8 @@ TEST(FitCoverage, intervals_hold_the_truth_as_often_as_they_say) {
     check("zero", b.angle_zero_deg, e.angle_zero_deg);
     for (std::size_t k = 0; k < truth.effects.size(); ++k)
       for (std::size_t p = 0; p < truth.effects[k].values.size(); ++p)
-        check(std::string(truth.effects[k].effect->info().id) + std::to_string(p),
+        if (std::isfinite(truth.effects[k].values[p])) // not present, and not fitted
+          check(std::string(truth.effects[k].effect->info().id) + std::to_string(p),
               result.model.effects[k].values[p] - truth.effects[k].values[p],
               result.model.effects[k].std_errors[p]);
   }
