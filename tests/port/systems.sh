@@ -9,7 +9,8 @@
 FOREIGN_PACKAGES=(libiio-dev libgpiod-dev libeigen3-dev libhwy-dev libcli11-dev libfmt-dev
                   libdeflate-dev libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev libsqlite3-dev
                   libboost-dev libncurses-dev libgtest-dev libumockdev-dev)
-TOOL_PACKAGES=("g++-$TRIPLET" cmake ninja-build pkgconf device-tree-compiler python3 binutils)
+TOOL_PACKAGES=("g++-$TRIPLET" cmake ninja-build pkgconf device-tree-compiler python3 binutils
+               libiio-utils tmux sqlite3 procps) # the last four are programs that tests start
 
 comma() {
   local IFS=,
