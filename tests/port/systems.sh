@@ -10,7 +10,7 @@ FOREIGN_PACKAGES=(libiio-dev libgpiod-dev libeigen3-dev libhwy-dev libcli11-dev 
                   libdeflate-dev libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev libsqlite3-dev
                   libboost-dev libncurses-dev libgtest-dev libumockdev-dev)
 TOOL_PACKAGES=("g++-$TRIPLET" cmake ninja-build pkgconf device-tree-compiler python3 binutils
-               libiio-utils tmux sqlite3 procps) # the last four are programs that tests start
+               libiio-utils gnuplot-nox tmux sqlite3 procps) # the last five are programs that tests start
 
 comma() {
   local IFS=,
