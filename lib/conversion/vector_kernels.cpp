@@ -149,7 +149,7 @@ public:
   }
   HWY_INLINE V angle(V y, V x) const {
     const V ax = hn::Abs(x), ay = hn::Abs(y);
-    V r = atan_(hn::Div(hn::Min(ax, ay), hn::Max(ax, ay)));
+    V r = atan_(tangent(hn::Min(ax, ay), hn::Max(ax, ay)));
     // By sign bits: a subtraction and a blend are cheaper than a comparison and a mask.
     r = IfSignBit(d_, hn::Sub(ax, ay), hn::Sub(set(k_.period / 4), r), r);
     r = IfSignBit(d_, x, hn::Sub(set(k_.period / 2), r), r);
@@ -169,6 +169,14 @@ public:
 private:
   HWY_INLINE V set(T number) const {
     return hn::Set(d_, number);
+  }
+  /// No number at the very centre, where both are zero.
+  HWY_INLINE V tangent(V low, V high) const {
+#if HWY_TARGET == HWY_EMU128 // whose Div gives zero for what is divided by zero, from Highway 1.1 on
+    return hn::IfThenElse(hn::Eq(high, hn::Zero(d_)), hn::NaN(d_), hn::Div(low, high));
+#else
+    return hn::Div(low, high);
+#endif
   }
 
   D d_;

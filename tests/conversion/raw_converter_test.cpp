@@ -321,6 +321,24 @@ TEST_P(RawOnTarget, a_remainder_counts_in_every_layout) {
   EXPECT_EQ(angle[n], -9);
 }
 
+TEST_P(RawOnTarget, the_very_centre_has_no_angle) {
+  const std::vector<double> middle(37, 2.5);
+  std::vector<double> angle(middle.size()), radius(middle.size(), -9.0);
+  std::vector<float> middle_f32(middle.size(), 2.5f), angle_f32(middle.size());
+  const ada4571_layout volts_f32{sizeof volts_f32, ADA4571_F32, 4, 1.0, 0.0, 0, 0};
+  const RawConverter converter{Model()};
+  converter.convert(kVolts, middle.data(), middle.data(), middle.size(), angle.data(),
+                    radius.data());
+  for (std::size_t i = 0; i < middle.size(); ++i) {
+    ASSERT_TRUE(std::isnan(angle[i])) << angle[i] << " of sample " << i;
+    ASSERT_EQ(radius[i], 0.0);
+  }
+  converter.convert(volts_f32, middle_f32.data(), middle_f32.data(), middle.size(),
+                    angle_f32.data(), nullptr);
+  for (float a : angle_f32)
+    ASSERT_TRUE(std::isnan(a)) << a;
+}
+
 TEST(RawConverter, a_remainder_leaves_no_number_none) {
   Model model;
   model.remainder = {true, {0, 0.01}, {0, 0}, {0, 0}, {0, 0.01}};
@@ -328,7 +346,7 @@ TEST(RawConverter, a_remainder_leaves_no_number_none) {
   double angle[3], radius[3];
   RawConverter(model).convert(kVolts, sin, cos, 3, angle, radius);
   for (const double a : angle) // the second is at the very centre
-    EXPECT_TRUE(std::isnan(a));
+    EXPECT_TRUE(std::isnan(a)) << a;
   EXPECT_EQ(radius[1], 0);
 }
 
