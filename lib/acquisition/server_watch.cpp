@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <optional>
 
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -28,9 +29,19 @@ int peer_port(int fd) {
   return 0;
 }
 
-bool is_still(const OpenSocket &socket) {
+/// Inode of the socket that a descriptor of this process stands for; nothing: it stands for none. By
+/// its name: other threads open and close theirs meanwhile, and the descriptor itself would be used
+/// beside them.
+std::optional<ino_t> socket_of(int fd) {
   struct stat info {};
-  return ::fstat(socket.fd, &info) == 0 && S_ISSOCK(info.st_mode) && info.st_ino == socket.inode;
+  const std::string name = "/proc/self/fd/" + std::to_string(fd);
+  if (::stat(name.c_str(), &info) != 0 || !S_ISSOCK(info.st_mode))
+    return std::nullopt;
+  return info.st_ino;
+}
+
+bool is_still(const OpenSocket &socket) {
+  return socket_of(socket.fd) == socket.inode;
 }
 
 } // namespace
@@ -44,10 +55,10 @@ std::vector<OpenSocket> sockets_to(const std::string &port) {
        it.increment(error)) {
     const std::string name = it->path().filename();
     int fd = -1;
-    struct stat info {};
-    if (std::from_chars(name.data(), name.data() + name.size(), fd).ec == std::errc{} &&
-        ::fstat(fd, &info) == 0 && S_ISSOCK(info.st_mode) && std::to_string(peer_port(fd)) == port)
-      out.push_back({fd, info.st_ino});
+    if (std::from_chars(name.data(), name.data() + name.size(), fd).ec != std::errc{})
+      continue;
+    if (const auto inode = socket_of(fd); inode && std::to_string(peer_port(fd)) == port)
+      out.push_back({fd, *inode});
   }
   return out;
 }
