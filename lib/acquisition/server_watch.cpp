@@ -30,8 +30,8 @@ int peer_port(int fd) {
 }
 
 /// Inode of the socket that a descriptor of this process stands for; nothing: it stands for none. By
-/// its name: other threads open and close theirs meanwhile, and the descriptor itself would be used
-/// beside them.
+/// its name in /proc: other threads open and close theirs meanwhile, and to the thread sanitizer an
+/// fstat of one that is being closed is a race.
 std::optional<ino_t> socket_of(int fd) {
   struct stat info {};
   const std::string name = "/proc/self/fd/" + std::to_string(fd);

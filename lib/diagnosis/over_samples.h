@@ -13,8 +13,9 @@
 
 namespace ada {
 
-/// Samples of one part: some hundred microseconds of work, far more than handing it over costs, and
-/// four parts of the few thousand samples that most fits use.
+/// Samples of one part: the few thousand samples that most fits use make four, so that several
+/// threads have a share, and the models of all parameters over one part take far longer than handing
+/// it over.
 inline constexpr std::size_t kSamplesOfPart = 4 * kWaveBlock;
 
 namespace detail {

@@ -300,7 +300,7 @@ private:
   bool noise_stated_ = false, free_lag_ = false;
   double slow_v2_ = 0.0;    ///< of the largest slow process that has a name, V^2
   int slow_waves_ = 0;      ///< half waves by which the course of a slow process was taken out
-  std::vector<double> lengthening_; ///< orders of the turn at which the length changes as the angle does
+  std::vector<double> lengthening_; ///< orders at which the length changes as the angle does
   bool in_bursts_ = false;  ///< samples in a row are left over
   bool given_seen_ = false; ///< a cause that the given model names was seen before any fit
 };

@@ -63,8 +63,8 @@ TEST(FitCoverage, intervals_hold_the_truth_as_often_as_they_say) {
       for (std::size_t p = 0; p < truth.effects[k].values.size(); ++p)
         if (std::isfinite(truth.effects[k].values[p])) // not present, and not fitted
           check(std::string(truth.effects[k].effect->info().id) + std::to_string(p),
-              result.model.effects[k].values[p] - truth.effects[k].values[p],
-              result.model.effects[k].std_errors[p]);
+                result.model.effects[k].values[p] - truth.effects[k].values[p],
+                result.model.effects[k].std_errors[p]);
   }
   // All together; each alone within what 1000 draws of 95 % may do by chance (4 deviations).
   EXPECT_GT(all, 0.93 * parameters);

@@ -135,7 +135,6 @@ KIND(offsets_that_step_up_or_down_twice_are_two_steps) {
   EXPECT_NEAR(steps[1].second, other, 2e-4);
 }
 
-/// What moves slowly, however far, does nothing at once.
 KIND(flicker_noise_makes_no_step) {
   Bench bench;
   constexpr double kRate = 4000.0;
@@ -160,6 +159,7 @@ KIND(flicker_noise_makes_no_step) {
   expect_pair(d, bench.pair);
 }
 
+/// What moves slowly, however far, does nothing at once.
 KIND(an_amplitude_that_drifts_is_no_step) {
   Bench bench;
   const double by = bench.within(0.005, 0.03), hz = bench.within(0.05, 0.3),
