@@ -109,7 +109,8 @@ std::vector<std::size_t> rows_beyond(std::span<const double> x, double limit) {
 }
 
 /// The first samples after the sense of rotation has changed at one stroke: the same steps before
-/// and after but for their sign, and a jump between them, or no time for it.
+/// and after but for their sign, and a jump between them, or no time for it. A single wild sample
+/// decides nothing: either side turns that way without the sample beside the jump, too.
 std::vector<std::size_t> reversals(const std::vector<double> &psi, const Capture &stretch,
                                    double limit) {
   const std::vector<double> &time = stretch.time_s;
@@ -124,6 +125,8 @@ std::vector<std::size_t> reversals(const std::vector<double> &psi, const Capture
       on += step(i + k) / kSenseSamples;
       uneven = std::max({uneven, std::abs(step(i - k) - before), std::abs(step(i + k) - after)});
     }
+    if (from * (kSenseSamples * from - before) <= 0 || on * (kSenseSamples * on - after) <= 0)
+      return false;
     const double dt = time[i] - time[i - 1];
     const double acceleration = 2 * std::abs(from) / (dt * dt * stretch.meta.periods_per_turn);
     return std::abs(from + on) <= kSameSpeed * std::abs(from) && uneven <= 2 * limit &&
