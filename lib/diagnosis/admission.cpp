@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "diagnosis/candidates.h"
+#include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/doubt.h"
 
@@ -111,8 +112,8 @@ double Search::volts_explained(const State &with, const State &less) const {
                   std::sqrt(std::max(0.0, fall) / (2.0 * static_cast<double>(plain.size()))));
 }
 
-/// What each effect moves beyond the baseline's own freedom (offsets, amplitude and zero), V^2:
-/// products of each with each, means of a channel.
+/// What each effect moves beyond the baseline's own freedom (offsets, amplitude and zero, and a
+/// common delay where that is free), V^2: products of each with each, means of a channel.
 Eigen::MatrixXd Search::own_moves(const Model &model) const {
   const auto n = static_cast<Eigen::Index>(model.effects.size());
   const ResidualColumns all = residual_columns(coarse_, model);
@@ -124,10 +125,23 @@ Eigen::MatrixXd Search::own_moves(const Model &model) const {
     if (coarse_.disturbed == Direction::motion)
       coarse_.whiten(at, all.model_sin[at], all.model_cos[at], sin, cos);
   };
+  // Where the zero angles, or an angle that is the pair's own, hold any common delay, the one that
+  // the baseline has is no cause: what it could take is no evidence of another. Nor is what a zero
+  // angle of each record could.
+  const Capture &capture = *data_.scene->capture;
+  const auto records =
+      static_cast<Eigen::Index>(data_.scene->has_reference ? capture.starts.size() : 0);
+  bool delay_is_free = false;
   Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(2 * samples, n);
   for (Eigen::Index k = 0; k < n; ++k) {
-    if (model.effects[static_cast<std::size_t>(k)].effect->info().evidence != Evidence::signal)
+    const EffectInfo &info = model.effects[static_cast<std::size_t>(k)].effect->info();
+    if (info.evidence != Evidence::signal)
       continue;
+    if (k < static_cast<Eigen::Index>(given_) && is_common_delay(info) &&
+        (data_.scene->lag_in_zeros || !data_.scene->has_reference)) {
+      delay_is_free = true;
+      continue;
+    }
     Model less = model;
     less.effects.erase(less.effects.begin() + k);
     const ResidualColumns rest = residuals_alone(coarse_, less);
@@ -138,18 +152,34 @@ Eigen::MatrixXd Search::own_moves(const Model &model) const {
       moved.col(k).segment<2>(2 * i) << sin, cos;
     }
   }
-  Eigen::MatrixXd free(2 * samples, 4);
+  double fastest = 1e-12; // rad/s
+  for (double w : coarse_.omega)
+    fastest = std::max(fastest, std::abs(w));
+  // At one speed each the zeros of the records hold a delay: a column of its own would be one too
+  // many.
+  delay_is_free = delay_is_free && records < 2;
+  const Eigen::Index zeros = std::max<Eigen::Index>(records - 1, 0),
+                     freedoms = 4 + zeros + delay_is_free;
+  Eigen::MatrixXd free = Eigen::MatrixXd::Zero(2 * samples, freedoms);
   for (Eigen::Index i = 0; i < samples; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const double y = all.model_sin[at] - coarse_.centre_sin_v;
     const double x = all.model_cos[at] - coarse_.centre_cos_v;
-    free.row(2 * i) << 1.0, 0.0, y, x;
-    free.row(2 * i + 1) << 0.0, 1.0, x, -y;
-    for (Eigen::Index k = 0; k < 4; ++k)
+    free.row(2 * i).head<4>() << 1.0, 0.0, y, x;
+    free.row(2 * i + 1).head<4>() << 0.0, 1.0, x, -y;
+    if (delay_is_free) { // relative to the fastest: columns of one size
+      const double turning = coarse_.omega[at] / fastest;
+      free.block<2, 1>(2 * i, 4) << x * turning, -y * turning;
+    }
+    if (const auto record =
+            zeros > 0 ? static_cast<Eigen::Index>(capture_at(capture, coarse_.time[at])) : 0;
+        record > 0)
+      free.block<2, 1>(2 * i, 3 + record) << x, -y;
+    for (Eigen::Index k = 0; k < freedoms; ++k)
       weigh(i, free(2 * i, k), free(2 * i + 1, k));
   }
   const Eigen::MatrixXd onto = free.transpose() * moved;
-  const Eigen::Matrix4d within = free.transpose() * free;
+  const Eigen::MatrixXd within = free.transpose() * free;
   return (moved.transpose() * moved - onto.transpose() * within.ldlt().solve(onto)) /
          (2.0 * static_cast<double>(samples));
 }
@@ -255,17 +285,17 @@ bool Search::beyond_doubt(double size_v, const Model &model, std::size_t effect,
          std::min(size_v, moved_off_angle_v(model, effect)) > least_of_noise(e) * noise_v_;
 }
 
-/// What every pair has is expected: it need only be worth the freedom that it is fitted with, which a
-/// pair without it gains by chance once in a thousand. Anything else is looked for among many.
+/// What every pair has is expected: it need only be worth the freedom that it is fitted with, which
+/// a pair without it gains by chance once in a thousand. Anything else is looked for among many.
 bool Search::worth_keeping(double worth, const Effect &effect) const {
   return worth > (effect.info().prior_rank == 0 ? criteria::kExpectedNats : criteria::kLeastNats);
 }
 
-/// By how many nats an effect makes held-out data likelier. Where it stands out of what has no name,
-/// whose variance is known from a few coefficients only, Student's distribution takes the place of
-/// the normal, with the degrees of freedom of Welch and Satterthwaite (Biometrics 2, 1946, p. 110)
-/// for the part of the variance that the samples' own noise gives. What every pair has is no
-/// outlier, and what takes most of what has no name was its own yardstick.
+/// By how many nats an effect makes held-out data likelier. Where it stands out of what has no
+/// name, whose variance is known from a few coefficients only, Student's distribution takes the
+/// place of the normal, with the degrees of freedom of Welch and Satterthwaite (Biometrics 2, 1946,
+/// p. 110) for the part of the variance that the samples' own noise gives. What every pair has is
+/// no outlier, and what takes most of what has no name was its own yardstick.
 double Search::against_unnamed(const State &with, const State &less, std::size_t effect) const {
   const double nats = with.score - less.score;
   const FitResult &fit = with.fit;

@@ -202,6 +202,9 @@ inline constexpr double kChanceRipple = 3.0;
 
 /// Samples of the search: for looking around, and for a first fit.
 inline constexpr std::size_t kQuick = 16000, kCoarse = 6000;
+/// What is left of a fit, times the noise, from which on the noise adds no more than a sixteenth to
+/// its variance: the first fits are enough then.
+inline constexpr double kFarAboveNoise = 4.0;
 /// Candidates that get a joint fit, of each axis beyond the angle at least, and effects of a model
 /// at most.
 inline constexpr std::size_t kShortlist = 5, kShortlistOfAxis = 2;

@@ -259,6 +259,26 @@ bool slow_beside_pair(const Residual &r, double frequency) {
   return static_cast<double>(near) > kMost * static_cast<double>(r.omega.size());
 }
 
+/// Whether a line is more than an order of the turn beside it: that leaves more than half of what
+/// both take. Where the record is too short to tell the two apart, either takes all.
+bool told_from_order(const Residual &r, int order, double frequency) {
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, 4, 2> onto = Eigen::Matrix<double, 4, 2>::Zero();
+  Eigen::Vector4d row;
+  for (std::size_t i = 0; i < r.time.size(); ++i) {
+    sincos(order * r.alpha[i], &row[0], &row[1]);
+    sincos(kTwoPi * frequency * r.time[i], &row[2], &row[3]);
+    normal += row * row.transpose();
+    onto += row * Eigen::RowVector2d(r.sin_v[i], r.cos_v[i]);
+  }
+  const auto taken = [&](Eigen::Index columns) { // by the first of them, V^2
+    const Eigen::MatrixXd a = normal.topLeftCorner(columns, columns), b = onto.topRows(columns);
+    return (b.array() * a.ldlt().solve(b).array()).sum();
+  };
+  const double both = taken(4);
+  return both - taken(2) > 0.5 * both;
+}
+
 /// A line at an order of a steady rotation is no tone when the residual follows the angle as well.
 bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
   return order != 0 &&
@@ -399,7 +419,9 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
   const auto no_tone = [&](double frequency, const Line &line) {
     if (!most)
       most = mostly_at(r);
-    return (round > 0.0 && std::abs(std::remainder(frequency, round)) < kOrderWidth / span) ||
+    const double order = round > 0.0 ? std::round(frequency / round) : 0.0;
+    return (order >= 1.0 && std::abs(frequency - order * round) < kOrderWidth / span &&
+            !told_from_order(r, static_cast<int>(order), frequency)) ||
            turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line) ||
            slow_beside_pair(r, frequency) ||
            (rotates(line) && (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));

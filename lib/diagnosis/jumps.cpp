@@ -263,6 +263,18 @@ bool turns_deny(const Screened &look, const std::vector<double> &angle, const Ju
   return std::abs(gap - jump.gap) > 0.4 * std::abs(jump.gap) + kCurved * std::abs(second - first);
 }
 
+/// Whether the pair turns on where the reference jumps: what is lost is lost of both.
+bool pair_turns_on(const Screened &look, const Jump &jump) {
+  const Capture &c = look.capture;
+  const Gap own = gap_at(c.time_s, look.angle, look.usable, jump.at);
+  const double periods = c.meta.periods_per_turn;
+  const double due = std::abs(wrap_centred(periods * jump.gap, kTwoPi)),
+               seen = std::abs(wrap_centred(periods * own.size, kTwoPi)),
+               error = periods * std::max(own.error, jump.error);
+  constexpr double kErrors = 8.0, kHalf = 0.5;
+  return own.error > 0.0 && due > kErrors * error && seen < kHalf * due;
+}
+
 /// A jump and one back soon after are the ends of a disturbance.
 void leave_out_pairs(std::vector<Jump> &jumps) {
   constexpr std::size_t kSoon = 80;
@@ -320,7 +332,8 @@ bool screen_losses(Screened &look, const Effect &effect) {
   for (const Jump &jump : jumps) {
     const bool forward = jump.gap * jump.per_frame > 0.0;
     const double lost = samples_lost(look, jump, forward && (believed || seen_before(jump)));
-    if (lost == 0.0 || (!look.capture.has_reference() && turns_deny(look, look.angle, jump)))
+    if (lost == 0.0 || (look.capture.has_reference() ? pair_turns_on(look, jump)
+                                                     : turns_deny(look, look.angle, jump)))
       continue;
     events += 1.0;
     samples += std::round(lost);

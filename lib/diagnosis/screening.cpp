@@ -142,33 +142,60 @@ struct Differences {
   std::vector<std::size_t> middle; ///< the sample that each is about
 };
 
-Differences differences(const Screened &look, const std::vector<double> &weights) {
+/// `order`: of the samples; empty: as they are.
+Differences differences(const Screened &look, const std::vector<std::size_t> &order,
+                        const std::vector<double> &weights) {
   const std::size_t reach = weights.size() - 1;
   double norm2 = 0.0;
   for (double w : weights)
     norm2 += w * w;
+  const auto sample = [&](std::size_t i) { return order.empty() ? i : order[i]; };
+  const std::size_t n = order.empty() ? look.usable.size() : order.size();
   Differences out;
-  for (std::size_t i = reach; i < look.usable.size(); ++i) {
-    if (!look.usable[i] || !look.usable[i - reach])
+  for (std::size_t i = reach; i < n; ++i) {
+    if (!look.usable[sample(i)] || !look.usable[sample(i - reach)])
       continue;
     double sin = 0.0, cos = 0.0;
     for (std::size_t k = 0; k <= reach; ++k) {
-      sin += weights[k] * look.capture.vsin_v[i - k];
-      cos += weights[k] * look.capture.vcos_v[i - k];
+      sin += weights[k] * look.capture.vsin_v[sample(i - k)];
+      cos += weights[k] * look.capture.vcos_v[sample(i - k)];
     }
     out.sin.push_back(sin / std::sqrt(norm2));
     out.cos.push_back(cos / std::sqrt(norm2));
-    out.middle.push_back(i - reach / 2);
+    out.middle.push_back(sample(i - reach / 2));
   }
   return out;
 }
 
+/// The samples in the order of their places in the turn, where a reference tells those and the pair
+/// turns so far from one sample to the next that their differences are signal; empty elsewhere.
+std::vector<std::size_t> by_place_in_turn(const Screened &look) {
+  constexpr double kFar = 0.35; // rad, electrical: beyond it the differences hold much of a turn
+  const Capture &c = look.capture;
+  if (!c.has_reference())
+    return {};
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < c.size(); ++i)
+    steps.push_back(std::abs(wrap_centred(c.reference_deg[i] - c.reference_deg[i - 1], 360.0)));
+  if (c.meta.periods_per_turn * kRadPerDeg * quantile(std::move(steps), 0.5) < kFar)
+    return {};
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < c.size(); ++i)
+    if (look.usable[i])
+      order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return wrap(c.reference_deg[a], 360.0) < wrap(c.reference_deg[b], 360.0);
+  });
+  return order;
+}
+
 /// Of a channel, rms of both, from sample to sample, by differences, in which slow signals vanish:
 /// the higher their order the better, while white noise is the same in all, and of readings at rest
-/// the shortest has the fewest moves in it: the least of five orders. A median of 0 tells that half
-/// of the readings repeat the one before in the steps of their converter. One channel may be the
-/// noisier, or the noise may lie along the vector or across it: seen in other directions, such noise
-/// comes and goes, and the median makes it less than it is.
+/// the shortest has the fewest moves in it: the least of five orders. From one sample to the next
+/// but one a tone of half the sample rate vanishes, too. A median of 0 tells that half of the
+/// readings repeat the one before in the steps of their converter. One channel may be the noisier,
+/// or the noise may lie along the vector or across it: seen in other directions, such noise comes
+/// and goes, and the median makes it less than it is.
 double white_noise(const Screened &look) {
   const auto scale = [](std::vector<double> x) {
     for (double &v : x)
@@ -177,13 +204,10 @@ double white_noise(const Screened &look) {
   };
   std::array<double, 4> least;
   least.fill(kInfinite);
-  for (const std::vector<double> &weights :
-       {std::vector<double>{1, -1}, std::vector<double>{1, -2, 1}, std::vector<double>{1, -3, 3, -1},
-        std::vector<double>{1, -5, 10, -10, 5, -1},
-        std::vector<double>{1, -7, 21, -35, 35, -21, 7, -1}}) {
-    const Differences d = differences(look, weights);
+  const auto take = [&](const std::vector<std::size_t> &order, const std::vector<double> &weights) {
+    const Differences d = differences(look, order, weights);
     if (d.middle.empty())
-      continue;
+      return;
     std::vector<double> along, across;
     for (std::size_t i = 0; i < d.middle.size(); ++i) {
       const double s = look.capture.vsin_v[d.middle[i]] - look.centre_sin_v;
@@ -197,10 +221,21 @@ double white_noise(const Screened &look) {
     for (std::size_t k = 0; k < least.size(); ++k)
       if (now[k] > 0.0 || weights.size() > 3)
         least[k] = std::min(least[k], now[k]);
-  }
+  };
+  const std::vector<double> first{1, -1}, second{1, -2, 1}, third{1, -3, 3, -1};
+  for (const std::vector<double> &weights :
+       {first, second, third, std::vector<double>{1, -5, 10, -10, 5, -1},
+        std::vector<double>{1, -7, 21, -35, 35, -21, 7, -1}, std::vector<double>{1, 0, -2, 0, 1},
+        std::vector<double>{1, 0, -3, 0, 3, 0, -1},
+        std::vector<double>{1, 0, -5, 0, 10, 0, -10, 0, 5, 0, -1}})
+    take({}, weights);
+  if (const std::vector<std::size_t> order = by_place_in_turn(look); !order.empty())
+    for (const std::vector<double> &weights : {first, second, third})
+      take(order, weights);
   // The median of |x y| with x normal and y a sine is 0.745 of what its rms would have it: noise in
   // one direction can look that much less, and where the vector has more it has moved.
-  constexpr double kMostHidden = 1.0 / 0.745, kOfMedian = 1.03; // the latter: a median's own scatter
+  constexpr double kMostHidden = 1.0 / 0.745,
+                   kOfMedian = 1.03; // the latter: a median's own scatter
   const double channels = std::hypot(least[0], least[1]), vector = std::hypot(least[2], least[3]);
   const bool of_noise = vector < kOfMedian * kMostHidden * channels;
   return least[0] < kInfinite ? std::max(channels, of_noise ? vector : 0.0) / std::numbers::sqrt2

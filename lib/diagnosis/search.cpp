@@ -76,12 +76,21 @@ Search::State Search::evaluate(const Model &start, int iterations) const {
 }
 
 Search::State Search::fitted(const Model &start, int iterations) const {
-  // A thin part brings the fit near the end; what is not converged would look like a gain of
-  // whatever is tried next.
   State out;
-  out.fit = fit(data_.train,
-                data_.train.coloured ? start : fit(coarse_, start, iterations).model,
-                data_.train.coloured ? iterations : 5);
+  if (data_.train.coloured) {
+    out.fit = fit(data_.train, start, iterations);
+  } else {
+    // A thin part brings the fit near the end. While what is left is far above the noise, the
+    // number of samples is not what limits it; later, what is not converged would look like a gain
+    // of whatever is tried next.
+    out.fit = fit(coarse_, start, iterations);
+    const double left = out.fit.rss / (2.0 * static_cast<double>(coarse_.size()));
+    const double noise = criteria::kFarAboveNoise * std::max(noise_v_, data_.scene->white_noise_v);
+    if (left < noise * noise)
+      out.fit = fit(data_.train, out.fit.model, 5);
+    else
+      out.fit.rss *= static_cast<double>(data_.train.size()) / static_cast<double>(coarse_.size());
+  }
   out.judged =
       data_.judge == data_.scene ? out.fit.model : as_seen_by(data_.heldout, out.fit.model);
   out.heldout = sum_of_squares(data_.heldout, out.judged);
@@ -97,7 +106,8 @@ Search::State Search::without(const State &now, std::size_t effect) const {
 
 bool Search::forward(State &now) {
   const double allowance = doubt_v(now.fit.model);
-  const std::vector<Candidate> list = candidates(*data_.scene, quick_, now.fit.model, {.signatures = signatures_});
+  const std::vector<Candidate> list =
+      candidates(*data_.scene, quick_, now.fit.model, {.signatures = signatures_});
   const double scale = static_cast<double>(data_.train.size()) / static_cast<double>(quick_.size());
   const double variance = now.fit.rss / (2.0 * static_cast<double>(data_.train.size()));
   struct Option {
@@ -133,7 +143,8 @@ bool Search::forward(State &now) {
     const double worth = against_unnamed(state, now, last) - price(c.start.effects.back());
     const bool clear = worth > criteria::kFarMoreNats && !c.effect->info().signature;
     if (!worth_keeping(worth, *c.effect) ||
-        entanglement(state.fit, last, given_) > (clear ? criteria::kNearlyOne : criteria::kEntangled))
+        entanglement(state.fit, last, given_) >
+            (clear ? criteria::kNearlyOne : criteria::kEntangled))
       continue;
     const double size = size_of(state, now, last);
     if (c.effect->info().signature && !dominates(size, last, state.fit.model))
@@ -171,9 +182,8 @@ bool Search::backward(State &now) {
     const Eigen::MatrixXd own = own_moves(now.fit.model);
     const auto at = static_cast<Eigen::Index>(k);
     const double own_v = std::sqrt(std::max(0.0, own(at, at)));
-    const bool possible =
-        in_range(now.fit.model.effects[k]) && !refuted(now, k) &&
-        (stands_alone(own, k) || leaves_noise(now));
+    const bool possible = in_range(now.fit.model.effects[k]) && !refuted(now, k) &&
+                          (stands_alone(own, k) || leaves_noise(now));
     const bool worth_it =
         possible && worth_keeping(worth, effect) &&
         (!effect.info().signature || dominates(size, k, now.fit.model)) &&
@@ -225,8 +235,8 @@ double Search::value(const State &state) const {
   return v;
 }
 
-/// Of two ways to read one effect that do as well, the one that needs less beside it: an offset ahead
-/// of a bent transfer is a mismatch behind it.
+/// Of two ways to read one effect that do as well, the one that needs less beside it: an offset
+/// ahead of a bent transfer is a mismatch behind it.
 bool Search::choose_simpler(State &now) {
   bool changed = false;
   for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k) {
@@ -272,8 +282,7 @@ bool Search::needs_less(const State &fewer, const State &now) const {
       return false; // what is not known to second order repeats with the angle
   }
   const double more = std::max(0.0, fewer.heldout - now.heldout);
-  return fewer.fit.determined &&
-         fewer.fit.model.effects.size() < now.fit.model.effects.size() &&
+  return fewer.fit.determined && fewer.fit.model.effects.size() < now.fit.model.effects.size() &&
          std::sqrt(more / (2.0 * static_cast<double>(data_.heldout.size()))) <
              doubt_v(now.fit.model);
 }
@@ -350,8 +359,8 @@ SearchResult Search::run(bool thorough, const Model *found, const Unnamed &unnam
 /// What the baseline leaves over, V rms of a channel.
 void Search::measure_discrepancy() {
   const Model model = fit(coarse_, baseline_, 12).model;
-  discrepancy_v_ = std::sqrt(white_sum_of_squares(coarse_, model) /
-                             (2.0 * static_cast<double>(coarse_.size())));
+  discrepancy_v_ =
+      std::sqrt(white_sum_of_squares(coarse_, model) / (2.0 * static_cast<double>(coarse_.size())));
 }
 
 void Search::colour(const Discrepancy &discrepancy) {
@@ -387,8 +396,8 @@ SearchResult Search::run_against(const Discrepancy &discrepancy, const Unnamed &
     if (!dropped && !swapped && now.fit.model.effects.size() == before && !shake(now))
       break;
   }
-  // Each time with one cause less: what is left is judged without those gone, and what every pair has
-  // is asked for again.
+  // Each time with one cause less: what is left is judged without those gone, and what every pair
+  // has is asked for again.
   while (backward(now)) {
   }
   now = evaluate(with_expected(now.fit.model), 12);
@@ -411,7 +420,7 @@ SearchResult Search::result(State &now, bool thorough) {
     out.order.push_back(k);
     out.contribution.push_back(part);
     const auto known = known_rivals_.find({now.score, k});
-    out.alternatives.push_back(!thorough                     ? std::vector<Rival>{}
+    out.alternatives.push_back(!thorough                      ? std::vector<Rival>{}
                                : known != known_rivals_.end() ? known->second
                                                               : rivals(now, k, nullptr));
   }

@@ -16,6 +16,8 @@ namespace ada {
 namespace {
 
 constexpr std::size_t kFewestSamples = 400;
+/// Rows of a piece of the spline that follows VTEMP: to begin with, and at the least.
+constexpr std::size_t kRowsOfPiece = 400, kFewestOfPiece = 25;
 
 double mean_of(const std::vector<double> &v) {
   return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
@@ -77,6 +79,44 @@ std::vector<double> slow_knots(const Capture &capture, std::size_t pieces) {
     knots.insert(knots.end(), inside.begin(), inside.end());
   }
   return knots;
+}
+
+/// Pieces with which a spline beside the terms follows VTEMP: twice as many as long as rows that it
+/// was not fitted to, every other one, come nearer to it. What a hundredth of their mean square
+/// hides is a tenth of the noise of one reading.
+template <class Terms>
+std::size_t pieces_for(const Capture &capture, const std::vector<double> &vtemp_v, std::size_t few,
+                       std::size_t most, std::size_t term_count, Terms terms) {
+  constexpr double kFalls = 0.99;
+  constexpr std::size_t kLookedAt = 40000; // rows: a hundred to each of 400 pieces
+  const std::size_t n = capture.size(), every = n / kLookedAt + 1;
+  most = std::min(most, n / every / kFewestOfPiece);
+  std::vector<char> fitted(n);
+  for (std::size_t i = 0; i < n; i += 2 * every)
+    fitted[i] = 1;
+  const auto left = [&](std::size_t pieces) {
+    CubicSpline spline(slow_knots(capture, pieces));
+    spline.fit(capture.time_s, vtemp_v, fitted, term_count, terms);
+    std::vector<double> term(term_count);
+    double sum = 0.0;
+    for (std::size_t i = every; i < n; i += 2 * every) {
+      double off = vtemp_v[i] - spline.value(capture.time_s[i]);
+      terms(i, term.data());
+      for (std::size_t k = 0; k < term_count; ++k)
+        off -= spline.term_coefficients()[k] * term[k];
+      sum += off * off;
+    }
+    return sum;
+  };
+  std::size_t pieces = few;
+  for (double now = left(pieces); 2 * pieces <= most;) {
+    const double then = left(2 * pieces);
+    if (!(then < kFalls * now))
+      break;
+    now = then;
+    pieces *= 2;
+  }
+  return pieces;
 }
 
 /// How VTEMP follows a supply that moves: 1 for a ratiometric output, 0 for one that stands on its
@@ -187,12 +227,14 @@ TemperatureOverTime::TemperatureOverTime(const Capture &capture, const SupplyOve
     return;
   }
   const double mean_cos = mean_of(capture.vcos_v);
-  // Not so fine that it could follow the shaft.
-  const std::size_t slower = std::max<std::size_t>(4, swings(capture.vcos_v, mean_cos) / 2);
-  const std::size_t pieces = std::min(std::clamp<std::size_t>(n / 400, 4, 100), slower);
-  const CubicSpline smooth(slow_knots(capture, pieces));
   vtemp_v = vtemp_of_temperature(capture, supply);
   const auto cosine = [&](std::size_t i) { return capture.vcos_v[i] - mean_cos; };
+  // Not so fine that it could follow the shaft.
+  const std::size_t slower = std::max<std::size_t>(4, swings(capture.vcos_v, mean_cos) / 2);
+  const std::size_t few = std::min(std::clamp<std::size_t>(n / kRowsOfPiece, 4, 100), slower);
+  const std::size_t pieces = pieces_for(capture, vtemp_v, few, slower, 1,
+                                        [&](std::size_t i, double *term) { *term = cosine(i); });
+  const CubicSpline smooth(slow_knots(capture, pieces));
 
   // What VTEMP keeps of VCOS, jointly with the temperature: a slow shaft would pass for one. Only
   // what of VCOS no temperature could follow measures it.

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "base/angle.h"
+#include "diagnosis/anonymous/column_sums.h"
 #include "diagnosis/anonymous/regression.h"
 #include "support/seed.h"
 
@@ -15,15 +16,16 @@ namespace ada::test {
 namespace {
 
 /// Terms of every kind: orders, conditions, time, lines.
-Basis mixed_basis(int periods) {
-  Basis out(periods, 0.3);
+Basis mixed_basis(int periods, double zero_rad = 0.3) {
+  Basis out(periods, zero_rad);
   out.add(Axis::angle, 0, 0);
   out.add(Axis::angle, periods, 2 * periods);
   for (int order : {1, 3, 7})
     for (auto kind : {Modulation::angle_cos, Modulation::angle_sin})
       out.add(Axis::angle, order, periods, {kind, order});
   for (int exponent : {0, periods, -periods}) {
-    for (auto kind : {Modulation::sense, Modulation::velocity, Modulation::speed, Modulation::square})
+    for (auto kind :
+         {Modulation::sense, Modulation::velocity, Modulation::speed, Modulation::square})
       out.add(Axis::speed, 1, exponent, {kind});
     for (int order : {1, 2, 3})
       out.add(Axis::temperature, order, exponent, {Modulation::temperature, order});
@@ -78,6 +80,22 @@ TEST(Regression, sums_of_exponentials_are_the_products_of_the_columns) {
     EXPECT_LT((gram - rows * rows.transpose()).cwiseAbs().maxCoeff(),
               1e-12 * static_cast<double>(values));
   }
+}
+
+TEST(Regression, sums_that_are_kept_serve_other_bases_and_zeros) {
+  std::mt19937_64 rng(fresh_seed());
+  ColumnSums known;
+  const Data first = random_data(700, rng), other = random_data(600, rng);
+  for (const Data *d : {&first, &first, &other, &first})
+    for (double zero_rad : {0.0, 0.7, -2.0})
+      for (double line_hz : {0.0, 30.0, 70.0}) {
+        Basis basis = mixed_basis(2, zero_rad);
+        if (line_hz > 0.0)
+          basis.add(Axis::frequency, 2, 2, {Modulation::line_cos, 0, line_hz});
+        basis.scale_to(d->data);
+        const Eigen::MatrixXd alone = gram_of(basis, d->data, d->left);
+        EXPECT_LT((gram_of(basis, d->data, d->left, &known) - alone).cwiseAbs().maxCoeff(), 1e-9);
+      }
 }
 
 TEST(Regression, weights_act_on_columns_and_residual_alike) {

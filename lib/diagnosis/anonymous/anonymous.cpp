@@ -54,7 +54,9 @@ Observations some_of(const Observations &data, std::size_t most) {
 
 Halves halves_of(const Parts &parts, const Model &model) {
   Halves out{some_of(parts.train, criteria::kAnonymousTrain),
-             some_of(parts.heldout, criteria::kAnonymousHeldout), {}, {}};
+             some_of(parts.heldout, criteria::kAnonymousHeldout),
+             {},
+             {}};
   if (parts.second_capture)
     out.heldout = at_zero_of(model, std::move(out.heldout));
   out.train_left = residual_columns(out.train, model);
@@ -65,17 +67,19 @@ Halves halves_of(const Parts &parts, const Model &model) {
 }
 
 int most_orders(const Scene &scene, std::size_t samples, int wanted) {
-  const int by_samples = static_cast<int>(static_cast<double>(samples) / criteria::kSamplesPerOrder);
+  const int by_samples =
+      static_cast<int>(static_cast<double>(samples) / criteria::kSamplesPerOrder);
   return std::clamp(by_samples / (scene.stops ? 10 : 1), 1, wanted);
 }
 
 Anonymous with_basis(const Scene &scene, const Halves &halves, double zero_rad, int orders,
                      const std::vector<SpectralLine> &lines, const std::vector<double> &steps_s,
-                     Asked asked) {
+                     Asked asked, RecentAnonymous *recent) {
   Anonymous out;
   out.basis = generic_basis(scene, halves.train, zero_rad,
                             most_orders(scene, halves.train.size(), orders), lines, steps_s, asked);
-  out.from = products(out.basis, halves.train, halves.train_left, halves.heldout, halves.heldout_left);
+  out.from = products(out.basis, halves.train, halves.train_left, halves.heldout,
+                      halves.heldout_left, recent ? &recent->sums() : nullptr);
   out.lines = lines;
   out.steps_s = steps_s;
   out.orders = orders;
@@ -148,10 +152,11 @@ std::vector<double> steps_of(const Scene &scene, const Halves &halves, const Ano
   return out;
 }
 
-Anonymous compute(const Scene &scene, const Halves &halves, const Model &model, Asked asked) {
+Anonymous compute(const Scene &scene, const Halves &halves, const Model &model, Asked asked,
+                  RecentAnonymous *recent) {
   std::vector<double> steps;
   const auto with = [&](int orders, const std::vector<SpectralLine> &lines) {
-    return chosen(with_basis(scene, halves, zero_of(model), orders, lines, steps, asked));
+    return chosen(with_basis(scene, halves, zero_of(model), orders, lines, steps, asked, recent));
   };
   const int unit = in_turns(scene) ? scene.periods : 1;
   Anonymous out = with(std::max(criteria::kMostOrders, criteria::kMostPeriods * unit), {});
@@ -199,7 +204,7 @@ Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &mode
   RecentAnonymous::Question question{&scene, halves_of(parts, model), zero_of(model), asked};
   if (const Anonymous *known = parts.recent ? parts.recent->find(question) : nullptr)
     return *known;
-  Anonymous out = compute(scene, question.halves, model, asked);
+  Anonymous out = compute(scene, question.halves, model, asked, parts.recent.get());
   if (parts.recent)
     parts.recent->keep(std::move(question), out);
   return out;
@@ -207,8 +212,9 @@ Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &mode
 
 Anonymous anonymous_alike(const Scene &scene, const Parts &parts, const Model &model,
                           const Anonymous &other) {
-  Anonymous out = with_basis(scene, halves_of(parts, model), zero_of(model), other.orders,
-                             other.lines, other.steps_s, {.over_time = !parts.second_capture});
+  Anonymous out =
+      with_basis(scene, halves_of(parts, model), zero_of(model), other.orders, other.lines,
+                 other.steps_s, {.over_time = !parts.second_capture}, parts.recent.get());
   out.selection = select(out.basis, out.from, other.selection.columns);
   return out;
 }
@@ -227,7 +233,8 @@ double left_beside_angle(const Parts &parts, const Model &model, const Anonymous
       basis.add(groups[k].axis, groups[k].order, other.basis.terms()[k].exponent,
                 other.basis.terms()[k].modulation);
   const Products from =
-      products(basis, halves.train, halves.train_left, halves.heldout, halves.heldout_left);
+      products(basis, halves.train, halves.train_left, halves.heldout, halves.heldout_left,
+               parts.recent ? &parts.recent->sums() : nullptr);
   std::vector<Eigen::Index> all(static_cast<std::size_t>(from.train.rows() - 1));
   std::iota(all.begin(), all.end(), Eigen::Index{0});
   return select(basis, from, std::move(all)).noise_v2;
@@ -250,8 +257,9 @@ Quality quality_with(const Anonymous &left, const Parts &parts, const Model &mod
     const double turn = (r.sin[i] * c - r.cos[i] * s) / std::max(s * s + c * c, 1e-12);
     sum += turn * turn;
   }
-  out.angle_error_rms_deg = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, r.sin.size()))) *
-                            kDegPerRad / model.periods_per_turn;
+  out.angle_error_rms_deg =
+      std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, r.sin.size()))) * kDegPerRad /
+      model.periods_per_turn;
   return out;
 }
 
@@ -302,9 +310,9 @@ NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &m
 Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data,
                      Model model) {
   const int orders = left.selection.orders[static_cast<std::size_t>(Axis::angle)];
-  // Without a reference nothing tells a ripple of the shaft from one of the sensor, but where it comes
-  // with the poles of a ring: what may be the shaft's is not corrected, as with the causes that have a
-  // name.
+  // Without a reference nothing tells a ripple of the shaft from one of the sensor, but where it
+  // comes with the poles of a ring: what may be the shaft's is not corrected, as with the causes
+  // that have a name.
   if (orders == 0 || (!scene.has_reference && (scene.radius_only || scene.periods <= 2)))
     return model;
   Observations some = some_of(data, criteria::kRemainderSamples);
@@ -319,9 +327,9 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
   basis.add(Axis::angle, kOfBaseline, p);
   const auto &groups = left.basis.groups();
   for (std::size_t k = 0; k < groups.size(); ++k) {
-    const bool in = std::find(left.selection.columns.begin(), left.selection.columns.end(),
-                              static_cast<Eigen::Index>(groups[k].first)) !=
-                    left.selection.columns.end();
+    const bool in =
+        std::find(left.selection.columns.begin(), left.selection.columns.end(),
+                  static_cast<Eigen::Index>(groups[k].first)) != left.selection.columns.end();
     if (in && groups[k].order != kOfBaseline)
       basis.add(groups[k].axis, groups[k].order, left.basis.terms()[k].exponent,
                 left.basis.terms()[k].modulation);

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// A model beside the best one that names nothing: where the simulation is wrong, how much of that has
-// a name, and what is carried without one.
+// A model beside the best one that names nothing: where the simulation is wrong, how much of that
+// has a name, and what is carried without one.
 #pragma once
 
 #include <utility>
 #include <vector>
 
+#include "diagnosis/anonymous/column_sums.h"
 #include "diagnosis/anonymous/discrepancy.h"
 #include "diagnosis/parts.h"
 #include "diagnosis/result.h"
@@ -33,7 +34,7 @@ struct Halves {
 };
 
 /// The last answers of anonymous_of, by all that they were computed from: many questions repeat one
-/// of the two before. For one thread.
+/// of the two before. And what the bases of all of them have in common. For one thread.
 class RecentAnonymous {
 public:
   struct Question {
@@ -45,9 +46,11 @@ public:
   };
   const Anonymous *find(const Question &question) const;
   void keep(Question question, const Anonymous &answer);
+  SumsOfHalves &sums() { return sums_; }
 
 private:
   std::vector<std::pair<Question, Anonymous>> kept_; ///< the latest last
+  SumsOfHalves sums_;
 };
 
 /// The anonymous model of what `model` leaves over. Steps in time and lines of the spectrum are
@@ -75,7 +78,8 @@ NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &m
 
 /// The model with what repeats with the angle and has no name, fitted to `data` together with the
 /// baseline; without one where held-out data did not confirm any.
-Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data, Model model);
+Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data,
+                     Model model);
 
 /// What the remainder of a model turns the vector by, rms over the data, mechanical degrees.
 double remainder_angle_rms(const Observations &data, const Model &model);

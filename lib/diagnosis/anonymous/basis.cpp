@@ -49,6 +49,12 @@ void Basis::scale_to(const Observations &data) {
   }
 }
 
+bool Basis::scaled_as(const Basis &other) const {
+  return top_speed_ == other.top_speed_ && temp_middle_ == other.temp_middle_ &&
+         temp_half_ == other.temp_half_ && time_from_ == other.time_from_ &&
+         time_span_ == other.time_span_;
+}
+
 double Basis::function(const Modulation &g, const Observations &data, std::size_t i) const {
   const auto speed = [&] { return std::clamp(data.omega[i] / top_speed_, -1.5, 1.5); };
   switch (g.kind) {

@@ -72,6 +72,7 @@ public:
   std::size_t columns() const { return 2 * terms_.size(); }
   const std::vector<Group> &groups() const { return groups_; }
   int periods() const { return periods_; }
+  double zero_rad() const { return zero_rad_; }
   /// Of each column the inverse of the variance that its coefficient may have before any data,
   /// relative: what is slow in time wanders, with a power that falls as the square of the
   /// frequency; about the others nothing is known.
@@ -79,6 +80,7 @@ public:
 
   /// Ranges that the functions are scaled to; the same for training and held-out data.
   void scale_to(const Observations &data);
+  bool scaled_as(const Basis &other) const;
 
   /// Angle of the magnet that the terms turn with, rad, and a modulation that is no function of it.
   double angle(const Observations &data, std::size_t i) const { return data.alpha[i] + zero_rad_; }

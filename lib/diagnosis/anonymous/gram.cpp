@@ -11,6 +11,7 @@
 #include <map>
 
 #include "base/products.h"
+#include "diagnosis/anonymous/column_sums.h"
 #include "diagnosis/anonymous/regression.h"
 #include "diagnosis/over_samples.h"
 
@@ -22,8 +23,13 @@ using Complex = std::complex<double>;
 
 class Sums {
 public:
-  Sums(const Basis &basis, const Observations &data, const ResidualColumns &left) : basis_(basis) {
+  Sums(const Basis &basis, const Observations &data, const ResidualColumns &left, ColumnSums &known)
+      : basis_(basis), known_(known) {
     take_apart();
+    known_.need({basis, data, unit_, functions_, 2 * highest_plain_,
+                 highest_plain_ + highest_mixed_, pairs()});
+    for (const Modulation &f : functions_)
+      places_.push_back(known_.place_of(f));
     sums_ = sum_over(data.size(), nothing(), [&](Tables &sums, std::size_t first, std::size_t n) {
       add(data, left, first, n, sums);
     });
@@ -56,19 +62,13 @@ private:
     int function;
   };
 
+  /// Sums with the residual.
   struct Tables {
-    Eigen::VectorXcd plain;                      ///< sums of e^(j k x), by k
-    Eigen::MatrixXcd mixed;                      ///< the same with each function, by function and k
-    std::map<int, Eigen::MatrixXcd> between;     ///< with each pair of functions, by k
-    Eigen::VectorXcd of_plain;                   ///< of the residual times e^(-j k x)
-    std::map<int, Eigen::VectorXcd> of_function; ///< and with each function
+    Eigen::MatrixXcd of_plain;                   ///< times cosine and sine of k x
+    std::map<int, Eigen::VectorXcd> of_function; ///< times each function and e^(-j k x)
     double squares = 0.0;
 
     Tables &operator+=(const Tables &other) {
-      plain += other.plain;
-      mixed += other.mixed;
-      for (auto &[k, sum] : between)
-        sum += other.between.at(k);
       of_plain += other.of_plain;
       for (auto &[k, sum] : of_function)
         sum += other.of_function.at(k);
@@ -78,22 +78,14 @@ private:
   };
 
   Tables nothing() const {
-    const auto functions = static_cast<Eigen::Index>(functions_.size());
     Tables out;
-    out.plain = Eigen::VectorXcd::Zero(span_plain_ + 1);
-    out.mixed = Eigen::MatrixXcd::Zero(functions, span_mixed_ + 1);
-    out.of_plain = Eigen::VectorXcd::Zero(2 * highest_plain_ + 1);
-    for (int a : exponents_) {
-      out.of_function[a] = Eigen::VectorXcd::Zero(functions);
-      for (int b : exponents_)
-        if (b >= a)
-          out.between[b - a] = Eigen::MatrixXcd::Zero(functions, functions);
-    }
+    out.of_plain = Eigen::MatrixXcd::Zero(highest_plain_ + 1, 2);
+    for (int a : exponents_)
+      out.of_function[a] = Eigen::VectorXcd::Zero(known_.values().rows());
     return out;
   }
 
   void take_apart() {
-    int highest_mixed = 0;
     for (Basis::Term t : basis_.terms()) {
       t.exponent /= unit_;
       Modulation by = t.modulation;
@@ -112,7 +104,7 @@ private:
         if (at == functions_.end())
           at = functions_.insert(functions_.end(), by);
         pieces_.push_back({{t.exponent, 1.0, static_cast<int>(at - functions_.begin())}});
-        highest_mixed = std::max(highest_mixed, std::abs(t.exponent));
+        highest_mixed_ = std::max(highest_mixed_, std::abs(t.exponent));
         exponents_.push_back(t.exponent);
       }
       for (const Piece &p : pieces_.back())
@@ -121,47 +113,45 @@ private:
     }
     std::sort(exponents_.begin(), exponents_.end());
     exponents_.erase(std::unique(exponents_.begin(), exponents_.end()), exponents_.end());
-    span_plain_ = 2 * highest_plain_;
-    span_mixed_ = highest_plain_ + highest_mixed;
+  }
+
+  std::vector<int> pairs() const {
+    std::vector<int> out;
+    for (int a : exponents_)
+      for (int b : exponents_)
+        if (b >= a)
+          out.push_back(b - a);
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+    return out;
   }
 
   void add(const Observations &data, const ResidualColumns &left, std::size_t first, std::size_t n,
            Tables &sums) const {
-    const auto samples = static_cast<Eigen::Index>(n);
-    const int span = std::max(
-        {span_plain_, span_mixed_, sums.between.empty() ? 0 : sums.between.rbegin()->first});
-    Eigen::MatrixXd cosine(samples, span + 1), sine(samples, span + 1);
-    Eigen::VectorXcd residual(samples);
-    Eigen::MatrixXd function(samples, static_cast<Eigen::Index>(functions_.size()));
-    Eigen::VectorXcd unit(samples), power = Eigen::VectorXcd::Ones(samples);
+    const auto at = static_cast<Eigen::Index>(first), samples = static_cast<Eigen::Index>(n);
+    const Eigen::Index span = std::max(highest_plain_, highest_mixed_) + 1;
+    Eigen::VectorXd angles(samples);
+    Eigen::MatrixXd residual(2, samples), cosine(span, samples), sine(span, samples);
     for (Eigen::Index i = 0; i < samples; ++i) {
-      const std::size_t at = first + static_cast<std::size_t>(i);
-      unit[i] = std::polar(1.0, unit_ * basis_.angle(data, at));
-      residual[i] = {left.cos[at], left.sin[at]};
-      for (std::size_t f = 0; f < functions_.size(); ++f)
-        function(i, static_cast<Eigen::Index>(f)) = basis_.function(functions_[f], data, at);
+      const std::size_t k = first + static_cast<std::size_t>(i);
+      angles[i] = unit_ * basis_.angle(data, k);
+      residual(0, i) = left.cos[k];
+      residual(1, i) = left.sin[k];
     }
-    for (int k = 0; k <= span; ++k) {
-      cosine.col(k) = power.real();
-      sine.col(k) = power.imag();
-      power = power.cwiseProduct(unit).eval();
+    powers(angles, cosine, sine);
+    const Eigen::Index plain = highest_plain_ + 1;
+    sums.of_plain.col(0).real() += cosine.topRows(plain) * residual.row(0).transpose();
+    sums.of_plain.col(0).imag() += cosine.topRows(plain) * residual.row(1).transpose();
+    sums.of_plain.col(1).real() += sine.topRows(plain) * residual.row(0).transpose();
+    sums.of_plain.col(1).imag() += sine.topRows(plain) * residual.row(1).transpose();
+    const auto values = known_.values().middleCols(at, samples);
+    for (auto &[k, sum] : sums.of_function) { // e^(-j k x) times the residual
+      const Eigen::VectorXd c = cosine.row(std::abs(k)),
+                            s = (k < 0 ? -1.0 : 1.0) * sine.row(std::abs(k));
+      const Eigen::VectorXd x = residual.row(0), y = residual.row(1);
+      sum.real() += values * (c.cwiseProduct(x) + s.cwiseProduct(y));
+      sum.imag() += values * (c.cwiseProduct(y) - s.cwiseProduct(x));
     }
-    const auto turned = [&](int k) -> Eigen::VectorXcd { // e^(j k x)
-      const double sign = k < 0 ? -1.0 : 1.0;
-      return cosine.col(std::abs(k)).cast<Complex>() + Complex(0.0, sign) * sine.col(std::abs(k));
-    };
-    for (int k = 0; k <= span_plain_; ++k)
-      sums.plain[k] += Complex(cosine.col(k).sum(), sine.col(k).sum());
-    sums.mixed.real() += function.transpose() * cosine.leftCols(span_mixed_ + 1);
-    sums.mixed.imag() += function.transpose() * sine.leftCols(span_mixed_ + 1);
-    for (auto &[k, sum] : sums.between) {
-      sum.real() += function.transpose() * (cosine.col(k).asDiagonal() * function);
-      sum.imag() += function.transpose() * (sine.col(k).asDiagonal() * function);
-    }
-    for (int k = -highest_plain_; k <= highest_plain_; ++k)
-      sums.of_plain[k + highest_plain_] += turned(k).dot(residual);
-    for (auto &[k, sum] : sums.of_function)
-      sum += function.transpose() * turned(k).conjugate().cwiseProduct(residual);
     sums.squares += residual.squaredNorm();
   }
 
@@ -176,28 +166,44 @@ private:
   }
 
   Complex between(int f, int g, int k) const {
+    const auto place = [&](int of) { return places_[static_cast<std::size_t>(of)]; };
     const int up = std::abs(k);
-    const Complex sum = f < 0 && g < 0 ? sums_.plain[up]
-                        : f < 0        ? sums_.mixed(g, up)
-                        : g < 0        ? sums_.mixed(f, up)
-                                       : sums_.between.at(up)(f, g);
-    return k < 0 ? std::conj(sum) : sum; // the functions are real
+    Complex sum = f < 0 && g < 0 ? known_.plain(up)
+                  : f < 0        ? known_.mixed(place(g), up)
+                  : g < 0        ? known_.mixed(place(f), up)
+                                 : known_.between(place(f), place(g), up);
+    if (k < 0)
+      sum = std::conj(sum); // the functions are real
+    return sum * turn(k);
   }
+
+  /// What is known is of the angle without the zero of the basis.
+  Complex turn(int k) const { return std::polar(1.0, k * unit_ * basis_.zero_rad()); }
 
   Complex with_residual(Eigen::Index q) const {
     Complex sum = 0.0;
-    for (const Piece &a : pieces_[static_cast<std::size_t>(q)])
-      sum += std::conj(a.factor) * (a.function < 0 ? sums_.of_plain[a.exponent + highest_plain_]
-                                                   : sums_.of_function.at(a.exponent)[a.function]);
+    for (const Piece &a : pieces_[static_cast<std::size_t>(q)]) {
+      const Eigen::Index up = std::abs(a.exponent);
+      const Complex with_sine = Complex(0.0, a.exponent < 0 ? 1.0 : -1.0) * sums_of(up, 1);
+      sum += std::conj(a.factor) *
+             (a.function < 0 ? sums_of(up, 0) + with_sine
+                             : sums_.of_function.at(a.exponent)[static_cast<Eigen::Index>(
+                                   places_[static_cast<std::size_t>(a.function)])]);
+    }
     return sum;
+  }
+  Complex sums_of(Eigen::Index k, Eigen::Index part) const {
+    return k < sums_.of_plain.rows() ? sums_.of_plain(k, part) : Complex(0.0);
   }
 
   const Basis &basis_;
+  ColumnSums &known_;
   const int unit_ = basis_.unit();         ///< of the exponents of the pieces
   std::vector<std::vector<Piece>> pieces_; ///< of each term
   std::vector<Modulation> functions_;
-  std::vector<int> exponents_; ///< of the terms with a function
-  int highest_plain_ = 0, span_plain_ = 0, span_mixed_ = 0;
+  std::vector<std::size_t> places_; ///< of the functions among the known
+  std::vector<int> exponents_;      ///< of the terms with a function
+  int highest_plain_ = 0, highest_mixed_ = 0;
   Tables sums_;
 };
 
@@ -227,9 +233,12 @@ Eigen::MatrixXd weighted_gram(const Basis &basis, const Observations &data,
 
 } // namespace
 
-Eigen::MatrixXd gram_of(const Basis &basis, const Observations &data, const ResidualColumns &left) {
-  return data.weight_along == 1.0 ? Sums(basis, data, left).gram()
-                                  : weighted_gram(basis, data, left);
+Eigen::MatrixXd gram_of(const Basis &basis, const Observations &data, const ResidualColumns &left,
+                        ColumnSums *known) {
+  if (data.weight_along != 1.0)
+    return weighted_gram(basis, data, left);
+  ColumnSums none;
+  return Sums(basis, data, left, known ? *known : none).gram();
 }
 
 } // namespace ada

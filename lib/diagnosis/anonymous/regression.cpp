@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/anonymous/column_sums.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/over_samples.h"
 
@@ -91,8 +92,10 @@ private:
 } // namespace
 
 Products products(const Basis &basis, const Observations &train, const ResidualColumns &train_left,
-                  const Observations &heldout, const ResidualColumns &heldout_left) {
-  return {gram_of(basis, train, train_left), gram_of(basis, heldout, heldout_left),
+                  const Observations &heldout, const ResidualColumns &heldout_left,
+                  SumsOfHalves *known) {
+  return {gram_of(basis, train, train_left, known ? &known->train : nullptr),
+          gram_of(basis, heldout, heldout_left, known ? &known->heldout : nullptr),
           2.0 * static_cast<double>(train.size()), 2.0 * static_cast<double>(heldout.size())};
 }
 

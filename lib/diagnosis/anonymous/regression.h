@@ -13,6 +13,9 @@
 
 namespace ada {
 
+class ColumnSums;
+struct SumsOfHalves;
+
 /// Products of all columns with each other and with the residual (the last row), of both parts.
 struct Products {
   Eigen::MatrixXd train, heldout;
@@ -20,27 +23,30 @@ struct Products {
 };
 
 /// Products of the columns with each other and, in the last row and column, with a residual.
-Eigen::MatrixXd gram_of(const Basis &basis, const Observations &data, const ResidualColumns &left);
+/// `known`: of other bases over these samples.
+Eigen::MatrixXd gram_of(const Basis &basis, const Observations &data, const ResidualColumns &left,
+                        ColumnSums *known = nullptr);
 
 Products products(const Basis &basis, const Observations &train, const ResidualColumns &train_left,
-                  const Observations &heldout, const ResidualColumns &heldout_left);
+                  const Observations &heldout, const ResidualColumns &heldout_left,
+                  SumsOfHalves *known = nullptr);
 
-/// Normal equations with a relative ridge for each column; one of `n` values keeps a column that is zero throughout
-/// from taking part.
+/// Normal equations with a relative ridge for each column; one of `n` values keeps a column that is
+/// zero throughout from taking part.
 Eigen::MatrixXd ridged(Eigen::MatrixXd gram, double ridge, const Eigen::VectorXd &stiffness,
                        double n);
 
 /// Which columns take part.
 struct Selection {
   std::vector<Eigen::Index> columns;
-  Eigen::VectorXd values;                  ///< of each, V
-  std::array<int, kAxes> orders{};         ///< highest order that is in, by axis; 0: none
-  std::array<double, kAxes> share_v2{};    ///< fall of the held-out mean square by axis, V^2
-  double steps_v2 = 0.0;                   ///< of that on the axis of time, by steps
-  std::array<double, kAxes> gain_nats{};   ///< of the held-out likelihood by axis
-  double ridge = 0.0;                      ///< relative, of the normal equations
-  double noise_v2 = 0.0;                   ///< held-out mean square that is left
-  double train_v2 = 0.0;                   ///< and of the training part
+  Eigen::VectorXd values;                ///< of each, V
+  std::array<int, kAxes> orders{};       ///< highest order that is in, by axis; 0: none
+  std::array<double, kAxes> share_v2{};  ///< fall of the held-out mean square by axis, V^2
+  double steps_v2 = 0.0;                 ///< of that on the axis of time, by steps
+  std::array<double, kAxes> gain_nats{}; ///< of the held-out likelihood by axis
+  double ridge = 0.0;                    ///< relative, of the normal equations
+  double noise_v2 = 0.0;                 ///< held-out mean square that is left
+  double train_v2 = 0.0;                 ///< and of the training part
 };
 
 /// Axes in their order, on each the highest order that held-out data confirm most.

@@ -140,13 +140,6 @@ bool is_at_seam(const EffectInstance &e, const Capture &joined, double noise_rad
   });
 }
 
-std::size_t capture_at(const Capture &joined, double t) {
-  std::size_t k = joined.starts.size() - 1;
-  while (k > 0 && t < 0.5 * (joined.time_s[joined.starts[k] - 1] + joined.time_s[joined.starts[k]]))
-    --k;
-  return k;
-}
-
 /// Mean of the residual across the vector, rad of the shaft, and its number of samples.
 struct Across {
   double sum = 0.0, samples = 0.0;
@@ -168,6 +161,14 @@ std::vector<Across> across_by_capture(const Scene &scene, const Capture &joined,
 }
 
 } // namespace
+
+std::size_t capture_at(const Capture &joined, double time_s) {
+  std::size_t k = joined.starts.size() - 1;
+  while (k > 0 &&
+         time_s < 0.5 * (joined.time_s[joined.starts[k] - 1] + joined.time_s[joined.starts[k]]))
+    --k;
+  return k;
+}
 
 bool move_zeros(Scene &scene, const Capture &joined, const Model &found, double noise_v) {
   if (joined.starts.size() < 2)

@@ -32,6 +32,9 @@ private:
   std::vector<double> alpha_, sin_, cos_; ///< of a fit with all that every pair has
 };
 
+/// In which of several joined captures a time lies, s.
+std::size_t capture_at(const Capture &joined, double time_s);
+
 /// Where one capture ends and the next begins no magnet has slipped: each has a zero angle of its
 /// own, which what was not known then has bent. Moves what follows by what `found` leaves across
 /// the vector, beside `noise_v`; false: nothing that matters.

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Captures as people record them: slowly, for a short time, at one speed each, with a reference
+// that is late now and then. Their signals are made here, and not by the model that is fitted to
+// them.
+
+#include <cmath>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "diagnosis/bench.h"
+#include "recording/join.h"
+
+namespace ada::test {
+namespace {
+
+double steady(double rpm, double t) {
+  return t * rpm / 60.0 * kTwoPi;
+}
+
+/// Neither the pair's own noise nor a process is blamed.
+void expect_none(const Diagnosis &d, std::initializer_list<std::string_view> causes) {
+  for (std::string_view cause : causes)
+    EXPECT_FALSE(named(d, cause)) << cause << " among " << names(d);
+}
+
+KIND(mains_beside_an_order_of_the_turn_is_told_from_it) {
+  Bench bench;
+  const double duration = bench.within(5.0, 8.0), mains_hz = bench.within(49.9, 50.1);
+  // The next order lies one to two and a half widths of a line away.
+  const double order = std::floor(bench.within(12.0, 30.0)),
+               turn_hz = (mains_hz + bench.within(1.2, 2.5) / duration) / order;
+  Capture c = bench.capture(static_cast<std::size_t>(1500.0 * duration), 1500.0, 2,
+                            [&](double t) { return steady(60.0 * turn_hz, t); });
+  const double sin_v = bench.within(4.0, 8.0) * bench.pair.noise_v,
+               cos_v = bench.within(0.5, 1.0) * sin_v, phase = bench.within(0.0, kTwoPi);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c.vsin_v[i] += sin_v * std::sin(kTwoPi * mains_hz * c.time_s[i] + phase);
+    c.vcos_v[i] += cos_v * std::sin(kTwoPi * mains_hz * c.time_s[i]);
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *tone = named(d, "periodic-interference");
+  ASSERT_TRUE(tone) << names(d);
+  EXPECT_NEAR(tone->values[0], mains_hz, 0.02);
+}
+
+KIND(a_climate_chamber_that_cycles_makes_no_tone) {
+  Bench bench;
+  const double cycles = bench.within(3.0, 6.0), rpm = bench.within(30.0, 60.0);
+  Capture c = bench.capture(4000, 5.0, 2, [&](double t) { return steady(rpm, t); });
+  const auto either = [&](double low, double high) {
+    return bench.within(low, high) * (bench.within(-1.0, 1.0) < 0.0 ? -1.0 : 1.0);
+  };
+  const double tc_sin = either(0.03, 0.08), tc_cos = either(0.03, 0.08), c_sin = either(0.04, 0.1),
+               c_cos = either(0.04, 0.1), start = bench.within(0.0, kTwoPi);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double u = 0.35 * std::sin(start + kTwoPi * cycles * c.time_s[i] / c.time_s.back());
+    c.vtemp_v.push_back(1.5 + u + bench.normal(3e-4));
+    c.vsin_v[i] += tc_sin * u + c_sin * u * u;
+    c.vcos_v[i] += tc_cos * u + c_cos * u * u;
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *bend = named(d, "offset-temperature-curvature");
+  ASSERT_TRUE(bend) << names(d);
+  EXPECT_NEAR(bend->values[0], c_sin, 0.02 * std::abs(c_sin));
+  EXPECT_NEAR(bend->values[1], c_cos, 0.02 * std::abs(c_cos));
+  expect_none(d, {"periodic-interference", "offset-wander", "gain-wander"});
+}
+
+KIND(records_of_one_speed_each_show_a_low_pass_and_nothing_that_their_zeros_hold) {
+  Bench bench;
+  const double corner_hz = bench.within(600.0, 1500.0);
+  std::vector<std::shared_ptr<const Capture>> captures;
+  for (double rpm : {300.0, -1000.0, 3000.0, -6000.0, 12000.0}) {
+    const double zero = bench.within(0.0, kTwoPi), x = std::abs(rpm) / 60.0 / corner_hz,
+                 gain = 1.0 / std::sqrt(1.0 + x * x), late = std::copysign(std::atan(x), rpm);
+    Capture c =
+        bench.capture(1500, 5000.0, 1, [&](double t) { return steady(rpm, t) + zero - late; });
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      c.vsin_v[i] = 2.5 + gain * (c.vsin_v[i] - 2.5);
+      c.vcos_v[i] = 2.5 + gain * (c.vcos_v[i] - 2.5);
+      c.reference_deg[i] = wrap(steady(rpm, c.time_s[i]) * kDegPerRad, 360.0);
+    }
+    c.identity = std::to_string(rpm);
+    captures.push_back(std::make_shared<Capture>(std::move(c)));
+  }
+  const Diagnosis d = diagnose(*join(captures), {});
+  expect_pair(d, bench.pair);
+  const Finding *low_pass = named(d, "low-pass-rolloff");
+  ASSERT_TRUE(low_pass) << names(d);
+  EXPECT_NEAR(low_pass->values[0], corner_hz, 0.02 * corner_hz);
+  expect_none(d, {"gain-wander", "hysteresis"});
+}
+
+KIND(a_reference_that_falls_behind_now_and_then_loses_no_samples) {
+  Bench bench;
+  const double rpm = bench.within(300.0, 900.0), late_s = bench.within(4e-4, 8e-4);
+  Capture c = bench.capture(12000, 4000.0, 2, [&](double t) { return steady(rpm, t); });
+  bool late = false;
+  for (std::size_t i = 0, until = 500; i < c.size(); ++i) {
+    if (i == until) {
+      late = !late;
+      until +=
+          static_cast<std::size_t>(late ? bench.within(200.0, 900.0) : bench.within(700.0, 2500.0));
+    }
+    if (late)
+      c.reference_deg[i] = wrap(steady(rpm, c.time_s[i] - late_s) * kDegPerRad, 360.0);
+  }
+  expect_none(diagnose(c, {}), {"sample-loss"});
+}
+
+KIND(a_tone_of_half_the_sample_rate_is_no_noise) {
+  Bench bench;
+  const double rpm = bench.within(150.0, 400.0);
+  Capture c = bench.capture(10000, 3000.0, 2, [&](double t) { return steady(rpm, t); });
+  const double sin_v = bench.within(4.0, 8.0) * bench.pair.noise_v,
+               cos_v = bench.within(-1.0, 1.0) * sin_v;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c.vsin_v[i] += i % 2 ? sin_v : -sin_v;
+    c.vcos_v[i] += i % 2 ? cos_v : -cos_v;
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  expect_none(d, {"excess-noise", "amplitude-noise", "angle-noise", "timing-jitter"});
+  EXPECT_NE(d.verdict, Verdict::explained); // no cause of the catalogue has that frequency
+}
+
+} // namespace
+} // namespace ada::test
