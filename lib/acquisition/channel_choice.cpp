@@ -76,15 +76,16 @@ bool serves(const IioDevice &device, const ChannelSelection &selection) {
 /// has together.
 std::string what_is_missing(std::span<const IioDevice> devices, const ChannelSelection &selection) {
   std::string all, missing;
-  for (const auto &[option, label] :
-       {std::pair(&selection.sin, "vsin"), std::pair(&selection.cos, "vcos")}) {
-    const std::string what = option->empty() ? std::string("a channel labelled ") + label
-                                             : "a voltage channel \"" + *option + "\" to capture";
+  const auto look_for = [&](const std::string &option, const char *label) {
+    const std::string what = option.empty() ? std::string("a channel labelled ") + label
+                                            : "a voltage channel \"" + option + "\" to capture";
     all += (all.empty() ? "" : " and ") + what;
     if (std::none_of(devices.begin(), devices.end(),
-                     [&](const IioDevice &d) { return has_role(d, *option, label); }))
+                     [&](const IioDevice &d) { return has_role(d, option, label); }))
       missing += (missing.empty() ? "" : " or ") + what;
-  }
+  };
+  look_for(selection.sin, "vsin");
+  look_for(selection.cos, "vcos");
   return missing.empty() ? all : missing;
 }
 

@@ -223,8 +223,10 @@ struct Lines {
   std::array<std::vector<double>, 2> power;
   std::vector<double> flicker; ///< density of flicker noise over white noise and corner, s
   double bin_hz = 0.0;
-  std::size_t stride = 1; ///< lines of the grid closer than the record resolves are no news
-  std::size_t first = 0;  ///< below it what is slow in time, or steps with the speed, was taken out
+  /// Lines that tell: those of the grid closer than the record resolves are no news, below the
+  /// first what is slow in time, or steps with the speed, was taken out, and about the pair's own
+  /// frequency lies what goes on slowly in its gain and angle.
+  std::vector<std::size_t> told;
 
   std::size_t size() const { return power[0].size(); }
 
@@ -232,10 +234,11 @@ struct Lines {
   double likelihood(int channel, double corner_hz, double &white) const {
     const auto &p = power[static_cast<std::size_t>(channel)];
     double sum = 0.0, n = 0.0, logs = 0.0;
-    for (std::size_t k = first; k < size(); k += stride, n += 1.0) {
+    for (std::size_t k : told) {
       const double shape = 1.0 + corner_hz * flicker[k];
       sum += p[k] / shape;
       logs += std::log(shape);
+      n += 1.0;
     }
     white = sum / n;
     return -n * std::log(white) - n - logs;
@@ -252,9 +255,8 @@ double radial_flicker(double frequency, const std::vector<double> &twice_turning
   return 0.5 / frequency + sum / static_cast<double>(twice_turning.size());
 }
 
-/// `radial_periods`: electrical periods a turn where only the radial part is left; 0: both are
-/// there.
-Lines lines_of(const Observations &data, const ResidualColumns &rest, int radial_periods) {
+/// `radial`: only that part is left, in which the pair does not turn.
+Lines lines_of(const Observations &data, const ResidualColumns &rest, int periods, bool radial) {
   Lines out;
   for (int channel = 0; channel < 2; ++channel) {
     const auto &v = channel == 0 ? rest.sin : rest.cos;
@@ -266,15 +268,26 @@ Lines lines_of(const Observations &data, const ResidualColumns &rest, int radial
           std::norm(std::complex<double>(s.line[k])));
   }
   const double span = data.time.back() - data.time.front();
+  std::size_t stride = 1;
   if (span > 0.0 && out.bin_hz > 0.0)
-    out.stride =
+    stride =
         std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(1.0 / (span * out.bin_hz))));
-  out.first = out.stride * static_cast<std::size_t>(criteria::kMostTrends);
   constexpr std::size_t kSpeeds = 100; // that stand for all
-  std::vector<double> twice_turning;
-  for (std::size_t i = 0; i < data.size() && radial_periods != 0;
-       i += std::max<std::size_t>(1, data.size() / kSpeeds))
-    twice_turning.push_back(2.0 * radial_periods * std::abs(data.omega[i]) / kTwoPi);
+  std::vector<double> turning, twice_turning;
+  for (std::size_t i = 0; i < data.size(); i += std::max<std::size_t>(1, data.size() / kSpeeds))
+    turning.push_back(periods * std::abs(data.omega[i]) / kTwoPi);
+  if (radial)
+    for (double f : std::exchange(turning, {}))
+      twice_turning.push_back(2.0 * f);
+  std::sort(turning.begin(), turning.end());
+  const auto slow = stride * static_cast<std::size_t>(criteria::kMostTrends);
+  const double width = static_cast<double>(slow) * out.bin_hz;
+  for (std::size_t k = slow; k < out.size(); k += stride) {
+    const double frequency = static_cast<double>(k) * out.bin_hz;
+    const auto near = std::lower_bound(turning.begin(), turning.end(), frequency - width);
+    if (near == turning.end() || *near > frequency + width)
+      out.told.push_back(k);
+  }
   for (std::size_t k = 0; k < out.size(); ++k) {
     const double frequency = std::max<double>(static_cast<double>(k), 0.5) * out.bin_hz;
     out.flicker.push_back(twice_turning.empty()
@@ -303,8 +316,7 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
   // seems higher.
   Flicker out;
   std::vector<std::uint32_t> rows(std::min(whole.size(), criteria::kFlickerRows));
-  std::iota(rows.begin(), rows.end(),
-            static_cast<std::uint32_t>((whole.size() - rows.size()) / 2));
+  std::iota(rows.begin(), rows.end(), static_cast<std::uint32_t>((whole.size() - rows.size()) / 2));
   Observations data = whole.select(rows);
   data.coloured.reset();
   if (!has_reference) // at an angle that is off the radius is that of another part of the ellipse
@@ -317,10 +329,10 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
   const double span = data.time.back() - data.time.front();
   if (!(data.frame_period_s > 0.0) || span <= 0.0)
     return out;
-  const Lines of = lines_of(data, rest, has_reference ? 0 : model.periods_per_turn);
-  const auto &[power, flicker, bin, stride, first] = of;
+  const Lines of = lines_of(data, rest, model.periods_per_turn, !has_reference);
+  const auto &[power, flicker, bin, told] = of;
   const std::size_t lines = of.size();
-  if (lines < 64 || first >= lines / 4)
+  if (lines < 64 || told.empty() || told.front() >= lines / 4)
     return out;
   double white[2], still[2];
   for (int c = 0; c < 2; ++c)
@@ -346,11 +358,12 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
     return {};
   // Flicker noise and nothing else: every octave must be as this spectrum has it.
   for (int c = 0; c < 2; ++c)
-    for (std::size_t from = first; from < lines; from *= 2) {
+    for (std::size_t from = told.front(); from < lines; from *= 2) {
       double ratio = 0.0, n = 0.0;
-      for (std::size_t k = from; k < std::min(2 * from, lines); k += stride, n += 1.0)
-        ratio +=
-            power[static_cast<std::size_t>(c)][k] / (white[c] * (1.0 + out.corner_hz * flicker[k]));
+      for (auto k = std::lower_bound(told.begin(), told.end(), from);
+           k != told.end() && *k < 2 * from; ++k, n += 1.0)
+        ratio += power[static_cast<std::size_t>(c)][*k] /
+                 (white[c] * (1.0 + out.corner_hz * flicker[*k]));
       if (n >= criteria::kFewestOfOctave &&
           std::abs(std::log(ratio / n)) > std::log(criteria::kOctaveOff))
         return {};
@@ -362,7 +375,7 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
     const ResidualColumns at_own = residual_columns(own, model);
     ResidualColumns less = at_own;
     subtract(left.basis, left.selection, own, less);
-    const Lines along = lines_of(own, radial_of(own, at_own, less), model.periods_per_turn);
+    const Lines along = lines_of(own, radial_of(own, at_own, less), model.periods_per_turn, true);
     double nats = 0.0, w;
     for (int c = 0; c < 2; ++c)
       nats += along.likelihood(c, out.corner_hz, w) - along.likelihood(c, 0.0, w);
@@ -373,9 +386,10 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
   const double of_white = has_reference ? 1.0 : kRadialWhite;
   double sum = 0.0;
   for (int c = 0; c < 2; ++c) {
-    double all = 0.0, count = 0.0;
-    for (std::size_t k = first; k < lines; k += stride, count += 1.0)
+    double all = 0.0;
+    for (std::size_t k : told)
       all += power[static_cast<std::size_t>(c)][k];
+    const double count = static_cast<double>(told.size());
     const double variance = mean_square(c == 0 ? rest.sin : rest.cos);
     const double density = variance * white[c] / (all / count) / top / of_white;
     sum += 0.5 * density * out.corner_hz * std::log(std::max(out.corner_hz * span, std::exp(1.0)));

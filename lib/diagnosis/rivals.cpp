@@ -120,6 +120,16 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
       continue;
     if (others_stay(now.fit.model, effect, rival.fit.model, part))
       out.push_back({std::string(c.effect->info().id), rival.fit.model});
+    // A signature may be a patch on the wrong one of two causes: with the right one it has nothing to
+    // do.
+    for (std::size_t j = given_; better && c.visible && a_cause && !c.effect->info().signature &&
+                                 j + 1 < rival.fit.model.effects.size();
+         ++j)
+      if (rival.fit.model.effects[j].effect->info().signature)
+        if (State fewer = without(rival, j);
+            fewer.fit.determined && value(fewer) > value(now) &&
+                (better->score == 0.0 || value(fewer) > value(*better)))
+          *better = std::move(fewer);
     const double saved =
         price(now.fit.model.effects[effect]) - price(rival.fit.model.effects.back());
     const bool yields = self->info().yields_to == c.effect->info().id;

@@ -118,8 +118,8 @@ private:
   /// no name could do that as well, with many columns in its place.
   bool drop_what_is_unclear();
 
-  /// What only turns the vector leaves its length. Where the length changes with the same order, and
-  /// that is none of the turn's own, both are one thing, which has another cause.
+  /// What only turns the vector leaves its length. Where the length changes with the same order,
+  /// and that is none of the turn's own, both are one thing, which has another cause.
   bool drop_turns_that_lengthen();
   /// Amplitude of an order of the turn in what a model leaves along the vector, V.
   double lengthens(const Model &model, double order) const;
@@ -298,11 +298,10 @@ private:
   std::vector<Structure> angle_left_; ///< what the last look kept of the angle
   double noise_ = 0.0, explained_noise_ = 0.0;
   bool noise_stated_ = false, free_lag_ = false;
-  double slow_v2_ = 0.0;    ///< of the largest slow process that has a name, V^2
-  int slow_waves_ = 0;      ///< half waves by which the course of a slow process was taken out
+  int slow_waves_ = 0; ///< half waves by which the course of a slow process was taken out
   std::vector<double> lengthening_; ///< orders at which the length changes as the angle does
-  bool in_bursts_ = false;  ///< samples in a row are left over
-  bool given_seen_ = false; ///< a cause that the given model names was seen before any fit
+  bool in_bursts_ = false;          ///< samples in a row are left over
+  bool given_seen_ = false;         ///< a cause that the given model names was seen before any fit
 };
 
 } // namespace ada

@@ -5,6 +5,7 @@
 // that is late now and then. Their signals are made here, and not by the model that is fitted to
 // them.
 
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <memory>
@@ -114,6 +115,73 @@ KIND(a_reference_that_falls_behind_now_and_then_loses_no_samples) {
       c.reference_deg[i] = wrap(steady(rpm, c.time_s[i] - late_s) * kDegPerRad, 360.0);
   }
   expect_none(diagnose(c, {}), {"sample-loss"});
+}
+
+KIND(rows_in_any_order_of_the_places_in_a_turn_tell_the_pair) {
+  Bench bench;
+  Capture c = bench.capture(1500, 0.8, 1, [&](double) { return bench.within(0.0, kTwoPi); });
+  // The angle of a row is drawn anew each time it is asked for: the reference is that of the pair.
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double angle = bench.within(0.0, kTwoPi), psi = angle + bench.pair.zero_rad,
+                 half = 0.5 * bench.pair.delta_rad;
+    c.reference_deg[i] = angle * kDegPerRad;
+    c.vsin_v[i] = 2.5 + bench.pair.amplitude_v * (1.0 + 0.5 * bench.pair.k) * std::sin(psi + half) +
+                  bench.normal(bench.pair.noise_v);
+    c.vcos_v[i] = 2.5 + bench.pair.amplitude_v * (1.0 - 0.5 * bench.pair.k) * std::cos(psi - half) +
+                  bench.normal(bench.pair.noise_v);
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  EXPECT_EQ(d.findings.size(), 2u) << names(d);
+  EXPECT_EQ(d.verdict, Verdict::explained);
+}
+
+KIND(a_magnet_that_changes_sides_now_and_then_is_no_harmonic_of_the_reference) {
+  Bench bench;
+  const double rpm = bench.within(500.0, 900.0), play = bench.within(0.15, 0.4) * kRadPerDeg;
+  const double turns = bench.within(2.0, 5.0), start = bench.within(0.0, kTwoPi); // in all
+  const std::size_t n = 12000;
+  const double rate = 4000.0, span = static_cast<double>(n) / rate;
+  Capture c = bench.capture(n, rate, 2, [&](double t) {
+    return steady(rpm, t) + play * std::tanh(8.0 * std::sin(start + kTwoPi * turns * t / span));
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(steady(rpm, c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  expect_none(d, {"reference-harmonic"});
+}
+
+KIND(a_gain_that_wanders_hides_no_flicker_noise) {
+  Bench bench;
+  const std::size_t n = 60000;
+  const double rate = 2000.0, rpm = bench.within(250.0, 400.0),
+               fraction = bench.within(0.005, 0.01);
+  Capture c = bench.capture(n, rate, 2, [&](double t) { return steady(rpm, t); });
+  const double a = bench.within(0.0, kTwoPi), b = bench.within(0.0, kTwoPi);
+  // Sums of first-order processes an octave apart have a density of 1/f.
+  std::array<std::array<double, 14>, 2> state{};
+  const double corner_hz = 25.0, density = bench.pair.noise_v * bench.pair.noise_v / (0.5 * rate);
+  const double octave_v = std::sqrt(density * corner_hz * std::log(2.0));
+  for (std::size_t i = 0; i < n; ++i) {
+    const double u = static_cast<double>(i) / static_cast<double>(n),
+                 gain = 1.0 + fraction *
+                                  (std::sin(kTwoPi * 2.3 * u + a) + std::sin(kTwoPi * 3.7 * u + b));
+    std::array<double, 2> flicker{};
+    for (std::size_t channel = 0; channel < 2; ++channel)
+      for (std::size_t k = 0; k < 14; ++k) {
+        const double keeps = std::exp(-kTwoPi * 0.04 * std::exp2(static_cast<double>(k)) / rate);
+        double &x = state[channel][k];
+        x = i == 0 ? bench.normal(octave_v)
+                   : keeps * x + bench.normal(octave_v * std::sqrt(1.0 - keeps * keeps));
+        flicker[channel] += x;
+      }
+    c.vsin_v[i] = 2.5 + gain * (c.vsin_v[i] - 2.5) + flicker[0];
+    c.vcos_v[i] = 2.5 + gain * (c.vcos_v[i] - 2.5) + flicker[1];
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_TRUE(named(d, "gain-wander")) << names(d);
+  EXPECT_TRUE(named(d, "flicker-noise")) << names(d);
 }
 
 KIND(a_tone_of_half_the_sample_rate_is_no_noise) {

@@ -39,6 +39,9 @@ constexpr double kOfEccentricity = 0.25;
 
 constexpr double kFewestTurns = 6.0; ///< from which on orders apart by a sixth are told apart
 
+/// What comes round less often over the record is a course of time, whatever it follows.
+constexpr double kFewestPeriods = 6.0;
+
 class ReferenceHarmonic final : public ReferenceError {
 public:
   const EffectInfo &info() const override { return kInfo; }
@@ -54,7 +57,9 @@ public:
     for (const double order : {16.0, 32.0, 64.0})
       out.push_back({order, 0.0, 0.0});
     add_orders_seen(r, kParameters[0], Orders::any, out);
-    std::erase_if(out, [](const auto &v) { return std::abs(v[0] - 1.0) <= kOfEccentricity; });
+    std::erase_if(out, [&](const auto &v) {
+      return std::abs(v[0] - 1.0) <= kOfEccentricity || v[0] * r.turns < kFewestPeriods;
+    });
     return out;
   }
 
