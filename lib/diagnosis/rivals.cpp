@@ -120,15 +120,15 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
       continue;
     if (others_stay(now.fit.model, effect, rival.fit.model, part))
       out.push_back({std::string(c.effect->info().id), rival.fit.model});
-    // A signature may be a patch on the wrong one of two causes: with the right one it has nothing to
-    // do.
+    // A signature may be a patch on the wrong one of two causes: with the right one it has nothing
+    // to do.
     for (std::size_t j = given_; better && c.visible && a_cause && !c.effect->info().signature &&
                                  j + 1 < rival.fit.model.effects.size();
          ++j)
       if (rival.fit.model.effects[j].effect->info().signature)
         if (State fewer = without(rival, j);
             fewer.fit.determined && value(fewer) > value(now) &&
-                (better->score == 0.0 || value(fewer) > value(*better)))
+            (better->score == 0.0 || value(fewer) > value(*better)))
           *better = std::move(fewer);
     const double saved =
         price(now.fit.model.effects[effect]) - price(rival.fit.model.effects.back());
@@ -145,6 +145,45 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
   return out;
 }
 
+/// The reference is one body: where it wobbles at one order, and has lines at another, they are
+/// read at the same place, and blamed on the sensor one by one each makes the other fit worse. So
+/// all that an error of the reference may be in the place of, and that its ripple against time
+/// speaks for, change sides at once.
+bool Search::blame_reference(State &now) const {
+  if (data_.scene->reference_ripples.empty())
+    return false;
+  Model model = now.fit.model;
+  std::size_t moved = 0;
+  for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k) {
+    if (!of_the_angle(*now.fit.model.effects[k].effect))
+      continue;
+    const State less = without(now, k);
+    const std::vector<Candidate> list =
+        candidates(*data_.scene, quick_, less.fit.model, {.signatures = true, .invisible = true});
+    const double side = side_evidence(data_, less.fit.model);
+    double highest = 0.0;
+    for (const Candidate &c : list)
+      highest = std::max(highest, c.gain);
+    for (const Candidate &c : list) {
+      const EffectInstance &e = c.start.effects.back();
+      if (c.gain < 0.8 * highest || !(e.effect->reference_ripple(e.values).order > 0.0) ||
+          side_evidence(data_, c.start) <= side)
+        continue;
+      model.effects[k] = e;
+      ++moved;
+      break;
+    }
+  }
+  if (moved < 2)
+    return false;
+  State other = evaluate(model, 12);
+  if (!other.fit.determined || !in_range(other.fit.model, given_) ||
+      value(other) < value(now) + criteria::kRivalNats)
+    return false;
+  now = std::move(other);
+  return true;
+}
+
 bool Search::sideways(State &now) {
   for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k) {
     State better{};
@@ -154,7 +193,7 @@ bool Search::sideways(State &now) {
       return true;
     }
   }
-  return false;
+  return blame_reference(now);
 }
 
 } // namespace ada

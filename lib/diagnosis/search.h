@@ -112,6 +112,7 @@ private:
   bool shake(State &now);
   bool backward(State &now);
   bool sideways(State &now);
+  bool blame_reference(State &now) const;
   struct AlongSupply {
     double along, across, length2; ///< V^2, means of a sample
     double fixed;                  ///< across the best fixed direction instead

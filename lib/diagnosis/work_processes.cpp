@@ -142,14 +142,11 @@ bool Work::even_clock() const {
 }
 
 void Work::name_process(const RandomCause &c) {
-  // What the functions of a larger process leave of it is faster, and passes for noise. That of a
-  // gain turns with the pair: it lies elsewhere, where a reference tells the angle.
-  const EffectInfo &info = c.effect->info();
+  // What the functions of a larger process leave of it is faster, and passes for noise.
   double larger_v2 = 0.0;
   for (const RandomCause &other : processes_)
-    if (other.effect->info().pattern == info.pattern || !scene_.has_reference)
-      larger_v2 = std::max(larger_v2, other.slow_v2);
-  if (info.evidence == Evidence::noise && c.slow_v2 > 0.0 &&
+    larger_v2 = std::max(larger_v2, other.slow_v2);
+  if (c.effect->info().evidence == Evidence::noise && c.slow_v2 > 0.0 &&
       c.slow_v2 < criteria::kLittle * larger_v2)
     return;
   seen_random_.push_back({c.effect, c.values, c.std_errors});

@@ -167,20 +167,30 @@ std::vector<Ripple> ripples_against_time(std::span<const double> time,
     travel += std::abs(angle[i] - angle[i - 1]);
   const auto parts = static_cast<std::size_t>(
       std::clamp(travel / kTwoPi / kTurnsOfPart, static_cast<double>(kFewestParts), kMostParts));
-  const std::size_t part = angle.size() / parts;
+  // Parts of as many turns each: of a drive that has several speeds most then hold one of them.
+  std::vector<std::size_t> begins{0};
+  double travelled = 0.0;
+  for (std::size_t i = 1; i < angle.size(); ++i) {
+    travelled += std::abs(angle[i] - angle[i - 1]);
+    if (travelled * static_cast<double>(parts) >= travel * static_cast<double>(begins.size()) &&
+        begins.size() < parts)
+      begins.push_back(i);
+  }
+  begins.push_back(angle.size());
   // Of two samples to the period of an order nothing is left to judge it by.
   orders = std::min(orders, static_cast<int>(static_cast<double>(angle.size()) /
                                              std::max(1.0, 4.0 * travel / kTwoPi)));
   const auto terms = static_cast<std::size_t>(2 * std::min(orders, kFittedRipples));
   std::vector<std::vector<std::complex<double>>> seen;
-  for (std::size_t k = 0; k < parts; ++k) {
-    const auto piece = angle.subspan(k * part, part);
+  for (std::size_t k = 0; k + 1 < begins.size(); ++k) {
+    const std::size_t first = begins[k], part = begins[k + 1] - first;
+    const auto piece = angle.subspan(first, part);
     double turns = 0.0;
     for (std::size_t i = 1; i < part; ++i)
       turns += std::abs(piece[i] - piece[i - 1]) / kTwoPi;
     if (turns >= kFewestTurns && part >= 10 * terms)
-      seen.push_back(periodic_part(time.subspan(k * part, part), piece,
-                                   usable.subspan(k * part, part), orders));
+      seen.push_back(
+          periodic_part(time.subspan(first, part), piece, usable.subspan(first, part), orders));
   }
   if (seen.size() < kFewestParts)
     return {};

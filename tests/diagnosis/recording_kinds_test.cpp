@@ -5,6 +5,7 @@
 // that is late now and then. Their signals are made here, and not by the model that is fitted to
 // them.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <initializer_list>
@@ -152,36 +153,33 @@ KIND(a_magnet_that_changes_sides_now_and_then_is_no_harmonic_of_the_reference) {
   expect_none(d, {"reference-harmonic"});
 }
 
-KIND(a_gain_that_wanders_hides_no_flicker_noise) {
+KIND(three_steady_speeds_tell_which_of_sensor_and_reference_is_off_centre) {
   Bench bench;
-  const std::size_t n = 60000;
-  const double rate = 2000.0, rpm = bench.within(250.0, 400.0),
-               fraction = bench.within(0.005, 0.01);
-  Capture c = bench.capture(n, rate, 2, [&](double t) { return steady(rpm, t); });
-  const double a = bench.within(0.0, kTwoPi), b = bench.within(0.0, kTwoPi);
-  // Sums of first-order processes an octave apart have a density of 1/f.
-  std::array<std::array<double, 14>, 2> state{};
-  const double corner_hz = 25.0, density = bench.pair.noise_v * bench.pair.noise_v / (0.5 * rate);
-  const double octave_v = std::sqrt(density * corner_hz * std::log(2.0));
-  for (std::size_t i = 0; i < n; ++i) {
-    const double u = static_cast<double>(i) / static_cast<double>(n),
-                 gain = 1.0 + fraction *
-                                  (std::sin(kTwoPi * 2.3 * u + a) + std::sin(kTwoPi * 3.7 * u + b));
-    std::array<double, 2> flicker{};
-    for (std::size_t channel = 0; channel < 2; ++channel)
-      for (std::size_t k = 0; k < 14; ++k) {
-        const double keeps = std::exp(-kTwoPi * 0.04 * std::exp2(static_cast<double>(k)) / rate);
-        double &x = state[channel][k];
-        x = i == 0 ? bench.normal(octave_v)
-                   : keeps * x + bench.normal(octave_v * std::sqrt(1.0 - keeps * keeps));
-        flicker[channel] += x;
-      }
-    c.vsin_v[i] = 2.5 + gain * (c.vsin_v[i] - 2.5) + flicker[0];
-    c.vcos_v[i] = 2.5 + gain * (c.vcos_v[i] - 2.5) + flicker[1];
+  // A second each, two turns of the slow one, with a sixth of a second from one to the next.
+  const std::array<double, 3> turns_hz{2.0, bench.within(12.0, 18.0), -bench.within(7.0, 10.0)};
+  std::vector<double> angle{0.0};
+  const double rate = 6000.0;
+  for (std::size_t i = 1; i < 20000; ++i) {
+    const double t = static_cast<double>(i) / rate, u = std::min(2.0, std::floor(t / (7.0 / 6.0)));
+    const auto k = static_cast<std::size_t>(u);
+    const double into = std::clamp(6.0 * (t - u * 7.0 / 6.0 - 1.0), 0.0, 1.0);
+    const double next = turns_hz[std::min<std::size_t>(2, k + 1)];
+    angle.push_back(angle.back() +
+                    kTwoPi / rate * std::lerp(turns_hz[k], next, into * into * (3.0 - 2.0 * into)));
   }
+  const auto shaft = [&](double t) {
+    return angle[static_cast<std::size_t>(std::lround(t * rate))];
+  };
+  const double e_deg = bench.within(0.1, 0.3), phase = bench.within(0.0, kTwoPi);
+  Capture c = bench.capture(angle.size(), rate, 2, shaft);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(c.reference_deg[i] + e_deg * std::sin(angle[i] + phase), 360.0);
   const Diagnosis d = diagnose(c, {});
-  EXPECT_TRUE(named(d, "gain-wander")) << names(d);
-  EXPECT_TRUE(named(d, "flicker-noise")) << names(d);
+  expect_pair(d, bench.pair);
+  const Finding *f = named(d, "reference-eccentricity");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_NEAR(f->values[0], e_deg, 0.02 * e_deg);
+  expect_none(d, {"stray-field"});
 }
 
 KIND(a_tone_of_half_the_sample_rate_is_no_noise) {
