@@ -39,7 +39,8 @@ constexpr double kOfEccentricity = 0.25;
 
 constexpr double kFewestTurns = 6.0; ///< from which on orders apart by a sixth are told apart
 
-/// What comes round less often over the record is a course of time, whatever it follows.
+/// What comes round less often over the record, and not with the turn, is a course of time,
+/// whatever it follows.
 constexpr double kFewestPeriods = 6.0;
 
 class ReferenceHarmonic final : public ReferenceError {
@@ -58,7 +59,8 @@ public:
       out.push_back({order, 0.0, 0.0});
     add_orders_seen(r, kParameters[0], Orders::any, out);
     std::erase_if(out, [&](const auto &v) {
-      return std::abs(v[0] - 1.0) <= kOfEccentricity || v[0] * r.turns < kFewestPeriods;
+      return std::abs(v[0] - 1.0) <= kOfEccentricity ||
+             (v[0] != std::round(v[0]) && v[0] * r.turns < kFewestPeriods);
     });
     return out;
   }
