@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "diagnosis/candidates.h"
+#include "diagnosis/conditions/gains.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/doubt.h"
@@ -218,6 +219,13 @@ bool Search::stands_alone(const Eigen::MatrixXd &own, std::size_t effect) const 
   const double most = criteria::kMostOfDiscrepancy * discrepancy_v_;
   std::vector<Eigen::Index> group{k};
   return own(k, k) <= most * most && !cancels(own, 0, 1, own(k, k), own(k, k), group);
+}
+
+/// Whether lengths and zeros of the records' own could take all that an effect moves. They have as
+/// many numbers as they need, and the effect has a law: it is told from them where it leaves noise.
+bool Search::the_records_could(const State &state, std::size_t effect) const {
+  return data_.scene->lag_in_zeros &&
+         held_by_records(*data_.scene->capture, coarse_, state.fit.model, effect);
 }
 
 bool Search::all_stand_alone(const Model &model) const {

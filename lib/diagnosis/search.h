@@ -94,6 +94,7 @@ private:
   void measure_discrepancy();
   Eigen::MatrixXd own_moves(const Model &model) const;
   bool stands_alone(const Eigen::MatrixXd &own, std::size_t effect) const;
+  bool the_records_could(const State &state, std::size_t effect) const;
   bool others_stay(const Model &model, std::size_t effect, const Model &rival, double part) const;
   bool all_stand_alone(const Model &model) const;
   State evaluate(const Model &start, int iterations = 6) const;

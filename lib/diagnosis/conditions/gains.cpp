@@ -8,6 +8,8 @@
 
 #include <Eigen/Dense>
 
+#include "diagnosis/conditions/reference_zero.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/first_model.h"
 #include "diagnosis/fit.h"
 
@@ -81,6 +83,36 @@ void RecordGains::estimate(const Observations &data, const Model &model) {
   for (std::size_t k = 0; k < records; ++k)
     if (const Eigen::Vector3d x = normal[k].ldlt().solve(right[k]); x.allFinite())
       own_[k] = {std::max(x[0], kLeastGain), x[1], x[2]};
+}
+
+bool held_by_records(const Capture &joined, const Observations &data, const Model &model,
+                     std::size_t effect) {
+  constexpr double kRest = 0.01; // of the power: beside it nothing of the effect shows
+  Model less = model;
+  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  const ResidualColumns with = residual_columns(data, model),
+                        without = residual_columns(data, less);
+  struct Sums {
+    double moved = 0.0, along = 0.0, across = 0.0, length = 0.0;
+  };
+  std::vector<Sums> of(joined.starts.size());
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    Sums &sums = of[capture_at(joined, data.time[i])];
+    const double s = with.model_sin[i] - data.centre_sin_v,
+                 c = with.model_cos[i] - data.centre_cos_v, ds = without.sin[i] - with.sin[i],
+                 dc = without.cos[i] - with.cos[i];
+    sums.moved += ds * ds + dc * dc;
+    sums.along += ds * s + dc * c;
+    sums.across += ds * c - dc * s;
+    sums.length += s * s + c * c;
+  }
+  double moved = 0.0, rest = 0.0;
+  for (const Sums &sums : of) {
+    moved += sums.moved;
+    rest += sums.moved - (sums.along * sums.along + sums.across * sums.across) /
+                             std::max(sums.length, criteria::kLeastMeanSquare);
+  }
+  return rest < kRest * moved;
 }
 
 } // namespace ada

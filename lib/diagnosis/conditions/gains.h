@@ -5,6 +5,7 @@
 // a gain was changed.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "diagnosis/observations.h"
@@ -41,5 +42,10 @@ private:
   const Own &at(double time_s) const;
   void estimate(const Observations &data, const Model &model);
 };
+
+/// Whether a length and a zero angle of each record's own could take all that an effect of the model
+/// moves, as they can of what a filter does at one speed each.
+bool held_by_records(const Capture &joined, const Observations &data, const Model &model,
+                     std::size_t effect);
 
 } // namespace ada
