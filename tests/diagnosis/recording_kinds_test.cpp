@@ -97,8 +97,9 @@ KIND(records_of_one_speed_each_show_nothing_that_their_zeros_hold) {
   expect_pair(d, bench.pair);
   // A length of each record's own does as well until the zeros are right: the low pass is named in
   // some six draws of ten, and then with its value.
-  if (const Finding *low_pass = named(d, "low-pass-rolloff"))
+  if (const Finding *low_pass = named(d, "low-pass-rolloff")) {
     EXPECT_NEAR(low_pass->values[0], corner_hz, 0.02 * corner_hz);
+  }
   expect_none(d, {"hysteresis", "propagation-delay", "channel-skew"});
 }
 
