@@ -221,11 +221,19 @@ bool Search::stands_alone(const Eigen::MatrixXd &own, std::size_t effect) const 
   return own(k, k) <= most * most && !cancels(own, 0, 1, own(k, k), own(k, k), group);
 }
 
-/// Whether lengths and zeros of the records' own could take all that an effect moves. They have as
-/// many numbers as they need, and the effect has a law: it is told from them where it leaves noise.
+/// Whether lengths and zeros of the records' own could take all that an effect moves, and do so
+/// better. They have as many numbers as they need, and the effect has a law: it is told from them
+/// where its law leaves less than a tenth of what the lengths differ by.
 bool Search::the_records_could(const State &state, std::size_t effect) const {
-  return data_.scene->lag_in_zeros &&
-         held_by_records(*data_.scene->capture, coarse_, state.fit.model, effect);
+  constexpr double kLawLeaves = 0.1;
+  const Model &model = state.fit.model;
+  const Capture &joined = *data_.scene->capture;
+  if (!data_.scene->lag_in_zeros || !held_by_records(joined, coarse_, model, effect))
+    return false;
+  Model less = model;
+  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  return scatter_of_lengths(joined, coarse_, model) >
+         kLawLeaves * scatter_of_lengths(joined, coarse_, less);
 }
 
 bool Search::all_stand_alone(const Model &model) const {

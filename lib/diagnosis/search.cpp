@@ -138,7 +138,7 @@ bool Search::forward(State &now) {
     const std::size_t last = state.fit.model.effects.size() - 1;
     if (refuted(state, last) || !(all_stand_alone(state.fit.model) || leaves_noise(state)))
       continue;
-    if (the_records_could(state, last) && !leaves_noise(state))
+    if (the_records_could(state, last))
       continue;
     if (has_moment(*c.effect) && !begins_at_once(*data_.scene, state.fit.model, last))
       continue;
@@ -185,8 +185,7 @@ bool Search::backward(State &now) {
     const auto at = static_cast<Eigen::Index>(k);
     const double own_v = std::sqrt(std::max(0.0, own(at, at)));
     const bool possible = in_range(now.fit.model.effects[k]) && !refuted(now, k) &&
-                          (leaves_noise(now) || !the_records_could(now, k)) &&
-                          (stands_alone(own, k) || leaves_noise(now));
+                          !the_records_could(now, k) && (stands_alone(own, k) || leaves_noise(now));
     const bool worth_it =
         possible && worth_keeping(worth, effect) &&
         (!effect.info().signature || dominates(size, k, now.fit.model)) &&

@@ -115,4 +115,26 @@ bool held_by_records(const Capture &joined, const Observations &data, const Mode
   return rest < kRest * moved;
 }
 
+double scatter_of_lengths(const Capture &joined, const Observations &data, const Model &model) {
+  const ResidualColumns r = residual_columns(data, model);
+  std::vector<double> seen(joined.starts.size()), due(seen);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const std::size_t k = capture_at(joined, data.time[i]);
+    seen[k] += std::pow(data.vsin[i] - data.centre_sin_v, 2) +
+               std::pow(data.vcos[i] - data.centre_cos_v, 2);
+    due[k] += std::pow(r.model_sin[i] - data.centre_sin_v, 2) +
+              std::pow(r.model_cos[i] - data.centre_cos_v, 2);
+  }
+  double sum = 0.0, squares = 0.0, n = 0.0;
+  for (std::size_t k = 0; k < seen.size(); ++k)
+    if (due[k] > 0.0) {
+      const double length = std::sqrt(seen[k] / due[k]);
+      sum += length;
+      squares += length * length;
+      n += 1.0;
+    }
+  const double mean = sum / std::max(n, 1.0);
+  return mean > 0.0 ? std::sqrt(std::max(0.0, squares / n - mean * mean)) / mean : 0.0;
+}
+
 } // namespace ada

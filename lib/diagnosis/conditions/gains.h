@@ -48,4 +48,8 @@ private:
 bool held_by_records(const Capture &joined, const Observations &data, const Model &model,
                      std::size_t effect);
 
+/// By how much the lengths of the pair over those of a model differ from record to record, rms over
+/// their mean, whatever the zero angles are.
+double scatter_of_lengths(const Capture &joined, const Observations &data, const Model &model);
+
 } // namespace ada
