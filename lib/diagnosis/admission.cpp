@@ -143,9 +143,8 @@ Eigen::MatrixXd Search::own_moves(const Model &model) const {
       delay_is_free = true;
       continue;
     }
-    Model less = model;
-    less.effects.erase(less.effects.begin() + k);
-    const ResidualColumns rest = residuals_alone(coarse_, less);
+    const ResidualColumns rest =
+        residuals_alone(coarse_, model.without(static_cast<std::size_t>(k)));
     for (Eigen::Index i = 0; i < samples; ++i) {
       const auto at = static_cast<std::size_t>(i);
       double sin = rest.sin[at] - all.sin[at], cos = rest.cos[at] - all.cos[at];
@@ -225,15 +224,12 @@ bool Search::stands_alone(const Eigen::MatrixXd &own, std::size_t effect) const 
 /// better. They have as many numbers as they need, and the effect has a law: it is told from them
 /// where its law leaves less than a tenth of what the lengths differ by.
 bool Search::the_records_could(const State &state, std::size_t effect) const {
-  constexpr double kLawLeaves = 0.1;
   const Model &model = state.fit.model;
   const Capture &joined = *data_.scene->capture;
   if (!data_.scene->lag_in_zeros || !held_by_records(joined, coarse_, model, effect))
     return false;
-  Model less = model;
-  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   return scatter_of_lengths(joined, coarse_, model) >
-         kLawLeaves * scatter_of_lengths(joined, coarse_, less);
+         criteria::kLawLeaves * scatter_of_lengths(joined, coarse_, model.without(effect));
 }
 
 bool Search::all_stand_alone(const Model &model) const {
@@ -382,8 +378,7 @@ double Search::unknown_v(const State &now) const {
 
 /// What an effect moves beyond what repeats with the electrical angle, V rms of a channel.
 double Search::moved_off_angle_v(const Model &model, std::size_t effect) const {
-  Model less = model;
-  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  const Model less = model.without(effect);
   const ResidualColumns with = residual_columns(coarse_, model),
                         without = residual_columns(coarse_, less);
   const auto n = static_cast<Eigen::Index>(coarse_.size());

@@ -125,9 +125,7 @@ void widen_by_what_is_not_borne_out(const Observations &all, FitResult &result) 
       continue;
     if (!columns)
       prepare();
-    Model less = model;
-    less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(e));
-    const Eigen::VectorXd shape = here - signal(data, less);
+    const Eigen::VectorXd shape = here - signal(data, model.without(e));
     std::vector<Eigen::Index> others;
     for (Eigen::Index k = 0; k < parameters; ++k)
       if (k < from || k >= first)

@@ -205,6 +205,9 @@ inline constexpr std::size_t kQuick = 16000, kCoarse = 6000;
 /// What is left of a fit, times the noise, from which on the noise adds no more than a sixteenth to
 /// its variance: the first fits are enough then.
 inline constexpr double kFarAboveNoise = 4.0;
+/// What a law leaves of the scatter of the lengths that records have of their own. A corner and an
+/// amplitude take two of them; each further one comes as near by chance in about one of ten.
+inline constexpr double kLawLeaves = 0.1;
 /// Candidates that get a joint fit, of each axis beyond the angle at least, and effects of a model
 /// at most.
 inline constexpr std::size_t kShortlist = 5, kShortlistOfAxis = 2;

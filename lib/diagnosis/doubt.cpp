@@ -31,8 +31,7 @@ Sizes sizes_at_rest(const Scene &scene, const Observations &data, const Model &m
     if (info.evidence != Evidence::signal || info.recorded ||
         !(is_static(*model.effects[k].effect) || info.stage == Stage::converter || ripple))
       continue;
-    Model less = model;
-    less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(k));
+    const Model less = model.without(k);
     const double square =
         std::max(0.0, white_sum_of_squares(data, less) - white_sum_of_squares(data, model)) / n;
     out.each.push_back(std::sqrt(square));

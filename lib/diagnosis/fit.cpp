@@ -17,8 +17,8 @@ namespace ada {
 namespace {
 
 constexpr std::size_t kBaseline = 4;
-/// Of the weight that white noise would give. Along what the part without a name takes for its own a
-/// step would go anywhere: this keeps it near, and moves no minimum (Levenberg, Q. Appl. Math. 2,
+/// Of the weight that white noise would give. Along what the part without a name takes for its own
+/// a step would go anywhere: this keeps it near, and moves no minimum (Levenberg, Q. Appl. Math. 2,
 /// 1944, p. 164).
 constexpr double kDamping = 1e-3;
 
@@ -403,10 +403,8 @@ std::vector<char> where_outputs_pass(const Observations &data, const Model &mode
 }
 
 double moved_rms_v(const Observations &data, const Model &model, std::size_t effect) {
-  Model less = model;
-  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   const ResidualColumns with = residual_columns(data, model),
-                        without = residual_columns(data, less);
+                        without = residual_columns(data, model.without(effect));
   double sum = 0.0;
   for (std::size_t i = 0; i < with.sin.size(); ++i) {
     const double s = with.sin[i] - without.sin[i], c = with.cos[i] - without.cos[i];

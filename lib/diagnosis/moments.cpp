@@ -156,8 +156,8 @@ std::array<double, 2> within_gap(const Scene &scene, const Model &less, const Mo
 bool set_exact_moment(const Scene &scene, Model &model, std::size_t effect, double part) {
   EffectInstance &e = model.effects[effect];
   const Observations near = scene.all.select(samples_near(scene, e.values[0], part));
-  Model less = model, always = model;
-  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  const Model less = model.without(effect);
+  Model always = model;
   always.effects[effect].values[0] = std::numeric_limits<double>::lowest();
   ResidualColumns before = residual_columns(near, less), after = residual_columns(near, always);
   for (ResidualColumns *r : {&before, &after})

@@ -115,9 +115,7 @@ bool takes_most(const Parts &parts, const Model &with, const Model &without, con
 bool takes_most(const Scene &scene, Parts parts, const Model &model, std::size_t effect) {
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
-  Model less = model;
-  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
-  less = fit(parts.train, less, kRefit).model;
+  const Model less = fit(parts.train, model.without(effect), kRefit).model;
   return takes_most(parts, fit(parts.train, model, kRefit).model, less,
                     *model.effects[effect].effect, anonymous_of(scene, parts, less));
 }
@@ -179,9 +177,7 @@ void drop_what_has_no_name(const Scene &scene, Parts parts, SearchResult &found)
     for (std::size_t place = 0; place < found.order.size(); ++place) {
       if (model.effects[found.order[place]].effect->info().prior_rank == 0)
         continue;
-      Model less = model;
-      less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(found.order[place]));
-      less = fit(parts.train, less, kRefit).model;
+      Model less = fit(parts.train, model.without(found.order[place]), kRefit).model;
       const Anonymous unnamed = anonymous_of(scene, parts, less);
       if (takes_most(parts, model, less, *model.effects[found.order[place]].effect, unnamed))
         continue;
@@ -304,9 +300,7 @@ void drop_signatures_that_bring_forth(const Scene &scene, const Scene &judge, Pa
     const EffectInstance &signature = model.effects[at];
     if (!signature.effect->info().signature)
       continue;
-    Model less = model;
-    less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(at));
-    less = fit(parts.train, less, kRefit).model;
+    Model less = fit(parts.train, model.without(at), kRefit).model;
     if (brings_forth(model, less)) {
       found.forget(place);
       found.fit.model = std::move(less);

@@ -120,8 +120,8 @@ bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) 
   Observations near = scene.all.select(samples_near(scene, moment, kReach));
   if (!scene.has_reference)
     near = at_own_angle(std::move(near), model);
-  Model less = model, always = model;
-  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  const Model less = model.without(effect);
+  Model always = model;
   always.effects[effect].values[0] = std::numeric_limits<double>::lowest();
   const ResidualColumns without = residual_columns(near, less);
   const ResidualColumns with = residual_columns(near, always);
@@ -157,7 +157,8 @@ bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) 
   const Side first = look_at(before), second = look_at(after);
   if (first.variance + second.variance > kSure * kSure)
     return true;
-  return second.part - first.part > kWhole && !goes_with_the_speed(std::move(before), std::move(after));
+  return second.part - first.part > kWhole &&
+         !goes_with_the_speed(std::move(before), std::move(after));
 }
 
 } // namespace ada

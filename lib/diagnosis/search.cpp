@@ -99,9 +99,7 @@ Search::State Search::fitted(const Model &start, int iterations) const {
 }
 
 Search::State Search::without(const State &now, std::size_t effect) const {
-  Model model = now.fit.model;
-  model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(effect));
-  return evaluate(model, 4);
+  return evaluate(now.fit.model.without(effect), 4);
 }
 
 bool Search::forward(State &now) {

@@ -45,6 +45,12 @@ void scale(EffectInstance &instance, double ratio) {
 
 } // namespace
 
+Model Model::without(std::size_t effect) const {
+  Model out = *this;
+  out.effects.erase(out.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  return out;
+}
+
 Model Model::at_supply(double volts) const {
   if (!(volts > 0) || !std::isfinite(volts))
     throw Error(ADA4571_ERROR_INVALID_ARGUMENT, "the supply must be above 0 V");

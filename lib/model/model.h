@@ -5,6 +5,7 @@
 // A calibration is such a model; the TOML file (model_file.h) holds exactly this.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,6 +56,9 @@ struct Model {
   std::vector<EffectInstance> effects; ///< at most one of each type, harmonics and tones excepted
   std::optional<PeriodicRemainder> remainder; ///< what has no name
   Provenance provenance;
+
+  /// The same model less the effect in this place of `effects`.
+  Model without(std::size_t effect) const;
 
   /// The same model at another supply: voltages scale, ratios stay.
   Model at_supply(double volts) const;

@@ -81,12 +81,12 @@ std::vector<double> slow_knots(const Capture &capture, std::size_t pieces) {
   return knots;
 }
 
-/// Pieces with which a spline beside the terms follows VTEMP: twice as many as long as rows that it
+/// Pieces with which a spline beside a term follows VTEMP: twice as many as long as rows that it
 /// was not fitted to, every other one, come nearer to it. What a hundredth of their mean square
 /// hides is a tenth of the noise of one reading.
-template <class Terms>
+template <class Term>
 std::size_t pieces_for(const Capture &capture, const std::vector<double> &vtemp_v, std::size_t few,
-                       std::size_t most, std::size_t term_count, Terms terms) {
+                       std::size_t most, Term term) {
   constexpr double kFalls = 0.99;
   constexpr std::size_t kLookedAt = 40000; // rows: a hundred to each of 400 pieces
   const std::size_t n = capture.size(), every = n / kLookedAt + 1;
@@ -96,14 +96,12 @@ std::size_t pieces_for(const Capture &capture, const std::vector<double> &vtemp_
     fitted[i] = 1;
   const auto left = [&](std::size_t pieces) {
     CubicSpline spline(slow_knots(capture, pieces));
-    spline.fit(capture.time_s, vtemp_v, fitted, term_count, terms);
-    std::vector<double> term(term_count);
+    spline.fit(capture.time_s, vtemp_v, fitted, 1,
+               [&](std::size_t i, double *out) { *out = term(i); });
+    const double times = spline.term_coefficients()[0];
     double sum = 0.0;
     for (std::size_t i = every; i < n; i += 2 * every) {
-      double off = vtemp_v[i] - spline.value(capture.time_s[i]);
-      terms(i, term.data());
-      for (std::size_t k = 0; k < term_count; ++k)
-        off -= spline.term_coefficients()[k] * term[k];
+      const double off = vtemp_v[i] - spline.value(capture.time_s[i]) - times * term(i);
       sum += off * off;
     }
     return sum;
@@ -232,8 +230,7 @@ TemperatureOverTime::TemperatureOverTime(const Capture &capture, const SupplyOve
   // Not so fine that it could follow the shaft.
   const std::size_t slower = std::max<std::size_t>(4, swings(capture.vcos_v, mean_cos) / 2);
   const std::size_t few = std::min(std::clamp<std::size_t>(n / kRowsOfPiece, 4, 100), slower);
-  const std::size_t pieces = pieces_for(capture, vtemp_v, few, slower, 1,
-                                        [&](std::size_t i, double *term) { *term = cosine(i); });
+  const std::size_t pieces = pieces_for(capture, vtemp_v, few, slower, cosine);
   const CubicSpline smooth(slow_knots(capture, pieces));
 
   // What VTEMP keeps of VCOS, jointly with the temperature: a slow shaft would pass for one. Only

@@ -78,8 +78,7 @@ std::vector<CauseView> cause_views(const Diagnosis &d, const Scene &scene, const
     if (at == taken.size())
       continue;
     taken[at] = 1;
-    view.without = d.extended;
-    view.without.effects.erase(view.without.effects.begin() + static_cast<std::ptrdiff_t>(at));
+    view.without = d.extended.without(at);
     const auto minus = [](ResidualColumns a, const ResidualColumns &b) {
       for (std::size_t i = 0; i < a.sin.size(); ++i) {
         a.sin[i] -= b.sin[i];

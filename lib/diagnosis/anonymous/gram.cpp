@@ -30,6 +30,8 @@ public:
                  highest_plain_ + highest_mixed_, pairs()});
     for (const Modulation &f : functions_)
       places_.push_back(known_.place_of(f));
+    for (int k = 0; k <= 2 * std::max(highest_plain_, highest_mixed_); ++k)
+      turns_.push_back(std::polar(1.0, k * unit_ * basis_.zero_rad()));
     sums_ = sum_over(data.size(), nothing(), [&](Tables &sums, std::size_t first, std::size_t n) {
       add(data, left, first, n, sums);
     });
@@ -174,11 +176,9 @@ private:
                                  : known_.between(place(f), place(g), up);
     if (k < 0)
       sum = std::conj(sum); // the functions are real
-    return sum * turn(k);
+    return sum * (k < 0 ? std::conj(turns_[static_cast<std::size_t>(up)])
+                        : turns_[static_cast<std::size_t>(up)]);
   }
-
-  /// What is known is of the angle without the zero of the basis.
-  Complex turn(int k) const { return std::polar(1.0, k * unit_ * basis_.zero_rad()); }
 
   Complex with_residual(Eigen::Index q) const {
     Complex sum = 0.0;
@@ -202,7 +202,10 @@ private:
   std::vector<std::vector<Piece>> pieces_; ///< of each term
   std::vector<Modulation> functions_;
   std::vector<std::size_t> places_; ///< of the functions among the known
-  std::vector<int> exponents_;      ///< of the terms with a function
+  /// What is known is of the angle without the zero of the basis: by the exponent, its turn by
+  /// that.
+  std::vector<Complex> turns_;
+  std::vector<int> exponents_; ///< of the terms with a function
   int highest_plain_ = 0, highest_mixed_ = 0;
   Tables sums_;
 };

@@ -88,10 +88,8 @@ void RecordGains::estimate(const Observations &data, const Model &model) {
 bool held_by_records(const Capture &joined, const Observations &data, const Model &model,
                      std::size_t effect) {
   constexpr double kRest = 0.01; // of the power: beside it nothing of the effect shows
-  Model less = model;
-  less.effects.erase(less.effects.begin() + static_cast<std::ptrdiff_t>(effect));
   const ResidualColumns with = residual_columns(data, model),
-                        without = residual_columns(data, less);
+                        without = residual_columns(data, model.without(effect));
   struct Sums {
     double moved = 0.0, along = 0.0, across = 0.0, length = 0.0;
   };
