@@ -12,6 +12,7 @@ namespace ada {
 /// Coefficients of order n of two series of one angle: a cos(n x) + b sin(n x) each.
 struct FourierPair {
   double cos_first, sin_first, cos_second, sin_second;
+  bool operator==(const FourierPair &) const = default;
 };
 
 /// Adds the two series to first[i] and second[i] at x[i], rad; orders[n - 1] is order n. The powers

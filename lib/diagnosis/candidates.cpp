@@ -132,12 +132,12 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
 
   // Columns: the model's own coordinates, every variant's, and the residual last.
   const std::vector<double> x0 = coordinates_of(model), h0 = coordinate_steps(model);
-  std::vector<ForwardModel> forward;
+  ForwardFamily forward(model, AlphaIs::reference);
   std::vector<double> step;
   std::vector<double> moved = x0, leak; // of VCOS into VTEMP, per unit of each
   const double leak_now = vtemp_on_vcos(model);
   const auto add = [&](const Model &m, double h) {
-    forward.emplace_back(m, AlphaIs::reference);
+    forward.add(m);
     step.push_back(h);
     leak.push_back((vtemp_on_vcos(m) - leak_now) / h);
   };
@@ -149,30 +149,28 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
   for (const Variant &v : all)
     for (std::size_t k = 0; k < v.models.size(); ++k)
       add(v.models[k], v.steps[k]);
-  const auto total = static_cast<Eigen::Index>(forward.size());
+  const auto total = static_cast<Eigen::Index>(step.size());
   const Conditions conditions = data.conditions();
   const Coloured *coloured = data.coloured.get();
   const auto add_block = [&](Crosses &sums, std::size_t first, std::size_t n) {
-    const Conditions at = conditions.slice(first, n);
-    std::array<double, kWaveBlock> s, c;
     std::array<Observations::Whitener, kWaveBlock> whiten;
     Eigen::MatrixXd rows(total + 1, static_cast<Eigen::Index>(2 * n));
     for (std::size_t i = 0; i < n; ++i)
       whiten[i] =
           data.whitener_at(first + i, columns.model_sin[first + i], columns.model_cos[first + i]);
-    for (Eigen::Index k = 0; k <= total; ++k) {
-      if (k < total)
-        forward[static_cast<std::size_t>(k)].evaluate(at, s.data(), c.data());
-      const double inverse = k < total ? 1.0 / step[static_cast<std::size_t>(k)] : 1.0;
+    const auto take = [&](std::size_t k, const double *sin, const double *cos) {
+      const Eigen::Index row = k == 0 ? total : static_cast<Eigen::Index>(k - 1);
+      const double inverse = k == 0 ? 1.0 : 1.0 / step[k - 1];
       for (std::size_t i = 0; i < n; ++i) {
-        const std::size_t at_i = first + i;
-        double ds = k < total ? (s[i] - columns.model_sin[at_i]) * inverse : columns.sin[at_i];
-        double dc = k < total ? (c[i] - columns.model_cos[at_i]) * inverse : columns.cos[at_i];
+        const std::size_t at = first + i;
+        double ds = k == 0 ? columns.sin[at] : (sin[i] - columns.model_sin[at]) * inverse;
+        double dc = k == 0 ? columns.cos[at] : (cos[i] - columns.model_cos[at]) * inverse;
         whiten[i](ds, dc);
-        rows(k, static_cast<Eigen::Index>(2 * i)) = ds;
-        rows(k, static_cast<Eigen::Index>(2 * i + 1)) = dc;
+        rows(row, static_cast<Eigen::Index>(2 * i)) = ds;
+        rows(row, static_cast<Eigen::Index>(2 * i + 1)) = dc;
       }
-    }
+    };
+    forward.evaluate(conditions.slice(first, n), take);
     sums.add(rows, first, coloured);
   };
   Crosses sums = sum_over(data.size(), Crosses(total + 1, coloured), add_block);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "base/angle.h"
 #include "base/sincos.h"
@@ -12,15 +13,6 @@
 namespace ada {
 
 namespace {
-
-/// (re, im) times (x, y), as complex numbers.
-void multiply(std::size_t n, const double *x, const double *y, double *re, double *im) {
-  for (std::size_t i = 0; i < n; ++i) {
-    const double product = re[i] * x[i] - im[i] * y[i];
-    im[i] = re[i] * y[i] + im[i] * x[i];
-    re[i] = product;
-  }
-}
 
 /// e^(j p x) of the direction of (fx, fy): its unit vector to the power of p, by squaring.
 void electrical(Wave &w) {
@@ -38,20 +30,8 @@ void electrical(Wave &w) {
     const double inverse = 1.0 / std::sqrt(w.fx[i] * w.fx[i] + w.fy[i] * w.fy[i]);
     x[i] = w.fx[i] * inverse;
     y[i] = w.fy[i] * inverse;
-    w.ex[i] = 1.0;
-    w.ey[i] = 0.0;
   }
-  for (auto rest = static_cast<unsigned>(w.periods);;) {
-    if ((rest & 1u) != 0)
-      multiply(w.n, x, y, w.ex, w.ey);
-    if ((rest >>= 1) == 0)
-      break;
-    for (std::size_t i = 0; i < w.n; ++i) {
-      const double square = x[i] * x[i] - y[i] * y[i];
-      y[i] *= 2.0 * x[i];
-      x[i] = square;
-    }
-  }
+  to_power(w.n, static_cast<unsigned>(w.periods), x, y, w.ex, w.ey);
 }
 
 } // namespace
@@ -63,22 +43,23 @@ ForwardModel::ForwardModel(const Model &model, AlphaIs alpha)
     remainder_ = model.remainder->series(baseline_.amplitude_v);
     remainder_periods_ = model.remainder->electrical ? periods_ : 1.0;
   }
+  std::vector<Step> bridge, chain;
   for (EffectInstance &e : in_physical_order(model.effects)) {
     e.effect->dynamics(e.values, taps_);
     apart_rad_ += e.effect->channels_apart_rad(e.values);
-    Step step{e.effect, std::move(e.values)};
+    Step step{Step::effect_acts, e.effect, std::move(e.values)};
     switch (e.effect->info().stage) {
     case Stage::motion:
       motion_.push_back(std::move(step));
       break;
     case Stage::field:
-      field_.push_back(std::move(step));
+      way_.push_back(std::move(step));
       break;
     case Stage::bridge:
-      bridge_.push_back(std::move(step));
+      bridge.push_back(std::move(step));
       break;
     case Stage::chain:
-      chain_.push_back(std::move(step));
+      chain.push_back(std::move(step));
       break;
     case Stage::record:
       if (alpha == AlphaIs::reference) // undone in the reverse of the order in which they act
@@ -91,9 +72,25 @@ ForwardModel::ForwardModel(const Model &model, AlphaIs alpha)
       break;
     }
   }
+  field_is_magnet_ = way_.empty();
+  way_.push_back({Step::field_to_vector, nullptr, {}});
+  std::move(bridge.begin(), bridge.end(), std::back_inserter(way_));
+  way_.push_back({Step::vector_to_volts, nullptr, {}});
+  std::move(chain.begin(), chain.end(), std::back_inserter(way_));
+  if (!remainder_.empty())
+    way_.push_back({Step::remainder, nullptr, {}});
 }
 
-void ForwardModel::until_sampler(Wave &w, double delay_s, const double *shaft) const {
+Wave ForwardModel::wave() const {
+  Wave w;
+  w.amplitude_v = baseline_.amplitude_v;
+  w.mid_v = mid_v_;
+  w.periods = periods_;
+  w.apart_rad = apart_rad_;
+  return w;
+}
+
+void ForwardModel::leave_magnet(Wave &w, double delay_s, const double *shaft) const {
   for (std::size_t i = 0; i < w.n; ++i) {
     double a = shaft[i];
     if (delay_s != 0.0) {
@@ -106,29 +103,36 @@ void ForwardModel::until_sampler(Wave &w, double delay_s, const double *shaft) c
   }
   w.delay_s = delay_s;
   sincos_of(w.alpha, w.n, w.fy, w.fx);
-  for (const Step &step : field_)
+}
+
+void ForwardModel::act(const Step &step, Wave &w) const {
+  switch (step.kind) {
+  case Step::effect_acts:
     step.effect->apply(step.values, w);
-  if (field_.empty() && periods_ != 2) { // the field points where the magnet does
-    double x[kWaveBlock];
-    for (std::size_t i = 0; i < w.n; ++i)
-      x[i] = periods_ * w.alpha[i];
-    sincos_of(x, w.n, w.ey, w.ex);
-  } else
-    electrical(w);
-  std::copy(w.ex, w.ex + w.n, w.c);
-  std::copy(w.ey, w.ey + w.n, w.s);
-  for (const Step &step : bridge_)
-    step.effect->apply(step.values, w);
-  for (std::size_t i = 0; i < w.n; ++i) {
-    w.s[i] *= baseline_.amplitude_v;
-    w.c[i] *= baseline_.amplitude_v;
-    w.offset_s[i] = w.offset_c[i] = 0.0;
-    w.add_offset(i, baseline_.offset_sin_v, baseline_.offset_cos_v);
-  }
-  for (const Step &step : chain_)
-    step.effect->apply(step.values, w);
-  if (!remainder_.empty())
+    break;
+  case Step::field_to_vector:
+    if (field_is_magnet_ && periods_ != 2) { // the field points where the magnet does
+      double x[kWaveBlock];
+      for (std::size_t i = 0; i < w.n; ++i)
+        x[i] = periods_ * w.alpha[i];
+      sincos_of(x, w.n, w.ey, w.ex);
+    } else
+      electrical(w);
+    std::copy(w.ex, w.ex + w.n, w.c);
+    std::copy(w.ey, w.ey + w.n, w.s);
+    break;
+  case Step::vector_to_volts:
+    for (std::size_t i = 0; i < w.n; ++i) {
+      w.s[i] *= baseline_.amplitude_v;
+      w.c[i] *= baseline_.amplitude_v;
+      w.offset_s[i] = w.offset_c[i] = 0.0;
+      w.add_offset(i, baseline_.offset_sin_v, baseline_.offset_cos_v);
+    }
+    break;
+  case Step::remainder:
     add_remainder(w);
+    break;
+  }
 }
 
 void ForwardModel::add_remainder(Wave &w) const {
@@ -173,56 +177,165 @@ void ForwardModel::magnet_angle(const Conditions &at, double *alpha) const {
   }
 }
 
-void ForwardModel::block(const Conditions &at, double *vsin_v, double *vcos_v, Wave &w) const {
+void ForwardModel::begin(const Conditions &at, Wave &w, Motion &m) const {
   w.n = at.n;
   w.at = at;
-  double shaft[kWaveBlock], speed[kWaveBlock];
-  motion(w, shaft, speed);
+  motion(w, m.shaft, m.speed);
   for (std::size_t i = 0; i < w.n; ++i)
-    shaft[i] = w.alpha[i] + baseline_.angle_zero_deg * kRadPerDeg;
+    m.shaft[i] = w.alpha[i] + baseline_.angle_zero_deg * kRadPerDeg;
+}
 
-  if (taps_.trivial()) {
-    until_sampler(w, 0.0, shaft);
-  } else {
-    double s[kWaveBlock] = {}, c[kWaveBlock] = {};
-    std::vector<double> done;
-    for (const auto *taps : {&taps_.sin, &taps_.cos})
-      for (const Tap &tap : *taps) {
-        if (std::find(done.begin(), done.end(), tap.delay_s) != done.end())
-          continue;
-        done.push_back(tap.delay_s);
-        until_sampler(w, tap.delay_s, shaft);
-        for (const Tap &other : taps_.sin)
-          if (other.delay_s == tap.delay_s)
-            for (std::size_t i = 0; i < w.n; ++i)
-              s[i] += other.weight * w.s[i];
-        for (const Tap &other : taps_.cos)
-          if (other.delay_s == tap.delay_s)
-            for (std::size_t i = 0; i < w.n; ++i)
-              c[i] += other.weight * w.c[i];
-      }
-    std::copy(s, s + w.n, w.s);
-    std::copy(c, c + w.n, w.c);
-  }
+void ForwardModel::Copies::add(const Taps &taps, double delay_s, const Wave &w) {
+  for (const Tap &tap : taps.sin)
+    if (tap.delay_s == delay_s)
+      for (std::size_t i = 0; i < w.n; ++i)
+        s[i] += tap.weight * w.s[i];
+  for (const Tap &tap : taps.cos)
+    if (tap.delay_s == delay_s)
+      for (std::size_t i = 0; i < w.n; ++i)
+        c[i] += tap.weight * w.c[i];
+}
+
+std::vector<double> ForwardModel::delays() const {
+  std::vector<double> out;
+  for (const auto *taps : {&taps_.sin, &taps_.cos})
+    for (const Tap &tap : *taps)
+      if (std::find(out.begin(), out.end(), tap.delay_s) == out.end())
+        out.push_back(tap.delay_s);
+  return out;
+}
+
+void ForwardModel::finish(Wave &w, double *vsin_v, double *vcos_v) const {
   for (std::size_t i = 0; i < w.n; ++i) {
     w.s[i] += mid_v_;
     w.c[i] += mid_v_;
   }
   for (const Step &step : later_)
-    step.effect->apply(step.values, w);
+    act(step, w);
   std::copy(w.s, w.s + w.n, vsin_v);
   std::copy(w.c, w.c + w.n, vcos_v);
 }
 
+void ForwardModel::block(const Conditions &at, double *vsin_v, double *vcos_v, Wave &w) const {
+  Motion m;
+  begin(at, w, m);
+  if (taps_.trivial()) {
+    leave_magnet(w, 0.0, m.shaft);
+    for (const Step &step : way_)
+      act(step, w);
+  } else {
+    Copies sum;
+    for (double delay_s : delays()) {
+      leave_magnet(w, delay_s, m.shaft);
+      for (const Step &step : way_)
+        act(step, w);
+      sum.add(taps_, delay_s, w);
+    }
+    std::copy(sum.s, sum.s + w.n, w.s);
+    std::copy(sum.c, sum.c + w.n, w.c);
+  }
+  finish(w, vsin_v, vcos_v);
+}
+
 void ForwardModel::evaluate(const Conditions &at, double *vsin_v, double *vcos_v) const {
-  Wave w;
-  w.amplitude_v = baseline_.amplitude_v;
-  w.mid_v = mid_v_;
-  w.periods = periods_;
-  w.apart_rad = apart_rad_;
+  Wave w = wave();
   for (std::size_t first = 0; first < at.n; first += kWaveBlock) {
     const std::size_t count = std::min(kWaveBlock, at.n - first);
     block(at.slice(first, count), vsin_v + first, vcos_v + first, w);
+  }
+}
+
+ForwardFamily::ForwardFamily(const Model &first, AlphaIs alpha)
+    : alpha_(alpha), first_(first, alpha) {}
+
+std::size_t ForwardFamily::in_common(const ForwardModel &other) const {
+  using Step = ForwardModel::Step;
+  const ForwardModel &a = first_, &b = other;
+  if (a.motion_ != b.motion_ || a.reference_ != b.reference_ || a.periods_ != b.periods_ ||
+      a.mid_v_ != b.mid_v_ || a.temp_reference_v_ != b.temp_reference_v_ ||
+      a.baseline_.angle_zero_deg != b.baseline_.angle_zero_deg || a.taps_ != b.taps_)
+    return kNone;
+  const bool same_size = a.baseline_.amplitude_v == b.baseline_.amplitude_v,
+             same_volts = same_size && a.baseline_.offset_sin_v == b.baseline_.offset_sin_v &&
+                          a.baseline_.offset_cos_v == b.baseline_.offset_cos_v;
+  std::size_t same = 0;
+  for (; same < std::min(a.way_.size(), b.way_.size()); ++same) {
+    const Step &step = a.way_[same];
+    if (step != b.way_[same])
+      break;
+    // What a step takes from the model rather than from the one before it.
+    if ((step.kind == Step::field_to_vector &&
+         (a.field_is_magnet_ != b.field_is_magnet_ || a.apart_rad_ != b.apart_rad_)) ||
+        (step.kind == Step::vector_to_volts && !same_volts) ||
+        (step.kind == Step::remainder &&
+         (a.remainder_periods_ != b.remainder_periods_ || a.remainder_ != b.remainder_)))
+      break;
+  }
+  return same;
+}
+
+void ForwardFamily::add(const Model &other) {
+  ForwardModel model(other, alpha_);
+  const std::size_t same = in_common(model);
+  std::size_t kept = kNone;
+  if (same != kNone) {
+    const auto at = std::find(places_.begin(), places_.end(), same);
+    kept = static_cast<std::size_t>(at - places_.begin());
+    if (at == places_.end())
+      places_.push_back(same);
+  }
+  others_.push_back({std::move(model), same, kept});
+}
+
+void ForwardFamily::evaluate(const Conditions &at, const Take &take) const {
+  double s[kWaveBlock], c[kWaveBlock];
+  ForwardModel::Motion m;
+  Wave w = first_.wave();
+  first_.begin(at, w, m);
+  const std::vector<double> delays = first_.delays();
+  std::vector<Wave> kept(places_.size() * delays.size());
+  const auto go_on = [&](const ForwardModel &model, std::size_t from, auto start, auto keep) {
+    ForwardModel::Copies sum;
+    for (std::size_t d = 0; d < delays.size(); ++d) {
+      start(d);
+      for (std::size_t k = from; k < model.way_.size(); ++k) {
+        keep(d, k);
+        model.act(model.way_[k], w);
+      }
+      keep(d, model.way_.size());
+      if (!model.taps_.trivial())
+        sum.add(model.taps_, delays[d], w);
+    }
+    if (!model.taps_.trivial()) {
+      std::copy(sum.s, sum.s + w.n, w.s);
+      std::copy(sum.c, sum.c + w.n, w.c);
+    }
+    model.finish(w, s, c);
+  };
+  go_on(
+      first_, 0, [&](std::size_t d) { first_.leave_magnet(w, delays[d], m.shaft); },
+      [&](std::size_t d, std::size_t k) {
+        for (std::size_t place = 0; place < places_.size(); ++place)
+          if (places_[place] == k)
+            kept[place * delays.size() + d] = w;
+      });
+  take(0, s, c);
+  for (std::size_t k = 0; k < others_.size(); ++k) {
+    const Other &other = others_[k];
+    if (other.same == kNone) {
+      w = other.model.wave();
+      other.model.block(at, s, c, w);
+    } else {
+      go_on(
+          other.model, other.same,
+          [&](std::size_t d) {
+            w = kept[other.kept * delays.size() + d];
+            w.amplitude_v = other.model.baseline_.amplitude_v;
+            w.apart_rad = other.model.apart_rad_;
+          },
+          [](std::size_t, std::size_t) {});
+    }
+    take(k + 1, s, c);
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include "model/wave.h"
 
+#include <algorithm>
+
 namespace ada {
 
 namespace {
@@ -19,6 +21,15 @@ std::vector<Tap> convolve(const std::vector<Tap> &a, std::span<const Tap> b) {
       out.push_back({x.delay_s + y.delay_s, x.weight * y.weight});
   return out;
 }
+
+/// (re, im) times (x, y), as complex numbers.
+void multiply(std::size_t n, const double *x, const double *y, double *re, double *im) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double product = re[i] * x[i] - im[i] * y[i];
+    im[i] = re[i] * y[i] + im[i] * x[i];
+    re[i] = product;
+  }
+}
 } // namespace
 
 Conditions Conditions::slice(std::size_t first, std::size_t count) const {
@@ -33,6 +44,22 @@ Conditions Conditions::slice(std::size_t first, std::size_t count) const {
   advance(out.travel, first);
   advance(out.temp_rate, first);
   return out;
+}
+
+void to_power(std::size_t n, unsigned power, double *x, double *y, double *re, double *im) {
+  std::fill_n(re, n, 1.0);
+  std::fill_n(im, n, 0.0);
+  for (;;) {
+    if ((power & 1u) != 0)
+      multiply(n, x, y, re, im);
+    if ((power >>= 1) == 0)
+      break;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double square = x[i] * x[i] - y[i] * y[i];
+      y[i] *= 2.0 * x[i];
+      x[i] = square;
+    }
+  }
 }
 
 void Taps::pass(std::span<const Tap> system) {

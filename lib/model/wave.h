@@ -62,9 +62,13 @@ struct Wave {
   double temp[kWaveBlock]; ///< temperature of the bridge in V of VTEMP, minus the reference
 };
 
+/// (re + j im) = (x + j y)^power for unit vectors, by squaring; x and y are used up.
+void to_power(std::size_t n, unsigned power, double *x, double *y, double *re, double *im);
+
 /// Linear dynamics before the sampler as a sum of delayed copies: out(t) = sum w_i in(t - d_i).
 struct Tap {
   double delay_s, weight;
+  bool operator==(const Tap &) const = default;
 };
 struct Taps {
   std::vector<Tap> sin{{0.0, 1.0}}, cos{{0.0, 1.0}};
@@ -73,6 +77,7 @@ struct Taps {
   }
   /// Passes both channels through another such system.
   void pass(std::span<const Tap> system);
+  bool operator==(const Taps &) const = default;
 };
 
 } // namespace ada

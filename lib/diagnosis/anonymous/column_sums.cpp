@@ -4,6 +4,7 @@
 #include "diagnosis/anonymous/column_sums.h"
 
 #include <algorithm>
+#include <array>
 
 #include "base/products.h"
 #include "diagnosis/over_samples.h"
@@ -53,15 +54,27 @@ bool same(const Observations &a, const Observations &b) {
 
 void powers(const Eigen::Ref<const Eigen::VectorXd> &angles, Eigen::Ref<Eigen::MatrixXd> cosine,
             Eigen::Ref<Eigen::MatrixXd> sine) {
-  for (Eigen::Index i = 0; i < angles.size(); ++i) {
-    const std::complex<double> unit = std::polar(1.0, angles[i]);
-    double c = 1.0, s = 0.0;
+  // Several angles at a time: each power waits for the one before it.
+  constexpr Eigen::Index kTogether = 8;
+  for (Eigen::Index first = 0; first < angles.size(); first += kTogether) {
+    const Eigen::Index n = std::min(kTogether, angles.size() - first);
+    std::array<double, kTogether> x{}, y{}, c{}, s{};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+      const auto unit = std::polar(1.0, angles[first + static_cast<Eigen::Index>(i)]);
+      x[i] = unit.real();
+      y[i] = unit.imag();
+      c[i] = 1.0;
+    }
     for (Eigen::Index k = 0; k < cosine.rows(); ++k) {
-      cosine(k, i) = c;
-      sine(k, i) = s;
-      const double next = c * unit.real() - s * unit.imag();
-      s = c * unit.imag() + s * unit.real();
-      c = next;
+      for (Eigen::Index i = 0; i < n; ++i) {
+        cosine(k, first + i) = c[static_cast<std::size_t>(i)];
+        sine(k, first + i) = s[static_cast<std::size_t>(i)];
+      }
+      for (std::size_t i = 0; i < kTogether; ++i) {
+        const double next = c[i] * x[i] - s[i] * y[i];
+        s[i] = c[i] * y[i] + s[i] * x[i];
+        c[i] = next;
+      }
     }
   }
 }

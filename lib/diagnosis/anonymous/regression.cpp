@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include "diagnosis/anonymous/column_sums.h"
+#include "diagnosis/anonymous/pieces.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/over_samples.h"
 
@@ -25,8 +27,10 @@ namespace {
 /// decomposition of the whole holds those of all leading parts.
 class Nested {
 public:
-  Nested(const Products &from, std::vector<Eigen::Index> columns, const Eigen::VectorXd &stiffness)
-      : from_(from), columns_(std::move(columns)), stiffness_(stiffness(columns_)) {
+  /// `left`: about the part of the sum of squares that these columns leave.
+  Nested(const Products &from, std::vector<Eigen::Index> columns, const Eigen::VectorXd &stiffness,
+         double left = 1.0)
+      : from_(from), columns_(std::move(columns)), stiffness_(stiffness(columns_)), left_(left) {
     const double n = std::max(1.0, from.n_train), k = stiffness_.cwiseInverse().sum();
     const Eigen::Index last = from.train.rows() - 1;
     const double all = std::max(from.train(last, last), 1e-300);
@@ -34,17 +38,17 @@ public:
     // variance which each coefficient may have before any data (empirical Bayes). It matters only
     // where the data tell little. What is left, the noise, is known once the fit is: four passes
     // settle it, or as many as still move it by a thousandth.
-    double left = 1.0;
     for (int pass = 0; pass < 4; ++pass) {
-      const double ridge = std::max(criteria::kRidge, left * k / n);
+      const double ridge = std::max(criteria::kRidge, left_ * k / n);
       if (std::abs(ridge - ridge_) <= 1e-3 * ridge_)
         break;
       decompose(ridge);
-      left = std::min(1.0, train(columns_.size()) / all / (1.0 - criteria::kMostColumns));
+      left_ = std::min(1.0, train(columns_.size()) / all / (1.0 - criteria::kMostColumns));
     }
   }
 
   double ridge() const { return ridge_; }
+  double left() const { return left_; }
   /// Sum of squares of the training part with the first `k` columns.
   double train(std::size_t k) const {
     const Eigen::Index last = from_.train.rows() - 1;
@@ -84,7 +88,7 @@ private:
   const Products &from_;
   std::vector<Eigen::Index> columns_;
   Eigen::VectorXd stiffness_;
-  double ridge_ = 0.0;
+  double left_, ridge_ = 0.0;
   Eigen::MatrixXd factor_;  ///< lower triangle
   Eigen::VectorXd forward_; ///< its inverse times the products with the residual
 };
@@ -116,6 +120,7 @@ Selection select(const Basis &basis, const Products &from) {
       of_baseline.push_back(static_cast<Eigen::Index>(g.first + k));
   // What the baseline gains by itself is no gain of an axis.
   const Nested alone(from, of_baseline, stiffness);
+  double left = alone.left(); // what one axis leaves, the next begins with
   const double with_baseline = alone.heldout(alone.values(of_baseline.size()));
   // Steps come first: everything else would follow a step in part, and never to its end, while no
   // angle repeats, and no speed changes, where one was found.
@@ -148,7 +153,8 @@ Selection select(const Basis &basis, const Products &from) {
         ends.emplace_back(g->order, 0);
       ends.back().second = columns.size();
     }
-    const Nested nested(from, std::move(columns), stiffness);
+    const Nested nested(from, std::move(columns), stiffness, left);
+    left = nested.left();
     std::size_t best = 0;
     int best_order = 0;
     double best_gain = 0.0, best_heldout = before;
@@ -204,25 +210,62 @@ void subtract(const Basis &basis, const Selection &selection, const Observations
               ResidualColumns &residual) {
   if (selection.columns.empty())
     return;
-  Eigen::VectorXd of_all = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(basis.columns()));
-  for (std::size_t k = 0; k < selection.columns.size(); ++k)
-    of_all[selection.columns[k]] = selection.values[static_cast<Eigen::Index>(k)];
-  std::vector<Eigen::Index> columns; // both of each term of which one is in
-  for (Eigen::Index k = 0; k < of_all.size(); k += 2)
-    if (of_all[k] != 0.0 || of_all[k + 1] != 0.0)
-      columns.insert(columns.end(), {k, k + 1});
-  const Eigen::VectorXd values = of_all(columns);
+  std::vector<std::complex<double>> of_term(basis.terms().size());
+  for (std::size_t k = 0; k < selection.columns.size(); ++k) {
+    const double value = selection.values[static_cast<Eigen::Index>(k)];
+    of_term[static_cast<std::size_t>(selection.columns[k] / 2)] +=
+        selection.columns[k] % 2 == 0 ? std::complex<double>(value, 0.0)
+                                      : std::complex<double>(0.0, value);
+  }
+  std::vector<Eigen::Index> columns;
+  for (std::size_t q = 0; q < of_term.size(); ++q)
+    if (of_term[q] != 0.0)
+      columns.push_back(static_cast<Eigen::Index>(2 * q));
   const Basis chosen = basis.part(columns);
-  const auto m = static_cast<Eigen::Index>(columns.size());
-  if (m == 0)
-    return;
+  std::erase(of_term, std::complex<double>(0.0));
+  // Of each function, and of none first, the coefficients of the cosine and of the sine of k x.
+  const Pieces pieces(chosen);
+  const auto functions = static_cast<Eigen::Index>(pieces.functions.size());
+  const Eigen::Index mixed = pieces.highest_mixed + 1,
+                     span = std::max<Eigen::Index>(pieces.highest_plain + 1, mixed);
+  Eigen::MatrixXcd of_cos = Eigen::MatrixXcd::Zero(span, functions + 1), of_sin = of_cos;
+  for (std::size_t q = 0; q < of_term.size(); ++q)
+    for (const Pieces::Piece &p : pieces.of_term[q]) {
+      const std::complex<double> value = of_term[q] * p.factor;
+      const Eigen::Index k = std::abs(p.exponent), f = p.function + 1;
+      of_cos(k, f) += value;
+      of_sin(k, f) += value * std::complex<double>(0.0, p.exponent < 0 ? -1.0 : 1.0);
+    }
+  const Eigen::MatrixXd cos_real = of_cos.real(), cos_imag = of_cos.imag(),
+                        sin_real = of_sin.real(), sin_imag = of_sin.imag();
   for_all_samples(data.size(), [&](std::size_t first, std::size_t n) {
-    Eigen::MatrixXd rows(m, static_cast<Eigen::Index>(2 * n));
-    chosen.evaluate(data, first, n, rows);
-    const Eigen::VectorXd part = rows.transpose() * values;
+    const auto samples = static_cast<Eigen::Index>(n);
+    Eigen::VectorXd angles(samples);
+    for (Eigen::Index i = 0; i < samples; ++i)
+      angles[i] = pieces.unit * chosen.angle(data, first + static_cast<std::size_t>(i));
+    Eigen::MatrixXd cosine(span, samples), sine(span, samples);
+    powers(angles, cosine, sine);
+    const auto sums = [&](const Eigen::MatrixXd &with_cos, const Eigen::MatrixXd &with_sin,
+                          Eigen::Index rows, Eigen::Index from, Eigen::Index count) {
+      return Eigen::MatrixXd(with_cos.block(0, from, rows, count).transpose() *
+                                 cosine.topRows(rows) +
+                             with_sin.block(0, from, rows, count).transpose() * sine.topRows(rows));
+    };
+    const Eigen::MatrixXd real = sums(cos_real, sin_real, span, 0, 1),
+                          imag = sums(cos_imag, sin_imag, span, 0, 1),
+                          f_real = sums(cos_real, sin_real, mixed, 1, functions),
+                          f_imag = sums(cos_imag, sin_imag, mixed, 1, functions);
     for (std::size_t i = 0; i < n; ++i) {
-      residual.sin[first + i] -= part[static_cast<Eigen::Index>(2 * i)];
-      residual.cos[first + i] -= part[static_cast<Eigen::Index>(2 * i + 1)];
+      const auto column = static_cast<Eigen::Index>(i);
+      double re = real(0, column), im = imag(0, column);
+      for (Eigen::Index f = 0; f < functions; ++f) {
+        const double g =
+            chosen.function(pieces.functions[static_cast<std::size_t>(f)], data, first + i);
+        re += g * f_real(f, column);
+        im += g * f_imag(f, column);
+      }
+      residual.cos[first + i] -= re;
+      residual.sin[first + i] -= im;
     }
   });
 }

@@ -33,17 +33,13 @@ public:
       return;
     const double in_phase = a * std::cos(v[3] * kRadPerDeg);
     const double quadrature = a * std::sin(v[3] * kRadPerDeg);
-    const int order = static_cast<int>(v[0]);
     double *channel = channel_of(w, v[1]);
-    for (std::size_t i = 0; i < w.n; ++i) {
-      double c = w.ex[i], s = w.ey[i]; // (c + js)^order by repeated product
-      for (int k = 1; k < order; ++k) {
-        const double t = c * w.ex[i] - s * w.ey[i];
-        s = s * w.ex[i] + c * w.ey[i];
-        c = t;
-      }
-      channel[i] += in_phase * s + quadrature * c;
-    }
+    double x[kWaveBlock], y[kWaveBlock], c[kWaveBlock], s[kWaveBlock];
+    std::copy(w.ex, w.ex + w.n, x);
+    std::copy(w.ey, w.ey + w.n, y);
+    to_power(w.n, static_cast<unsigned>(v[0]), x, y, c, s);
+    for (std::size_t i = 0; i < w.n; ++i)
+      channel[i] += in_phase * s[i] + quadrature * c[i];
   }
   std::vector<std::vector<double>> guesses(const Residual &) const override {
     std::vector<std::vector<double>> out;
