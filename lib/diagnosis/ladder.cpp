@@ -86,7 +86,10 @@ std::vector<double> clearness_of(const FitResult &fit) {
 }
 
 FitResult fit_with_errors(const Observations &data, const Model &start) {
-  FitResult out = fit(data, start, 5);
+  // Along what the part without a name takes for its own the steps are small: most fits are at
+  // their end after two.
+  constexpr int kMostSteps = 40;
+  FitResult out = fit(data, start, kMostSteps);
   widen_by_scatter(data, out);
   return out;
 }
@@ -171,9 +174,10 @@ template <class Better> void fit_by_length(Parts parts, FitResult &best, Better 
   if (left.across <= criteria::kMoreThanNoise * left.along)
     return;
   parts.weigh(Direction::motion, left.along / left.across);
-  if (FitResult apart = fit_with_errors(parts.train, fit(parts.train, best.model, 5).model);
-      apart.determined && better(apart, best))
-    best = std::move(apart);
+  if (const FitResult apart = fit_with_errors(parts.train, fit(parts.train, best.model, 5).model);
+      apart.determined)
+    if (FitResult merged = with_figure_of(apart, best); better(merged, best))
+      best = std::move(merged);
   parts.weigh(Direction::motion, kWeightOfOwnAngle);
   constexpr int kPasses = 3; // each at the angle that the last one gave
   for (int pass = 0; pass < kPasses; ++pass) {
@@ -304,6 +308,8 @@ FitResult fit_without_reference(Parts parts, const Model &start) {
   double nats = criteria::kRivalNats;
   const auto consider = [&] {
     FitResult other = fit_with_errors(parts.train, best.model);
+    if (parts.train.disturbed == Direction::motion)
+      other = with_figure_of(other, best);
     const RadiusLeft left = radius_left(parts.heldout, other.model);
     if (!other.determined || nats_between(least, left) <= nats)
       return;
@@ -405,15 +411,16 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     step = i + 1 == found.order.size() ? model : fit(parts.train, step, 5).model;
     const Rung after = parts.rung(step);
     out.models.push_back(step);
-    out.findings.push_back({e.effect,
-                            e.values,
-                            e.std_errors,
-                            alternatives_of(found.alternatives[i], untold, parts.train, model, found.order[i]),
-                            {},
-                            {},
-                            out.last,
-                            after,
-                            e.effect->info().correctable});
+    out.findings.push_back(
+        {e.effect,
+         e.values,
+         e.std_errors,
+         alternatives_of(found.alternatives[i], untold, parts.train, model, found.order[i]),
+         {},
+         {},
+         out.last,
+         after,
+         e.effect->info().correctable});
     put_in_words(out.findings.back());
     out.clearness.push_back(clear[found.order[i]]);
     out.last = after;

@@ -126,20 +126,26 @@ bool Work::drop_what_harms() {
   const bool likelier = last.log_likelihood >= first.log_likelihood;
   const bool closer = !last.angle_error_rms_deg ||
                       *last.angle_error_rms_deg <= criteria::kNoWorse * *first.angle_error_rms_deg;
-  if (found_.order.empty() || (likelier && closer))
-    return false;
-  std::size_t worst = 0;
+  const bool whole_harms = !likelier || !closer;
+  // Beside what has no name a part of what every pair has may stand for it, and so raise what is
+  // left when the values that both share are given back. Any other cause only stands by itself.
+  const double samples = static_cast<double>(parts_.heldout.size());
+  std::size_t worst = ladder_.findings.size();
   double most = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < ladder_.findings.size(); ++i) {
-    const Quality &before = ladder_.findings[i].before.heldout;
-    const Quality &after = ladder_.findings[i].after.heldout;
-    const double harm = likelier ? *after.angle_error_rms_deg - *before.angle_error_rms_deg
-                                 : before.log_likelihood - after.log_likelihood;
-    if (harm > most) {
+    const Finding &f = ladder_.findings[i];
+    const Quality &before = f.before.heldout, &after = f.after.heldout;
+    const double less = before.log_likelihood - after.log_likelihood;
+    const double harm =
+        whole_harms && likelier ? *after.angle_error_rms_deg - *before.angle_error_rms_deg : less;
+    const bool by_itself = f.effect->info().prior_rank > 0 && less * samples > criteria::kRivalNats;
+    if ((whole_harms || by_itself) && harm > most) {
       most = harm;
       worst = i;
     }
   }
+  if (worst == ladder_.findings.size())
+    return false;
   found_.forget(worst);
   return true;
 }
@@ -164,7 +170,8 @@ double Work::lengthens(const Model &model, double order) const {
     const double s = left.model_sin[i] - data.centre_sin_v,
                  c = left.model_cos[i] - data.centre_cos_v;
     const double along = (left.sin[i] * s + left.cos[i] * c) / std::hypot(s, c);
-    const Eigen::Vector3d row(1.0, std::cos(order * data.alpha[i]), std::sin(order * data.alpha[i]));
+    const Eigen::Vector3d row(1.0, std::cos(order * data.alpha[i]),
+                              std::sin(order * data.alpha[i]));
     normal += row * row.transpose();
     right += along * row;
   }
