@@ -9,8 +9,9 @@
 FOREIGN_PACKAGES=(libiio-dev libgpiod-dev libeigen3-dev libhwy-dev libcli11-dev libfmt-dev
                   libdeflate-dev libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev libsqlite3-dev
                   libboost-dev libncurses-dev libgtest-dev libumockdev-dev)
+# From libiio-utils on: what tests start.
 TOOL_PACKAGES=("g++-$TRIPLET" cmake ninja-build pkgconf device-tree-compiler python3 binutils
-               libiio-utils gnuplot-nox tmux sqlite3 procps) # the last five are programs that tests start
+               libiio-utils gnuplot-nox tmux sqlite3 procps python3-numpy)
 
 comma() {
   local IFS=,
@@ -99,7 +100,7 @@ in_tools() {
       mount --rbind "$folder" "$TOOLS$folder"
     done
     mount -t proc proc "$TOOLS/proc"
-    mount --bind /dev "$TOOLS/dev"
+    mount --rbind /dev "$TOOLS/dev" # with its pseudo-terminals
     mount -t tmpfs tmpfs "$TOOLS/tmp"
     exec chroot "$TOOLS" /bin/sh -c "cd \"\$0\" && exec \"\$@\"" "$TOP" "$@" </dev/null' \
     in_tools "${clean[@]}" "$@"
