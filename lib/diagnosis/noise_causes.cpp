@@ -61,8 +61,8 @@ void leave_out_clusters(std::vector<char> &hit) {
 
 /// Residual of the usable samples on either side of a place, in the middle: what the model misses
 /// there anyway, whether or not one of them is a spike as well.
+constexpr std::size_t kEach = 2; ///< on either side
 Pair beside(const ResidualColumns &r, std::size_t before, std::size_t after) {
-  constexpr std::size_t kEach = 2;
   std::array<std::vector<double>, 2> near;
   const auto take = [&](std::size_t i) {
     near[0].push_back(r.sin[i]);
@@ -89,6 +89,36 @@ bool stands_out(double sin, double cos, const Pair &around, double noise_v) {
     return false;
   return std::max(std::abs(sin - around[0]), std::abs(cos - around[1])) > kStandsOut * noise_v;
 }
+
+/// Rows about a gap in the clock. How the shaft moved through it nobody knows without a reference,
+/// and nothing of what lies across the vector there is a spike's.
+class AboutGaps {
+public:
+  explicit AboutGaps(const Scene &scene)
+      : time_(scene.capture->time_s), most_s_(kMissing * median_step(time_)),
+        asked_(!scene.has_reference) {}
+  /// Whether a residual of the row is the motion's at most: what it has along the vector is noise.
+  bool may_be_motion(std::size_t row, const ResidualColumns &r, std::size_t i,
+                     const Observations &data, double noise_v) const {
+    bool gap = false; // among the rows that a spike is held against
+    for (std::size_t k = row > kEach ? row - kEach : 0; k < row + kEach && k + 1 < time_.size();
+         ++k)
+      gap |= time_[k + 1] - time_[k] > most_s_;
+    if (!asked_ || !gap)
+      return false;
+    // The length of the reading itself: its angle may be far from the model's.
+    const double sin = data.vsin[i] - data.centre_sin_v, cos = data.vcos[i] - data.centre_cos_v;
+    const double length = std::hypot(sin, cos),
+                 of_model = std::hypot(sin - r.sin[i], cos - r.cos[i]);
+    return std::abs(length - of_model) <= kStandsOut * noise_v;
+  }
+
+private:
+  static constexpr double kMissing = 1.5; ///< usual steps: one row is missing
+  const std::vector<double> &time_;
+  double most_s_;
+  bool asked_;
+};
 
 /// Spikes come at any angle. What stands out again and again at the same angles is a corner that
 /// the model does not meet quite: Rayleigh's test at the first orders of the turn, against the
@@ -192,11 +222,13 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   // Of what the first look left out, only what this model cannot explain either is a spike.
   std::vector<double> values, angles;
   std::size_t samples = 0;
+  const AboutGaps gaps(scene);
   for (std::size_t i = 0; i < apart.sin.size(); ++i) {
     const auto next = static_cast<std::size_t>(
         std::lower_bound(scene.index.begin(), scene.index.end(), scene.spiked_index[i]) -
         scene.index.begin());
-    if (!stands_out(there.sin[i], there.cos[i], beside(here, next, next), noise_v))
+    if (!stands_out(there.sin[i], there.cos[i], beside(here, next, next), noise_v) ||
+        gaps.may_be_motion(scene.spiked_index[i], apart, i, scene.spiked, noise_v))
       continue;
     angles.push_back(scene.spiked.alpha[i]);
     add(apart, i, values, supply ? beside(plain, next, next) : Pair{});
@@ -204,7 +236,8 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   }
   for (std::size_t i = 0; i < out.hit.size(); ++i)
     if (out.hit[i]) {
-      if (!stands_out(here.sin[i], here.cos[i], beside(here, i, i + 1), noise_v)) {
+      if (!stands_out(here.sin[i], here.cos[i], beside(here, i, i + 1), noise_v) ||
+          gaps.may_be_motion(scene.index[i], plain, i, scene.all, noise_v)) {
         out.hit[i] = 0;
         continue;
       }
