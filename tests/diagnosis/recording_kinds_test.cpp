@@ -201,20 +201,8 @@ KIND(two_converters_that_take_turns_are_no_noise) {
   EXPECT_NE(d.verdict, Verdict::explained); // no cause of the catalogue has that frequency
 }
 
-/// What lies beyond what every pair has leaves held-out data at least as likely as before it;
-/// chance makes it no more than these nats less.
-void expect_no_harm(const Diagnosis &d, const Capture &c) {
-  constexpr double kNats = 8.0;
-  for (const Finding &f : d.findings)
-    if (f.effect->info().prior_rank > 0) {
-      const double less = f.before.heldout.log_likelihood - f.after.heldout.log_likelihood;
-      EXPECT_LT(less * static_cast<double>(c.size()), 3.0 * kNats)
-          << f.effect->info().id << " among " << names(d);
-    }
-}
-
-KIND(gaps_in_a_polled_clock_make_no_spikes) {
-  Bench bench;
+/// One channel is noisier than the other, and now and then the host does something else.
+Capture polled_by_hand(Bench &bench) {
   const double turns = bench.within(4.0, 8.0), duration = bench.within(50.0, 80.0),
                push_hz = bench.within(0.4, 0.8), hand_hz = bench.within(1.0, 2.5),
                depth = bench.within(0.6, 0.95), start = bench.within(0.0, kTwoPi);
@@ -234,47 +222,18 @@ KIND(gaps_in_a_polled_clock_make_no_spikes) {
       at -= kDense * 0.3 * std::log(bench.within(0.0, 1.0));
     const auto i = static_cast<std::size_t>(at);
     if (i >= dense.size())
-      break;
+      return c;
     c.time_s.push_back(dense.time_s[i]);
     c.vsin_v.push_back(dense.vsin_v[i]);
     c.vcos_v.push_back(dense.vcos_v[i] + bench.normal(3.0 * bench.pair.noise_v));
   }
-  expect_none(diagnose(c, {}), {"impulse-noise"});
 }
 
-KIND(a_stage_that_gives_way_at_one_rail_is_no_ripple_of_the_shaft) {
+KIND(gaps_in_a_polled_clock_make_no_spikes) {
   Bench bench;
-  const double rpm = bench.within(200.0, 500.0), knee = bench.within(0.75, 0.9),
-               slope = bench.within(0.3, 0.7), sway = bench.within(0.1, 0.3);
-  Capture c = bench.capture(6000, 1000.0, 1, [&](double t) {
-    return steady(rpm, t + sway * std::sin(kTwoPi * 0.2 * t));
-  });
-  c.reference_deg.clear();
-  for (auto *v : {&c.vsin_v, &c.vcos_v})
-    for (double &volts : *v) {
-      const double above = volts - 2.5 - knee * bench.pair.amplitude_v;
-      if (above > 0.0)
-        volts -= (1.0 - slope) * above;
-    }
-  expect_no_harm(diagnose(c, {}), c);
-}
-
-KIND(a_reference_behind_a_worn_gear_does_no_harm) {
-  Bench bench;
-  const double order = bench.within(3.1, 6.9), e = bench.within(0.2, 0.5) * kRadPerDeg,
-               play = bench.within(0.5, 0.8) * kRadPerDeg, swing = bench.within(2.0, 4.0) * kTwoPi,
-               swing_hz = bench.within(0.15, 0.25);
-  const auto angle = [&](double t) { return swing * std::sin(kTwoPi * swing_hz * t); };
-  Capture c = bench.capture(10000, 1000.0, 1, angle);
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const double t = c.time_s[i], a = angle(t),
-                 back = std::cos(kTwoPi * swing_hz * t) < 0.0 ? play : 0.0,
-                 mesh = e * (1.0 + 0.5 * std::cos(a)) * std::sin(order * a);
-    c.reference_deg[i] = wrap((a + back + mesh) * kDegPerRad, 360.0);
-  }
-  const Diagnosis d = diagnose(c, {});
-  expect_pair(d, bench.pair, 0.3 * play);
-  expect_no_harm(d, c);
+  constexpr int kCaptures = 6; // one of three shows it
+  for (int k = 0; k < kCaptures; ++k)
+    expect_none(diagnose(polled_by_hand(bench), {}), {"impulse-noise"});
 }
 
 } // namespace
