@@ -90,35 +90,42 @@ bool stands_out(double sin, double cos, const Pair &around, double noise_v) {
   return std::max(std::abs(sin - around[0]), std::abs(cos - around[1])) > kStandsOut * noise_v;
 }
 
-/// Rows about a gap in the clock. How the shaft moved through it nobody knows without a reference,
-/// and nothing of what lies across the vector there is a spike's.
-class AboutGaps {
+/// Rows about a gap in the clock: a spike is held against the rows on either side of it.
+class Gaps {
 public:
-  explicit AboutGaps(const Scene &scene)
-      : time_(scene.capture->time_s), most_s_(kMissing * median_step(time_)),
-        asked_(!scene.has_reference) {}
-  /// Whether a residual of the row is the motion's at most: what it has along the vector is noise.
-  bool may_be_motion(std::size_t row, const ResidualColumns &r, std::size_t i,
-                     const Observations &data, double noise_v) const {
-    bool gap = false; // among the rows that a spike is held against
+  explicit Gaps(const std::vector<double> &time)
+      : time_(time), most_s_(kMissing * median_step(time)) {}
+  bool about(std::size_t row) const {
     for (std::size_t k = row > kEach ? row - kEach : 0; k < row + kEach && k + 1 < time_.size();
          ++k)
-      gap |= time_[k + 1] - time_[k] > most_s_;
-    if (!asked_ || !gap)
-      return false;
-    // The length of the reading itself: its angle may be far from the model's.
-    const double sin = data.vsin[i] - data.centre_sin_v, cos = data.vcos[i] - data.centre_cos_v;
-    const double length = std::hypot(sin, cos),
-                 of_model = std::hypot(sin - r.sin[i], cos - r.cos[i]);
-    return std::abs(length - of_model) <= kStandsOut * noise_v;
+      if (time_[k + 1] - time_[k] > most_s_)
+        return true;
+    return false;
   }
 
 private:
   static constexpr double kMissing = 1.5; ///< usual steps: one row is missing
   const std::vector<double> &time_;
   double most_s_;
-  bool asked_;
 };
+
+/// Samples about a gap that may lie where they do because the shaft moved on: without a reference
+/// nobody knows how it did, and the pair is met at another angle.
+std::vector<char> moved_on(const Scene &scene, Observations data,
+                           const std::vector<std::uint32_t> &rows, const Model &model,
+                           double noise_v) {
+  std::vector<char> out(rows.size(), 0);
+  if (scene.has_reference || rows.empty())
+    return out;
+  constexpr int kPasses = 3; // the shaft may have moved far
+  for (int pass = 0; pass < kPasses; ++pass)
+    data = at_own_angle(std::move(data), model);
+  const ResidualColumns left = residual_columns(data, model);
+  const Gaps gaps(scene.capture->time_s);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    out[i] = gaps.about(rows[i]) && std::hypot(left.sin[i], left.cos[i]) <= kStandsOut * noise_v;
+  return out;
+}
 
 /// Spikes come at any angle. What stands out again and again at the same angles is a corner that
 /// the model does not meet quite: Rayleigh's test at the first orders of the turn, against the
@@ -222,22 +229,33 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   // Of what the first look left out, only what this model cannot explain either is a spike.
   std::vector<double> values, angles;
   std::size_t samples = 0;
-  const AboutGaps gaps(scene);
+  const std::vector<char> apart_moved =
+      moved_on(scene, scene.spiked, scene.spiked_index, model, noise_v);
   for (std::size_t i = 0; i < apart.sin.size(); ++i) {
     const auto next = static_cast<std::size_t>(
         std::lower_bound(scene.index.begin(), scene.index.end(), scene.spiked_index[i]) -
         scene.index.begin());
-    if (!stands_out(there.sin[i], there.cos[i], beside(here, next, next), noise_v) ||
-        gaps.may_be_motion(scene.spiked_index[i], apart, i, scene.spiked, noise_v))
+    if (apart_moved[i] ||
+        !stands_out(there.sin[i], there.cos[i], beside(here, next, next), noise_v))
       continue;
     angles.push_back(scene.spiked.alpha[i]);
     add(apart, i, values, supply ? beside(plain, next, next) : Pair{});
     ++samples;
   }
+  std::vector<std::uint32_t> hit_places, hit_rows;
   for (std::size_t i = 0; i < out.hit.size(); ++i)
     if (out.hit[i]) {
-      if (!stands_out(here.sin[i], here.cos[i], beside(here, i, i + 1), noise_v) ||
-          gaps.may_be_motion(scene.index[i], plain, i, scene.all, noise_v)) {
+      hit_places.push_back(static_cast<std::uint32_t>(i));
+      hit_rows.push_back(scene.index[i]);
+    }
+  const std::vector<char> hit_moved =
+      moved_on(scene, scene.all.select(hit_places), hit_rows, model, noise_v);
+  for (std::size_t k = 0; k < hit_places.size(); ++k)
+    if (hit_moved[k])
+      out.hit[hit_places[k]] = 0;
+  for (std::size_t i = 0; i < out.hit.size(); ++i)
+    if (out.hit[i]) {
+      if (!stands_out(here.sin[i], here.cos[i], beside(here, i, i + 1), noise_v)) {
         out.hit[i] = 0;
         continue;
       }
