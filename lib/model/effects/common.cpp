@@ -31,16 +31,21 @@ void ReferenceError::shaft_from_reference(Values v, const Conditions &,
   if (e == 0.0)
     return;
   const std::size_t n = angle.size();
-  const double order = this->order(v), contraction = std::min(std::abs(e * order), 0.9);
-  double alpha[kWaveBlock], s[kWaveBlock], c[kWaveBlock];
+  const double order = this->order(v), steepest = std::abs(e * order);
+  double alpha[kWaveBlock], x[kWaveBlock], s[kWaveBlock], c[kWaveBlock];
   std::copy(angle.begin(), angle.end(), alpha);
-  double left = e; // of the error: each pass contracts it by e n
-  for (int k = 0; k < 3 || (left > 1e-8 && k < 60); ++k, left *= contraction) {
+  // Newton's method: each pass leaves the square of what there was, times half the second
+  // derivative over the first.
+  constexpr double kExact = 1e-12; // rad
+  constexpr int kMostPasses = 20;
+  double left = std::abs(e);
+  for (int k = 0; k < kMostPasses && left > kExact; ++k) {
     for (std::size_t i = 0; i < n; ++i)
-      alpha[i] = order * alpha[i] + phase;
-    sincos_of(alpha, n, s, c);
-    for (std::size_t i = 0; i < n; ++i)
-      alpha[i] = angle[i] - e * s[i];
+      x[i] = order * alpha[i] + phase;
+    sincos_of(x, n, s, c);
+    for (std::size_t i = 0; i < n; ++i) // never flatter than where it would turn back
+      alpha[i] -= (alpha[i] + e * s[i] - angle[i]) / std::max(1.0 + e * order * c[i], 0.1);
+    left *= 0.5 * steepest * std::abs(order) * left / std::max(1.0 - steepest, 0.1);
   }
   std::copy(alpha, alpha + n, angle.begin());
 }
