@@ -189,8 +189,8 @@ double whole(double error, bool has_reference) {
 /// The angle is known up to whole periods only: a loss that turns the shaft by most of one looks
 /// like a jump back. Without a reference a small one may be a slip and stays what it seems.
 /// `believed`: the record is known to lose samples, and the number need not be seen to be whole.
+constexpr double kWidestSlip = 5.0 * kRadPerDeg;
 double samples_lost(const Screened &look, const Jump &jump, bool believed = false) {
-  constexpr double kWidestSlip = 5.0 * kRadPerDeg;
   constexpr double kMostWraps = 3.0;
   constexpr double kFinest = 0.06, kCoarsest = 0.15; // of a sample, whatever the error says
   const Capture &c = look.capture;
@@ -316,22 +316,36 @@ std::vector<std::string> other_jumps(const Effect &effect) {
 
 } // namespace
 
+namespace {
+
+/// Standard deviations of a gap.
+constexpr double kSlipStandsOut = 12.0;
+
+} // namespace
+
 bool screen_losses(Screened &look, const Effect &effect) {
   constexpr std::ptrdiff_t kProof = 2;
   double events = 0.0, samples = 0.0;
   const std::vector<Jump> jumps = jumps_of(look);
-  const bool believed = std::count_if(jumps.begin(), jumps.end(), [&](const Jump &jump) {
-                          return samples_lost(look, jump) != 0.0;
-                        }) >= kProof;
   const auto seen_before = [&](const Jump &jump) {
     constexpr std::size_t kNear = 8;
     return std::any_of(look.lost_before.begin(), look.lost_before.end(), [&](std::size_t at) {
       return std::max(at, jump.at) - std::min(at, jump.at) < kNear;
     });
   };
+  // Whether a jump is one of lost samples if the record loses any: forward, or, where nothing but
+  // the reading tells whole periods, so far back that it is one less than forward.
+  const auto may_be_loss = [&](const Jump &jump) {
+    return jump.gap * jump.per_frame > 0.0 ||
+           (!look.capture.has_reference() && std::abs(jump.gap) >= kWidestSlip);
+  };
+  const bool believed =
+      std::count_if(jumps.begin(), jumps.end(), [&](const Jump &jump) {
+        return samples_lost(look, jump) != 0.0 || (may_be_loss(jump) && seen_before(jump));
+      }) >= kProof;
   for (const Jump &jump : jumps) {
-    const bool forward = jump.gap * jump.per_frame > 0.0;
-    const double lost = samples_lost(look, jump, forward && (believed || seen_before(jump)));
+    const double lost =
+        samples_lost(look, jump, may_be_loss(jump) && (believed || seen_before(jump)));
     if (lost == 0.0 || (look.capture.has_reference() ? pair_turns_on(look, jump)
                                                      : turns_deny(look, look.angle, jump)))
       continue;
@@ -351,6 +365,25 @@ bool screen_losses(Screened &look, const Effect &effect) {
   return true;
 }
 
+OwnJumps unnamed_jumps(const Screened &look) {
+  constexpr std::size_t kNear = 20; // samples
+  OwnJumps out;
+  if (look.capture.has_reference() || !look.smooth)
+    return out;
+  for (const Jump &jump : jumps_of(look)) {
+    const bool known = std::any_of(look.jumps.begin(), look.jumps.end(), [&](std::size_t at) {
+      return std::max(at, jump.at) - std::min(at, jump.at) < kNear;
+    });
+    if (known || std::abs(jump.gap) < std::max(kWidestSlip, kSlipStandsOut * jump.error) ||
+        turns_deny(look, look.angle, jump))
+      continue;
+    const bool forward = jump.gap * jump.per_frame > 0.0;
+    out += {forward ? 1u : 0u, forward ? 0u : 1u, std::abs(jump.gap), look.capture.time_s[jump.at],
+            jump.gap * jump.gap};
+  }
+  return out;
+}
+
 bool screen_slip(Screened &look, const Effect &effect) {
   if (look.capture.has_reference())
     return false;
@@ -362,7 +395,7 @@ bool screen_slip(Screened &look, const Effect &effect) {
       largest = &jump;
   // A kink of a rough motion is no jump, nor is what repeats with the angle: one slip stands
   // clear of everything else.
-  if (!largest || std::abs(largest->gap) < 12.0 * largest->error)
+  if (!largest || std::abs(largest->gap) < kSlipStandsOut * largest->error)
     return false;
   for (const Jump &jump : jumps)
     if (&jump != largest && std::abs(jump.gap) > 0.5 * std::abs(largest->gap))

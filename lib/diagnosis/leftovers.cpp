@@ -40,49 +40,56 @@ Structure of_wrong_rows(const Scene &scene, double amplitude_v) {
 /// Jumps of the pair's own angle, where it is followed by nothing else.
 Structure of_own_jumps(const Scene &scene, const Model &model) {
   const OwnJumps &j = scene.own_jumps;
-  return {"time",
-          fmt::format("the angle jumps from one reading to the next, {} times forward and {} times "
-                      "back, by up to {:.3g} deg, first at {:.6g} s, and goes on at the same speed: no "
-                      "shaft turns so, the rows are out of order or come from several clocks",
-                      j.forward, j.backward, j.largest_rad * kDegPerRad, j.first_s),
-          model.baseline.amplitude_v * scene.periods *
-              std::sqrt(j.squares_rad2 / (2.0 * static_cast<double>(scene.capture->size())))};
+  return {
+      "time",
+      fmt::format("the angle jumps from one reading to the next, {} times forward and {} times "
+                  "back, by up to {:.3g} deg, first at {:.6g} s, and goes on at the same speed: no "
+                  "shaft turns so, {}",
+                  j.forward, j.backward, j.largest_rad * kDegPerRad, j.first_s,
+                  j.to_and_fro() ? "the rows are out of order or come from several clocks"
+                                 : "rows may be missing"),
+      model.baseline.amplitude_v * scene.periods *
+          std::sqrt(j.squares_rad2 / (2.0 * static_cast<double>(scene.capture->size())))};
 }
 
 /// Rows that repeat the reading before them: no cause, and not the sensor's.
 Structure of_stale_rows(const Scene &scene) {
   const auto n = static_cast<double>(scene.capture->size());
-  return {"time",
-          fmt::format("{} of {} rows repeat the reading before them to the last bit while the shaft "
-                      "goes on: the driver had no new one for them; they are left out, of the figures "
-                      "as well",
-                      scene.stale.count, scene.capture->size()),
-          std::sqrt(scene.stale.squares_v2 / (2.0 * n))};
+  return {
+      "time",
+      fmt::format("{} of {} rows repeat the reading before them to the last bit while the shaft "
+                  "goes on: the driver had no new one for them; they are left out, of the figures "
+                  "as well",
+                  scene.stale.count, scene.capture->size()),
+      std::sqrt(scene.stale.squares_v2 / (2.0 * n))};
 }
 
 /// Two ranges of a channel's readings that do not join.
 Structure of_gap(const LevelGap &gap) {
-  return {"angle",
-          fmt::format("{} is never between {:.4g} V and {:.4g} V: each of the {} times that it passes "
-                      "there it jumps by {:.3g} V while the other channel goes on: two ranges of its "
-                      "readings do not join, as where the bytes or the sign of a reading are put "
-                      "together wrongly, or an amplifier changes its range; no cause is named before "
-                      "that is mended",
-                      gap.of_cos ? "VCOS" : "VSIN", gap.low_v, gap.high_v, gap.crossings, gap.jump_v),
-          0.5 * gap.jump_v / std::numbers::sqrt2}; // of one channel, half up and half down
+  return {
+      "angle",
+      fmt::format("{} is never between {:.4g} V and {:.4g} V: each of the {} times that it passes "
+                  "there it jumps by {:.3g} V while the other channel goes on: two ranges of its "
+                  "readings do not join, as where the bytes or the sign of a reading are put "
+                  "together wrongly, or an amplifier changes its range; no cause is named before "
+                  "that is mended",
+                  gap.of_cos ? "VCOS" : "VSIN", gap.low_v, gap.high_v, gap.crossings, gap.jump_v),
+      0.5 * gap.jump_v / std::numbers::sqrt2}; // of one channel, half up and half down
 }
 
 /// Stretches in which the pair is not the sensor's: no cause, and none of its errors.
 Structure of_episodes(const Scene &scene) {
   const Episodes &e = scene.episodes;
   const auto n = static_cast<double>(scene.capture->size());
-  return {"time",
-          fmt::format("{} the pair leaves its curve or its reference, from {:.4g} s on, by up to {:.3g} V and "
-                      "for {:.3g} s at most, at any angle, and comes back: a contact, a cable, or a "
-                      "value that was held; these {} of {} rows are left out, of the figures as well",
-                      e.count == 1 ? "once" : fmt::format("{} times", e.count), e.first_s,
-                      e.worst_v, e.longest_s, e.samples, scene.capture->size()),
-          std::sqrt(e.squares_v2 / (2.0 * n))};
+  return {
+      "time",
+      fmt::format(
+          "{} the pair leaves its curve or its reference, from {:.4g} s on, by up to {:.3g} V and "
+          "for {:.3g} s at most, at any angle, and comes back: a contact, a cable, or a "
+          "value that was held; these {} of {} rows are left out, of the figures as well",
+          e.count == 1 ? "once" : fmt::format("{} times", e.count), e.first_s, e.worst_v,
+          e.longest_s, e.samples, scene.capture->size()),
+      std::sqrt(e.squares_v2 / (2.0 * n))};
 }
 
 } // namespace
@@ -123,8 +130,8 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
   const double sigma = std::min(left, std::max(explained.noise_v, scene.white_noise_v));
   // A supply that is only inferred leaves its fast part over.
   if (!explained.supply_inferred) {
-    out.structure = find_structure(scene, scene.all, residual_columns(scene.all, model), model, sigma,
-                                   kOfNoise * sigma + explained.second_order_v);
+    out.structure = find_structure(scene, scene.all, residual_columns(scene.all, model), model,
+                                   sigma, kOfNoise * sigma + explained.second_order_v);
     const double least = sigma + explained.second_order_v;
     const std::vector<Structure> bursts = find_bursts(scene, model, least);
     out.bursts = !bursts.empty();
@@ -133,7 +140,7 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
   }
   if (scene.episodes.count != 0)
     out.structure.push_back(of_episodes(scene));
-  if (scene.own_jumps.to_and_fro())
+  if (scene.own_jumps.count_as_structure(scene.radius_only))
     out.structure.push_back(of_own_jumps(scene, model));
   if (scene.stale.count != 0)
     out.structure.push_back(of_stale_rows(scene));

@@ -259,9 +259,9 @@ void leave_out_wrong_rows(std::vector<double> &reference, Screened &look, Scene 
   }
 }
 
-/// Where a smooth motion agrees with every reading of a reference that counts in steps to within one
-/// step, it is the better reference: at a steady speed the rounding is the same in each turn, and
-/// would pass for an error of the sensor.
+/// Where a smooth motion agrees with every reading of a reference that counts in steps to within
+/// one step, it is the better reference: at a steady speed the rounding is the same in each turn,
+/// and would pass for an error of the sensor.
 void smooth_between_steps(const Screened &look, std::vector<double> &alpha) {
   constexpr double kWithin = 1.05; // of a step, for the noise of what is counted
   constexpr double kShare = 0.999; // of the samples
@@ -518,6 +518,7 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   describe_temperature(capture, scene);
 
   std::vector<std::uint32_t> rough, bursts;
+  scene.own_jumps = unnamed_jumps(look);
   Kinematics motion =
       scene.has_reference ? motion_by_reference(look, scene) : motion_by_pair(look, scene, rough);
   if (scene.radius_only)

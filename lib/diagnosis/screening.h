@@ -7,17 +7,21 @@
 #include <span>
 #include <vector>
 
+#include "diagnosis/conditions/own_jumps.h"
 #include "model/residual.h"
 #include "motion/kinematics.h"
 
 namespace ada {
 
-/// Dead channels and spikes, and the angle of the pair itself. `usable`: 0 where a sample is no number
-/// or not the sensor's.
+/// Dead channels and spikes, and the angle of the pair itself. `usable`: 0 where a sample is no
+/// number or not the sensor's.
 Screened first_look(const Capture &capture, std::vector<char> usable);
 
 /// Lets every other effect of the catalogue have its first look, at `look.angle` as it is.
 void look_at_record(Screened &look);
+
+/// Jumps of the pair's own angle beside a smooth motion that no finding of the looks accounts for.
+OwnJumps unnamed_jumps(const Screened &look);
 
 /// The reference, rad, unwrapped.
 std::vector<double> reference_angle(const Capture &capture);

@@ -23,6 +23,11 @@ struct OwnJumps {
   }
   /// Rows that are lost let the angle jump in one sense only.
   bool to_and_fro() const { return forward != 0 && backward != 0; }
+  /// Beside a motion that is followed every jump without a name is worth a word; where the angle is
+  /// the pair's own, only what no loss of rows makes.
+  bool count_as_structure(bool radius_only) const {
+    return radius_only ? to_and_fro() : forward + backward != 0;
+  }
 };
 
 /// Steps of an unwrapped angle, rad, that differ from those around them by far more than these do
