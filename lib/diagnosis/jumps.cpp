@@ -366,7 +366,8 @@ bool screen_losses(Screened &look, const Effect &effect) {
 }
 
 OwnJumps unnamed_jumps(const Screened &look) {
-  constexpr std::size_t kNear = 20; // samples
+  constexpr std::size_t kNear = 20;                  // samples
+  constexpr double kBeyondSteps = 20.0 * kRadPerDeg; // of the period
   OwnJumps out;
   if (look.capture.has_reference() || !look.smooth)
     return out;
@@ -374,8 +375,11 @@ OwnJumps unnamed_jumps(const Screened &look) {
     const bool known = std::any_of(look.jumps.begin(), look.jumps.end(), [&](std::size_t at) {
       return std::max(at, jump.at) - std::min(at, jump.at) < kNear;
     });
+    // What comes back within a turn leaves no trace in whole turns. A step of an offset would have
+    // to be a third of the amplitude to turn the vector so far.
+    const bool far = look.capture.meta.periods_per_turn * std::abs(jump.gap) > kBeyondSteps;
     if (known || std::abs(jump.gap) < std::max(kWidestSlip, kSlipStandsOut * jump.error) ||
-        turns_deny(look, look.angle, jump))
+        (!far && turns_deny(look, look.angle, jump)))
       continue;
     const bool forward = jump.gap * jump.per_frame > 0.0;
     out += {forward ? 1u : 0u, forward ? 0u : 1u, std::abs(jump.gap), look.capture.time_s[jump.at],
