@@ -174,8 +174,8 @@ int read_timestamp_clock(const IioContext &context, const IioDevice &device) {
                                                       {"boottime", CLOCK_BOOTTIME},
                                                       {"tai", CLOCK_TAI}};
   // Without the attribute it is what the kernel takes by default.
-  std::string name = context.read(device.id, "", "current_timestamp_clock").value_or("realtime");
-  name.erase(std::find(name.begin(), name.end(), '\n'), name.end());
+  const std::string name =
+      context.read(device.id, "", "current_timestamp_clock").value_or("realtime");
   for (const auto &[clock, id] : kClocks)
     if (name == clock)
       return id;

@@ -80,7 +80,14 @@ template <class Read> std::optional<std::string> read_value(const char *name, Re
     throw Error(ADA4571_ERROR_DISCONNECTED,
                 std::string("the connection was lost at the attribute ") + name + ": " +
                     errno_text(static_cast<int>(-n)));
-  return n < 0 ? std::nullopt : std::optional<std::string>(text(value.data()));
+  if (n < 0)
+    return std::nullopt;
+  // libiio takes the end of the line off where it is the last byte. Of some attributes, as the
+  // clock of the timestamps, the kernel hands over a NUL behind it.
+  if (const std::size_t end = std::string_view(value.data()).find('\n');
+      end != std::string_view::npos)
+    value[end] = '\0';
+  return text(value.data());
 }
 
 std::optional<std::string> read_attribute(const iio_channel *channel, const char *name) {

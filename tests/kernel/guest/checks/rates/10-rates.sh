@@ -23,6 +23,32 @@ capture_rate() {
   echo >"$(iio_folder shaft)/trigger/current_trigger"
 }
 
+# How old samples are when their angles are there, by the length of the buffer. The first of a buffer
+# waits for all the others, or for the 50 ms after which what is there is read; what comes on top of
+# that is the way from the trigger to the program.
+latency_by_buffer() {
+  local hertz=1000 on_top=0.002 # s: of instructions, which is what this clock counts
+  frames turn 4096 1 >table
+  use_table table
+  write 0 "$REPLAY.0/untriggered"
+  make_trigger ada4571-rate $hertz
+  settle
+  expect 0 iio-angle read -d shaft --trigger ada4571-rate --latency --buffers 1,10,100 \
+    --samples 2000 --format csv >latency.csv 2>error || { cat error && return 1; }
+  awk -F, -v rate=$hertz 'NR > 1 {
+      printf "# buffer of %d at %d S/s: age %s s (median), %s s (99 %%), %s s (worst), in buffers %s; processor %s\n",
+        $1, rate, $4, $5, $6, $7, $9
+    }' latency.csv >ages
+  while read -r line; do report "$line"; done <ages
+  awk -F, -v rate=$hertz -v more=$on_top 'NR > 1 {
+      wait = ($1 - 1) / rate
+      if (wait > 0.049) wait = 0.049
+      if ($6 < wait || $5 > wait + more || $4 > wait / 2 + more) { print; bad = 1 }
+      rows++
+    } END { exit bad || rows != 3 }' latency.csv || { cat latency.csv error && return 1; }
+  echo >"$(iio_folder shaft)/trigger/current_trigger"
+}
+
 # Not a check: the processor time of record beside iio_readdev on the same stream, in the guest.
 compare_cpu() {
   local ours theirs TIMEFORMAT='%U %S' count=20000
@@ -42,4 +68,5 @@ load_replay devices=1 labels=shaft
 for hertz in 1000 5000 10000; do
   check "10,000 frames at $hertz S/s without a gap" capture_rate $hertz
 done
+check "samples are as old as their buffer is long" latency_by_buffer
 [[ -n $ONLY ]] || compare_cpu
