@@ -84,10 +84,10 @@ template <class Read> std::optional<std::string> read_value(const char *name, Re
     return std::nullopt;
   // libiio takes the end of the line off where it is the last byte. Of some attributes, as the
   // clock of the timestamps, the kernel hands over a NUL behind it.
-  if (const std::size_t end = std::string_view(value.data()).find('\n');
-      end != std::string_view::npos)
-    value[end] = '\0';
-  return text(value.data());
+  std::string_view said(value.data());
+  if (said.ends_with('\n'))
+    said.remove_suffix(1);
+  return text(std::string(said).c_str());
 }
 
 std::optional<std::string> read_attribute(const iio_channel *channel, const char *name) {
