@@ -87,7 +87,7 @@ template <class Read> std::optional<std::string> read_value(const char *name, Re
   std::string_view said(value.data());
   if (said.ends_with('\n'))
     said.remove_suffix(1);
-  return text(std::string(said).c_str());
+  return printable(said);
 }
 
 std::optional<std::string> read_attribute(const iio_channel *channel, const char *name) {

@@ -185,11 +185,15 @@ double whole(double error, bool has_reference) {
   return error > 0.0 && error < kEven ? error * std::sqrt(2.0 * std::log(kEven / error)) : 0.0;
 }
 
+/// Of a magnet: what jumps back by more is no slip in a record that loses samples.
+constexpr double kWidestSlip = 5.0 * kRadPerDeg;
+/// Standard deviations of a gap from which on one is told by itself.
+constexpr double kSlipStandsOut = 12.0;
+
 /// Samples lost at a jump, or 0 when it is no whole number of them in the sense of the rotation.
 /// The angle is known up to whole periods only: a loss that turns the shaft by most of one looks
 /// like a jump back. Without a reference a small one may be a slip and stays what it seems.
 /// `believed`: the record is known to lose samples, and the number need not be seen to be whole.
-constexpr double kWidestSlip = 5.0 * kRadPerDeg;
 double samples_lost(const Screened &look, const Jump &jump, bool believed = false) {
   constexpr double kMostWraps = 3.0;
   constexpr double kFinest = 0.06, kCoarsest = 0.15; // of a sample, whatever the error says
@@ -313,13 +317,6 @@ std::vector<std::string> other_jumps(const Effect &effect) {
       out.emplace_back(e->info().id);
   return out;
 }
-
-} // namespace
-
-namespace {
-
-/// Standard deviations of a gap.
-constexpr double kSlipStandsOut = 12.0;
 
 } // namespace
 

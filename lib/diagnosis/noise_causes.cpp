@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <numeric>
+#include <utility>
 
 #include "base/angle.h"
 #include "base/robust.h"
@@ -59,9 +61,11 @@ void leave_out_clusters(std::vector<char> &hit) {
   }
 }
 
+/// Samples on either side that one is held against.
+constexpr std::size_t kEach = 2;
+
 /// Residual of the usable samples on either side of a place, in the middle: what the model misses
 /// there anyway, whether or not one of them is a spike as well.
-constexpr std::size_t kEach = 2; ///< on either side
 Pair beside(const ResidualColumns &r, std::size_t before, std::size_t after) {
   std::array<std::vector<double>, 2> near;
   const auto take = [&](std::size_t i) {
@@ -111,19 +115,26 @@ private:
 
 /// Samples about a gap that may lie where they do because the shaft moved on: without a reference
 /// nobody knows how it did, and the pair is met at another angle.
-std::vector<char> moved_on(const Scene &scene, Observations data,
-                           const std::vector<std::uint32_t> &rows, const Model &model,
-                           double noise_v) {
-  std::vector<char> out(rows.size(), 0);
-  if (scene.has_reference || rows.empty())
-    return out;
+/// `asked`: of `data`, whose rows in the capture are `rows`.
+std::vector<std::uint32_t> moved_on(const Scene &scene, const Observations &data,
+                                    const std::vector<std::uint32_t> &rows,
+                                    std::vector<std::uint32_t> asked, const Model &model,
+                                    double noise_v) {
+  if (scene.has_reference || asked.empty())
+    return {};
+  const Gaps gaps(scene.capture->time_s);
+  std::erase_if(asked, [&](std::uint32_t i) { return !gaps.about(rows[i]); });
+  if (asked.empty())
+    return {};
+  Observations some = data.select(asked);
   constexpr int kPasses = 3; // the shaft may have moved far
   for (int pass = 0; pass < kPasses; ++pass)
-    data = at_own_angle(std::move(data), model);
-  const ResidualColumns left = residual_columns(data, model);
-  const Gaps gaps(scene.capture->time_s);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    out[i] = gaps.about(rows[i]) && std::hypot(left.sin[i], left.cos[i]) <= kStandsOut * noise_v;
+    some = at_own_angle(std::move(some), model);
+  const ResidualColumns left = residual_columns(some, model);
+  std::vector<std::uint32_t> out;
+  for (std::size_t k = 0; k < asked.size(); ++k)
+    if (std::hypot(left.sin[k], left.cos[k]) <= kStandsOut * noise_v)
+      out.push_back(asked[k]);
   return out;
 }
 
@@ -229,30 +240,28 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   // Of what the first look left out, only what this model cannot explain either is a spike.
   std::vector<double> values, angles;
   std::size_t samples = 0;
-  const std::vector<char> apart_moved =
-      moved_on(scene, scene.spiked, scene.spiked_index, model, noise_v);
+  std::vector<std::uint32_t> asked(apart.sin.size());
+  std::iota(asked.begin(), asked.end(), 0u);
+  const std::vector<std::uint32_t> motion =
+      moved_on(scene, scene.spiked, scene.spiked_index, std::move(asked), model, noise_v);
   for (std::size_t i = 0; i < apart.sin.size(); ++i) {
     const auto next = static_cast<std::size_t>(
         std::lower_bound(scene.index.begin(), scene.index.end(), scene.spiked_index[i]) -
         scene.index.begin());
-    if (apart_moved[i] ||
+    if (std::binary_search(motion.begin(), motion.end(), static_cast<std::uint32_t>(i)) ||
         !stands_out(there.sin[i], there.cos[i], beside(here, next, next), noise_v))
       continue;
     angles.push_back(scene.spiked.alpha[i]);
     add(apart, i, values, supply ? beside(plain, next, next) : Pair{});
     ++samples;
   }
-  std::vector<std::uint32_t> hit_places, hit_rows;
+  std::vector<std::uint32_t> hit_places;
   for (std::size_t i = 0; i < out.hit.size(); ++i)
-    if (out.hit[i]) {
+    if (out.hit[i])
       hit_places.push_back(static_cast<std::uint32_t>(i));
-      hit_rows.push_back(scene.index[i]);
-    }
-  const std::vector<char> hit_moved =
-      moved_on(scene, scene.all.select(hit_places), hit_rows, model, noise_v);
-  for (std::size_t k = 0; k < hit_places.size(); ++k)
-    if (hit_moved[k])
-      out.hit[hit_places[k]] = 0;
+  for (std::uint32_t i :
+       moved_on(scene, scene.all, scene.index, std::move(hit_places), model, noise_v))
+    out.hit[i] = 0;
   for (std::size_t i = 0; i < out.hit.size(); ++i)
     if (out.hit[i]) {
       if (!stands_out(here.sin[i], here.cos[i], beside(here, i, i + 1), noise_v)) {

@@ -127,8 +127,8 @@ bool Work::drop_what_harms() {
   const bool closer = !last.angle_error_rms_deg ||
                       *last.angle_error_rms_deg <= criteria::kNoWorse * *first.angle_error_rms_deg;
   const bool whole_harms = !likelier || !closer;
-  // Beside what has no name a part of what every pair has may stand for it, and so raise what is
-  // left when the values that both share are given back. Any other cause only stands by itself.
+  // What every pair has is fitted beside what has no name, which takes a part of it back: it may
+  // leave more by itself. Any other cause has to make held-out data likelier.
   const double samples = static_cast<double>(parts_.heldout.size());
   std::size_t worst = ladder_.findings.size();
   double most = -std::numeric_limits<double>::infinity();

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <memory>
 
 #include "base/angle.h"
 #include "base/sincos.h"
@@ -293,7 +294,8 @@ void ForwardFamily::evaluate(const Conditions &at, const Take &take) const {
   Wave w = first_.wave();
   first_.begin(at, w, m);
   const std::vector<double> delays = first_.delays();
-  std::vector<Wave> kept(places_.size() * delays.size());
+  // Not set to zero: each is written before it is read.
+  const auto kept = std::make_unique_for_overwrite<Wave[]>(places_.size() * delays.size());
   const auto go_on = [&](const ForwardModel &model, std::size_t from, auto start, auto keep) {
     ForwardModel::Copies sum;
     for (std::size_t d = 0; d < delays.size(); ++d) {

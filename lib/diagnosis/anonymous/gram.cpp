@@ -10,7 +10,6 @@
 #include <complex>
 #include <map>
 
-#include "base/products.h"
 #include "diagnosis/anonymous/column_sums.h"
 #include "diagnosis/anonymous/pieces.h"
 #include "diagnosis/anonymous/regression.h"

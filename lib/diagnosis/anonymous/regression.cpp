@@ -221,6 +221,8 @@ void subtract(const Basis &basis, const Selection &selection, const Observations
   for (std::size_t q = 0; q < of_term.size(); ++q)
     if (of_term[q] != 0.0)
       columns.push_back(static_cast<Eigen::Index>(2 * q));
+  if (columns.empty())
+    return;
   const Basis chosen = basis.part(columns);
   std::erase(of_term, std::complex<double>(0.0));
   // Of each function, and of none first, the coefficients of the cosine and of the sine of k x.

@@ -4,7 +4,6 @@
 #include "diagnosis/anonymous/turned_sums.h"
 
 #include <algorithm>
-#include <array>
 #include <complex>
 #include <map>
 
