@@ -236,30 +236,5 @@ KIND(gaps_in_a_polled_clock_make_no_spikes) {
     expect_none(diagnose(polled_by_hand(bench), {}), {"impulse-noise"});
 }
 
-KIND(losses_that_turn_the_shaft_by_most_of_a_period_are_counted) {
-  Bench bench;
-  constexpr double kRate = 2000.0;
-  const double rpm = bench.within(150.0, 250.0), rows_a_turn = 60.0 * kRate / rpm;
-  Capture c = bench.capture(12000, kRate, 1, [&](double t) { return steady(rpm, t); });
-  c.reference_deg.clear();
-  // One of less than half a turn, two of more; the clock runs on.
-  double lost = 0.0;
-  std::size_t place = 0;
-  for (const auto &[least, most] :
-       {std::pair(0.1, 0.4), std::pair(0.6, 0.8), std::pair(0.6, 0.8)}) {
-    const auto rows = std::lround(rows_a_turn * bench.within(least, most));
-    const auto at = static_cast<std::ptrdiff_t>(3000 * ++place);
-    for (auto *v : {&c.vsin_v, &c.vcos_v})
-      v->erase(v->begin() + at, v->begin() + at + rows);
-    lost += static_cast<double>(rows);
-  }
-  c.time_s.resize(c.vsin_v.size());
-  const Diagnosis d = diagnose(c, {});
-  const Finding *f = named(d, "sample-loss");
-  ASSERT_TRUE(f) << names(d);
-  EXPECT_EQ(f->values[0], 3.0) << names(d);
-  EXPECT_NEAR(f->values[1], lost, 0.02 * lost);
-}
-
 } // namespace
 } // namespace ada::test
