@@ -35,8 +35,9 @@ public:
     bin_weight_.fill(1.0);
   }
 
-  /// From Taubin's circle through what the fences hold, or from the circle of most places.
-  enum class Start { fences, places };
+  /// From Taubin's circle through what the fences hold, from the circle of most places, or from
+  /// Taubin's circle through what the fences hold with both channels stretched to one range.
+  enum class Start { fences, places, ranges };
   EllipseFit run(Start from);
 
 private:
@@ -49,6 +50,7 @@ private:
   std::size_t free_parameters() const { return options_.circle ? 3 : 5; }
   void start_within_fences();
   void start_at_places();
+  void start_by_ranges();
   Normal accumulate(const EllipseParameters &e) const;
   double cost(const EllipseParameters &e) const;
   bool descend();
@@ -89,6 +91,28 @@ void Fitter::start_at_places() {
   reject();
   if (used() < 3 * free_parameters())
     no_ellipse("the samples do not lie on one curve");
+}
+
+void Fitter::start_by_ranges() {
+  start_within_fences();
+  const auto range = [&](std::span<const double> of) {
+    constexpr double kEnd = 0.05;
+    std::vector<double> v(of.begin(), of.end());
+    const double low = quantile(v, kEnd);
+    return quantile(std::move(v), 1 - kEnd) - low;
+  };
+  const double sin = range(vsin_), cos = range(vcos_);
+  if (!(sin > 0 && cos > 0))
+    no_ellipse("VSIN and VCOS stand still or move along one line");
+  std::vector<double> stretched(vsin_.begin(), vsin_.end());
+  for (double &v : stretched)
+    v *= cos / sin;
+  value_ = circle_start(stretched, vcos_, use_);
+  if (!(value_.amplitude_v > 0))
+    no_ellipse("VSIN and VCOS stand still or move along one line");
+  value_.centre_sin_v *= sin / cos;
+  value_.amplitude_v *= 0.5 * (1 + sin / cos);
+  value_.k = 2 * (sin - cos) / (sin + cos);
 }
 
 Fitter::Normal Fitter::accumulate(const EllipseParameters &e) const {
@@ -243,10 +267,17 @@ void Fitter::report(EllipseFit &fit) const {
 }
 
 EllipseFit Fitter::run(Start from) {
-  if (from == Start::fences)
+  switch (from) {
+  case Start::fences:
     start_within_fences();
-  else
+    break;
+  case Start::places:
     start_at_places();
+    break;
+  case Start::ranges:
+    start_by_ranges();
+    break;
+  }
   bool converged = false;
   for (int round = 0; round < 20; ++round) {
     converged = descend();
@@ -266,13 +297,15 @@ EllipseFit Fitter::run(Start from) {
 
 /// Whether the start may have been none. More than one in a hundred wild values at one end lie
 /// within the fences, which then hold nothing back: many are off the curve in the end, or far off
-/// it, or at some angles all are.
+/// it, or at some angles all are. So it may have been where the samples stand at too few angles of
+/// the curve to prove it: a flat ellipse lies on a part of any large circle.
 bool is_doubtful(const EllipseFit &fit, std::size_t samples) {
   constexpr double kFew = 0.01;       // of the samples
   constexpr double kFar = 0.05;       // of the amplitude
   constexpr double kOfResidual = 0.5; // of its variance
   const double structure = fit.structure_rms_v / fit.residual_rms_v;
-  return static_cast<double>(fit.rejected) > kFew * static_cast<double>(samples) ||
+  return fit.directions <= fit.free_parameters ||
+         static_cast<double>(fit.rejected) > kFew * static_cast<double>(samples) ||
          fit.residual_rms_v > kFar * fit.value.amplitude_v || structure * structure > kOfResidual;
 }
 
@@ -322,13 +355,15 @@ EllipseFit fit_ellipse(std::span<const double> vsin, std::span<const double> vco
   }
   if (plain && !is_doubtful(*plain, vsin.size()))
     return *std::move(plain);
-  try {
-    EllipseFit robust = from(Fitter::Start::places);
-    if (!plain || is_far_better(robust, *plain))
-      return robust;
-  } catch (const Error &) {
-    // Then the samples lie on no curve, and the first fit says so best.
-  }
+  // Wild samples, or a figure that is far from a circle.
+  for (const auto start : {Fitter::Start::places, Fitter::Start::ranges})
+    try {
+      EllipseFit other = from(start);
+      if (!plain || is_far_better(other, *plain))
+        plain = std::move(other);
+    } catch (const Error &) {
+      // Then the samples lie on no curve, and the first fit says so best.
+    }
   if (plain)
     return *std::move(plain);
   throw Error(ADA4571_ERROR_UNUSABLE_DATA, why);

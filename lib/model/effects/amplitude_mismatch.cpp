@@ -9,7 +9,7 @@ namespace ada {
 namespace {
 
 constexpr std::array<ParameterInfo, 1> kParameters{
-    ParameterInfo{"k", "1", 0.01, -1.0, 1.0, Role::fitted, 1e-4}};
+    ParameterInfo{"k", "1", 0.01, -1.9, 1.9, Role::fitted, 1e-4}};
 
 constexpr std::array<Separation, 2> kSeparations{
     {{"harmonic-distortion", "record a reference and capture again: two amplitudes leave each "
