@@ -89,10 +89,11 @@ void Parts::weigh(Direction direction, double weight) {
 }
 
 Rung Parts::rung(const Model &model) const {
-  Rung r;
-  r.in_sample = quality(train, model, has_reference);
-  r.heldout = quality(heldout, second_capture ? as_seen_by(heldout, model) : model, has_reference);
-  return r;
+  const auto of = [&](const Observations &data, const Model &seen) {
+    return own_angle ? quality(at_own_angle(data, seen), seen, has_reference)
+                     : quality(data, seen, has_reference);
+  };
+  return {of(train, model), of(heldout, second_capture ? as_seen_by(heldout, model) : model)};
 }
 
 } // namespace ada
