@@ -192,6 +192,18 @@ inline constexpr double kClear = 9.0;
 /// The same where a finding takes most of what is left: two of them, chance once in twenty. With
 /// less its own size, and its sign, are not known.
 inline constexpr double kUnclear = 4.0;
+/// Part of the held-out power that a cause takes which may lie at any place, where the best of all
+/// places is no matter of chance: that takes 2 ln M of n independent values, three quarters of
+/// sixteen of them for M of 400 places.
+inline constexpr double kMoreThanChanceTakes = 0.75;
+
+/// Lines of a spectrum, in periods over the whole record: closer than the first they are one and the
+/// same, and closer than the second the two sides of one whose size changes once over the record
+/// (one period to either side, or two of them) reach from one to the other.
+inline constexpr double kOneLine = 0.05, kTwoLines = 3.0;
+/// Part of the power of lines that stand together which the strongest has where it is steady: one
+/// that changes by a factor of two up and down as a sine has 0.8.
+inline constexpr double kMostlySteady = 0.9;
 
 /// A ripple of the shaft over what the motion does at its order in a turn by itself, divided by the
 /// square root of the turns: the mean of so many independent turns is that large with a probability

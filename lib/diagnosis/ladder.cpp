@@ -61,9 +61,22 @@ namespace {
 
 constexpr double kWithinOneSigma = 0.6827; ///< of normal numbers
 
-/// Wald's statistic of each effect of a fit over the number of its coordinates.
-std::vector<double> clearness_of(const FitResult &fit) {
-  std::vector<double> out;
+/// Places that a cause could have been found at: the largest of as many chances is the larger by
+/// twice the logarithm of their number (the square of a normal number exceeds that once in so
+/// many).
+double places_of(const EffectInstance &e, std::size_t samples) {
+  double places = 1.0;
+  for (const ParameterInfo &p : e.effect->info().parameters)
+    if (is_place(p))
+      places *=
+          std::min(static_cast<double>(samples),
+                   p.name == "order" ? p.maximum - p.minimum + 1.0 : static_cast<double>(samples));
+  return places;
+}
+
+std::vector<Clearness> clearness_of(const FitResult &fit, std::size_t samples) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  std::vector<Clearness> out;
   Eigen::Index first = static_cast<Eigen::Index>(coordinates_of(Model{}).size());
   for (const EffectInstance &e : fit.model.effects) {
     const std::vector<double> x = e.effect->to_coordinates(e.values);
@@ -76,10 +89,11 @@ std::vector<double> clearness_of(const FitResult &fit) {
                n = static_cast<Eigen::Index>(sizes.size());
     const Eigen::VectorXd value = Eigen::Map<const Eigen::VectorXd>(x.data(), all)(sizes);
     const Eigen::MatrixXd c = fit.covariance.block(first, first, all, all)(sizes, sizes);
-    const double z2 = n == 0 ? std::numeric_limits<double>::infinity()
-                             : value.dot(c.ldlt().solve(value)) / static_cast<double>(n);
-    out.push_back(fit.determined && std::isfinite(z2) ? z2
-                                                      : std::numeric_limits<double>::infinity());
+    const double z2 = n == 0 ? kAny : value.dot(c.ldlt().solve(value));
+    const double count = static_cast<double>(n);
+    out.push_back(fit.determined && std::isfinite(z2)
+                      ? Clearness{z2 / count, (z2 - 2.0 * std::log(places_of(e, samples))) / count}
+                      : Clearness{kAny, kAny});
     first += all;
   }
   return out;
@@ -392,7 +406,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
   FitResult whole = weighs_alike           ? fit_whole(parts, found.fit.model)
                     : !parts.has_reference ? fit_without_reference(parts, found.fit.model)
                                            : fit_with_errors(parts.train, found.fit.model);
-  const std::vector<double> clear = clearness_of(whole);
+  const std::vector<Clearness> clear = clearness_of(whole, parts.train.size());
   if (weighs_alike)
     widen_by_what_is_not_borne_out(parts.train, whole);
   const std::vector<Untold> untold = widen_by_what_is_not_told_apart(parts.train, whole);
@@ -425,6 +439,10 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     out.clearness.push_back(clear[found.order[i]]);
     out.last = after;
   }
+  // Where nothing has a name the better one of two fits of the same model stands.
+  if (found.order.empty() && !out.supply &&
+      parts.rung(out.extended).heldout.log_likelihood < out.first.heldout.log_likelihood)
+    out.extended.baseline = out.baseline.baseline;
   if (out.supply && supply) {
     // What its weights are worth shows where nothing else is wrong any more.
     parts.weigh(found.disturbed, 1.0);

@@ -14,6 +14,12 @@
 
 namespace ada {
 
+/// Wald's statistic of a finding over the number of its coordinates: of its own, and beyond what
+/// the best of all places that it could have been found at has by chance.
+struct Clearness {
+  double own, beyond_chance;
+};
+
 struct Ladder {
   Model baseline, extended;
   std::vector<Model> models;     ///< the baseline first, then the model after each finding
@@ -21,7 +27,7 @@ struct Ladder {
   std::vector<Finding> findings; ///< in the order of `found`
   /// How clearly each finding differs from none, in the square of standard errors (Wald's test over
   /// its coordinates, a mean of them).
-  std::vector<double> clearness;
+  std::vector<Clearness> clearness;
   Rung first, last;
 };
 
@@ -34,8 +40,8 @@ Ladder build_ladder(Parts &parts, const SearchResult &found);
 /// nothing of the ellipse.
 struct RadiusLeft {
   double rms_v;
-  /// Independent samples, of which it holds as many as its differences from sample to sample have of
-  /// its mean square: white noise all of them, a slow process few.
+  /// Independent samples, of which it holds as many as its differences from sample to sample have
+  /// of its mean square: white noise all of them, a slow process few.
   double samples;
 };
 RadiusLeft radius_left(const Observations &data, const Model &model);

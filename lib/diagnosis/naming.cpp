@@ -112,12 +112,14 @@ bool takes_most(const Parts &parts, const Model &with, const Model &without, con
 
 } // namespace
 
-bool takes_most(const Scene &scene, Parts parts, const Model &model, std::size_t effect) {
+Taken taken(const Scene &scene, Parts parts, const Model &model, std::size_t effect) {
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
   const Model less = fit(parts.train, model.without(effect), kRefit).model;
-  return takes_most(parts, fit(parts.train, model, kRefit).model, less,
-                    *model.effects[effect].effect, anonymous_of(scene, parts, less));
+  const Model with = fit(parts.train, model, kRefit).model;
+  return {takes_most(parts, with, less, *model.effects[effect].effect,
+                     anonymous_of(scene, parts, less)),
+          1.0 - left_v2(parts, with) / std::max(left_v2(parts, less), criteria::kLeastMeanSquare)};
 }
 
 namespace {

@@ -54,15 +54,20 @@ Diagnosis Work::run() {
     name_nothing();
     return out_;
   }
-  free_vtemp();
-  search_causes(scene_.has_reference);
+  search_causes();
+  if (free_vtemp())
+    search_causes();
+  if (scene_.has_reference)
+    search_further();
   if (offsets_moved()) {
     judge_->all.own_offsets = true;
-    search_causes(scene_.has_reference);
+    search_causes();
+    if (scene_.has_reference)
+      search_further();
   }
   constexpr int kMostZeros = 3;
   for (int k = 0; k < kMostZeros && scene_.has_reference && zeros_moved(); ++k)
-    search_causes(true);
+    search_thoroughly();
   // Without a reference what was found bent the motion as well: with it taken out look again, as
   // long as that leaves less over.
   constexpr int kMostLooks = 4;
@@ -83,10 +88,10 @@ Diagnosis Work::run() {
       judge_radius_only(again);
     }
     scene_ = std::move(again);
-    search_causes(false);
+    search_causes();
   }
   if (!scene_.has_reference && (!found_.order.empty() || found_.supply_rms_fraction > 0.0))
-    search_causes(true);
+    search_further();
   if (!scene_.has_reference && found_.supply_rms_fraction > 0.0 &&
       !accounts_for_radius(parts_.heldout, found_.fit.model, found_.supply_rms_fraction, floor()))
     found_.supply_rms_fraction = 0.0;
@@ -97,12 +102,12 @@ Diagnosis Work::run() {
   settle();
   if (take_out_record_gains()) {
     weigh(disturbed, weight_along);
-    search_causes(true);
+    search_thoroughly();
     settle();
   }
   for (int round = 0; round < kMostRounds && take_out_processes(); ++round) {
     weigh(disturbed, weight_along);
-    search_causes(true);
+    search_thoroughly();
     settle();
   }
   take_out_rest_of_courses();
@@ -136,7 +141,8 @@ void Work::settle() {
                                   parts_, std::move(found_));
   take(build_ladder(parts_, found_));
   while (drop_what_is_impossible() || drop_steps_of_processes() ||
-         drop_turns_that_lengthen() || drop_what_harms() || drop_what_is_unclear())
+         drop_lines_that_stand_together() || drop_turns_that_lengthen() || drop_what_harms() ||
+         drop_what_is_unclear())
     take(build_ladder(parts_, found_));
   judge_model();
 }

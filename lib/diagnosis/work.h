@@ -72,15 +72,19 @@ private:
   const Capture &worked_on() const { return freed_ ? *freed_ : given_; }
 
   /// With a reference the search itself sees a supply that is not recorded; where VTEMP follows it
-  /// every temperature effect would.
-  void free_vtemp();
+  /// every temperature effect would. Whether VTEMP was freed of it, and the search begins anew.
+  bool free_vtemp();
 
   const Scene &judge() const { return options_.heldout ? *judge_ : scene_; }
   double floor() const { return std::max(noise_, scene_.white_noise_v); }
 
   void choose_parts();
 
-  void search_causes(bool thorough);
+  Search search(const Model &start);
+  void search_causes();
+  /// Goes on from what search_causes() found.
+  void search_further();
+  void search_thoroughly();
 
   /// Whether the second capture has other offsets than what was found accounts for. They would hide
   /// everything that the two captures have in common.
@@ -117,6 +121,19 @@ private:
   /// for. Unless it takes most of what is left without it, and is likelier there than not: what has
   /// no name could do that as well, with many columns in its place.
   bool drop_what_is_unclear();
+
+  /// Where a cause that may lie anywhere on the axis of the time or of the angle lies, in periods
+  /// over the whole record: a whole one is what the record tells apart.
+  struct Line {
+    enum { of_time, of_angle } axis;
+    double periods;
+  };
+  std::optional<Line> line_of(const EffectInstance &e) const;
+
+  /// Lines that lie closer together than a record of this length tells apart are one, which changes
+  /// as it goes on. Only where the strongest is nearly all of it that is a steady line, which has a
+  /// name; otherwise it is none of the catalogue's.
+  bool drop_lines_that_stand_together();
 
   /// What only turns the vector leaves its length. Where the length changes with the same order,
   /// and that is none of the turn's own, both are one thing, which has another cause.

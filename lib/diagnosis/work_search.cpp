@@ -43,49 +43,54 @@ std::optional<double> Work::vdd_level_v() const {
   return SupplyOverTime(given_).mean_v;
 }
 
-void Work::free_vtemp() {
-  if (!scene_.has_reference || given_.has_vdd() || !scene_.why_no_temperature.empty())
-    return;
-  search_causes(false);
-  if (found_.disturbed != Direction::supply)
-    return;
+bool Work::free_vtemp() {
+  if (!scene_.has_reference || given_.has_vdd() || !scene_.why_no_temperature.empty() ||
+      found_.disturbed != Direction::supply)
+    return false;
   auto freed = with_free_vtemp(worked_on(), scene_, found_.fit.model);
   if (!freed)
-    return;
+    return false;
   freed_ = std::move(freed);
   scene_ = prepare(*freed_, options_.heldout == nullptr);
+  return true;
 }
 
-void Work::search_causes(bool thorough) {
+Search Work::search(const Model &start) {
+  return Search({&scene_, scene_.all.select(thin(scene_.train, criteria::kSearchTrain)),
+                 options_.heldout
+                     ? judge_->all
+                     : scene_.all.select(thin(scene_.heldout, criteria::kSearchHeldout)),
+                 &judge()},
+                start, noise_, options_.progress);
+}
+
+void Work::search_causes() {
   choose_parts();
-  Model start = first_model(scene_, baseline());
+  const Model start = first_model(scene_, baseline());
   // Without a reference the angle is the pair's own, lag and all: a common delay is free.
   // So it is where each of several captures has its own zero angle and one speed.
   const bool own = scene_.has_reference ? scene_.lag_in_zeros : !scene_.radius_only;
   free_lag_ =
       own && (scene_.several_speeds || scene_.both_directions) && !has(start, is_common_delay);
-  if (free_lag_)
-    start.effects.push_back({&the_effect(is_common_delay), {0.0}, {}});
-  const auto search = [&] {
-    return Search({&scene_, scene_.all.select(thin(scene_.train, criteria::kSearchTrain)),
-                   options_.heldout
-                       ? judge_->all
-                       : scene_.all.select(thin(scene_.heldout, criteria::kSearchHeldout)),
-                   &judge()},
-                  start, noise_, options_.progress);
-  };
-  found_ = search().run(false);
-  if (!thorough)
-    return;
+  found_ = search(found_baseline()).run(false);
+}
+
+void Work::search_further() {
+  const Model start = found_baseline();
   const Model physical = found_.fit.model;
   const Unnamed unnamed =
       unnamed_beside(scene_, parts_, physical, anonymous_of(scene_, parts_, physical), noise_);
   // What is left over is looked at against what has no name: second thoughts come there.
-  found_ = search().run(false, &physical, unnamed);
+  found_ = search(start).run(false, &physical, unnamed);
   if (!anonymous_of(scene_, parts_, found_.fit.model).any()) {
     const Model known = found_.fit.model;
-    found_ = search().run(true, &known, unnamed);
+    found_ = search(start).run(true, &known, unnamed);
   }
+}
+
+void Work::search_thoroughly() {
+  search_causes();
+  search_further();
 }
 
 bool Work::offsets_moved() const {
@@ -202,17 +207,70 @@ bool Work::drop_turns_that_lengthen() {
   return false;
 }
 
+std::optional<Work::Line> Work::line_of(const EffectInstance &e) const {
+  const auto parameters = e.effect->info().parameters;
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    if (!is_place(parameters[k]) || scene_.all.time.empty())
+      continue;
+    if (parameters[k].unit == "per turn")
+      return Line{Line::of_angle, e.values[k] * scene_.turns};
+    if (parameters[k].unit == "Hz")
+      return Line{Line::of_time, e.values[k] * (scene_.all.time.back() - scene_.all.time.front())};
+  }
+  return std::nullopt;
+}
+
+bool Work::drop_lines_that_stand_together() {
+  const Model &model = found_.fit.model;
+  for (std::size_t place = 0; place < found_.order.size(); ++place) {
+    const auto line = line_of(model.effects[found_.order[place]]);
+    if (!line)
+      continue;
+    std::vector<std::size_t> together;
+    double sum = 0.0, most = 0.0;
+    std::size_t strongest = place;
+    for (std::size_t other = 0; other < found_.order.size(); ++other) {
+      const std::size_t at = found_.order[other];
+      const auto beside = line_of(model.effects[at]);
+      if (!beside || beside->axis != line->axis)
+        continue;
+      const double apart = std::abs(beside->periods - line->periods);
+      if (other != place && (apart < criteria::kOneLine || apart > criteria::kTwoLines))
+        continue;
+      together.push_back(other);
+      const double v2 = std::pow(moved_rms_v(parts_.heldout, model, at), 2);
+      sum += v2;
+      if (v2 > most) {
+        most = v2;
+        strongest = other;
+      }
+    }
+    if (together.size() < 2)
+      continue;
+    const bool steady = most > criteria::kMostlySteady * sum;
+    for (auto other = together.rbegin(); other != together.rend(); ++other)
+      if (!steady || *other != strongest)
+        found_.forget(*other);
+    return true;
+  }
+  return false;
+}
+
 bool Work::drop_what_is_unclear() {
   std::vector<std::size_t> places(ladder_.clearness.size());
   std::iota(places.begin(), places.end(), std::size_t{0});
   std::sort(places.begin(), places.end(),
-            [&](auto a, auto b) { return ladder_.clearness[a] < ladder_.clearness[b]; });
+            [&](auto a, auto b) { return ladder_.clearness[a].own < ladder_.clearness[b].own; });
   for (const std::size_t place : places) {
-    if (ladder_.clearness[place] >= criteria::kClear)
-      return false;
-    if (ladder_.clearness[place] >= criteria::kUnclear &&
-        takes_most(scene_, parts_, found_.fit.model, found_.order[place]))
+    const Clearness &clear = ladder_.clearness[place];
+    if (clear.beyond_chance >= criteria::kClear)
       continue;
+    if (clear.own >= criteria::kUnclear) {
+      const Taken takes = taken(scene_, parts_, found_.fit.model, found_.order[place]);
+      if (takes.most && (clear.beyond_chance >= criteria::kUnclear ||
+                         takes.of_left > criteria::kMoreThanChanceTakes))
+        continue;
+    }
     found_.forget(place);
     return true;
   }

@@ -51,9 +51,32 @@ double at_order(const Kinematics &motion, std::size_t first, std::size_t last, i
   return mean != 0.0 ? std::abs(at / mean) : 0.0;
 }
 
+/// Whether an order of what a smooth motion leaves of the angle differs from turn to turn by so
+/// much that its mean over the turns is chance.
+bool differs_by_turn(const SmoothMotion &smooth, std::span<const double> angle,
+                     const std::vector<std::pair<std::size_t, std::size_t>> &turns, int order) {
+  const std::vector<double> &alpha = smooth.motion.alpha;
+  std::vector<std::complex<double>> at;
+  std::complex<double> mean = 0.0;
+  for (const auto &[first, last] : turns) {
+    std::complex<double> sum = 0.0;
+    for (std::size_t i = first; i < last; ++i)
+      sum += (angle[i] - alpha[i]) * std::polar(1.0, -order * alpha[i]) *
+             std::abs(alpha[i + 1] - alpha[i]);
+    at.push_back(sum);
+    mean += sum;
+  }
+  const double n = static_cast<double>(turns.size());
+  mean /= n;
+  double apart2 = 0.0;
+  for (const auto &one : at)
+    apart2 += std::norm(one - mean);
+  return std::abs(mean) < criteria::kChanceRipple * std::sqrt(apart2 / (n - 1.0) / n);
+}
+
 } // namespace
 
-bool ripples_by_chance(const SmoothMotion &smooth) {
+bool ripples_by_chance(const SmoothMotion &smooth, std::span<const double> angle) {
   const auto turns = whole_turns(smooth.motion);
   if (turns.size() < 2)
     return false;
@@ -69,6 +92,8 @@ bool ripples_by_chance(const SmoothMotion &smooth) {
   }
   if (order == 0 || ripple_rad < smooth.residual_rms_rad)
     return false;
+  if (differs_by_turn(smooth, angle, turns, order))
+    return true;
   std::vector<double> by_turn;
   for (const auto &[first, last] : turns)
     by_turn.push_back(at_order(smooth.motion, first, last, order));
