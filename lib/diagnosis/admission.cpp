@@ -62,6 +62,11 @@ bool of_the_angle(const Effect &effect) {
   return is_static(effect) || effect.info().stage == Stage::motion;
 }
 
+bool shapes_the_figure(const Effect &effect) {
+  const Stage stage = effect.info().stage;
+  return is_static(effect) && (stage == Stage::bridge || stage == Stage::chain);
+}
+
 bool shows_beyond_angle(const Effect &effect) {
   return effect.info().axis != axis_name(Axis::angle);
 }

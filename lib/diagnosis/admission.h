@@ -19,21 +19,24 @@ std::size_t coordinates(const EffectInstance &e);
 std::optional<double> chosen(const EffectInstance &e, std::string_view name,
                              std::string_view unit = {});
 
-/// What an effect must be worth on held-out data beyond criteria::kLeastNats, for the freedom that it
-/// has.
+/// What an effect must be worth on held-out data beyond criteria::kLeastNats, for the freedom that
+/// it has.
 double price(const EffectInstance &e);
 
 /// Part of the noise that an effect must explain. One that may come at any order or frequency meets
 /// every small imperfection of the rest.
 double least_of_noise(const Effect &effect);
 
-/// Whether it is a function of the angle alone. A ripple of the motion is one, too, and what that is
-/// to second order nobody knows.
+/// Whether it is a function of the angle alone. A ripple of the motion is one, too, and what that
+/// is to second order nobody knows.
 bool of_the_angle(const Effect &effect);
 
 /// Whether it moves the pair by more than the angle alone decides: with the speed, the time, the
 /// temperature, the supply.
 bool shows_beyond_angle(const Effect &effect);
+
+/// Whether it changes the figure that the pair draws, whatever turns it.
+bool shapes_the_figure(const Effect &effect);
 
 /// Whether it lets VTEMP follow VCOS.
 bool leaks(const EffectInstance &e);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/robust.h"
+#include "diagnosis/admission.h"
 #include "diagnosis/borne_out.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/doubt.h"
@@ -145,12 +146,6 @@ std::optional<FitResult> fit_by_direction(Parts parts, Model model) {
   if (left.across > criteria::kMoreThanNoise * left.noise_across)
     return std::nullopt;
   return fit_with_errors(parts.train, model);
-}
-
-/// Whether an effect changes the figure that the pair draws, whatever turns it.
-bool shapes_the_figure(const Effect &effect) {
-  const Stage stage = effect.info().stage;
-  return is_static(effect) && (stage == Stage::bridge || stage == Stage::chain);
 }
 
 /// `one` with the numbers of the figure of `other`, and their errors.
@@ -439,10 +434,6 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     out.clearness.push_back(clear[found.order[i]]);
     out.last = after;
   }
-  // Where nothing has a name the better one of two fits of the same model stands.
-  if (found.order.empty() && !out.supply &&
-      parts.rung(out.extended).heldout.log_likelihood < out.first.heldout.log_likelihood)
-    out.extended.baseline = out.baseline.baseline;
   if (out.supply && supply) {
     // What its weights are worth shows where nothing else is wrong any more.
     parts.weigh(found.disturbed, 1.0);

@@ -141,8 +141,8 @@ void Work::settle() {
                                   parts_, std::move(found_));
   take(build_ladder(parts_, found_));
   while (drop_what_is_impossible() || drop_steps_of_processes() ||
-         drop_lines_that_stand_together() || drop_turns_that_lengthen() || drop_what_harms() ||
-         drop_what_is_unclear())
+         drop_lines_that_stand_together() || drop_what_the_length_denies() ||
+         drop_turns_that_lengthen() || drop_what_harms() || drop_what_is_unclear())
     take(build_ladder(parts_, found_));
   judge_model();
 }
@@ -161,13 +161,20 @@ void Work::name_nothing() {
 }
 
 void Work::judge_model() {
-  if (processes_.empty())
-    first_ = ladder_.first;
-  if (scene_.radius_only) { // the angle is that of the pair as the model has it now
+  if (scene_.radius_only) // the angle is that of the pair as the model has it now
     for (Observations *o : {&scene_.all, &parts_.train, &parts_.heldout})
       *o = at_own_angle(std::move(*o), out_.extended);
+  if (processes_.empty())
+    first_ = scene_.radius_only ? parts_.rung(ladder_.baseline) : ladder_.first;
+  if (scene_.radius_only || found_.order.empty())
     last_ = parts_.rung(out_.extended);
-  }
+  // Where nothing has a name the better one of two fits of the same model stands.
+  if (found_.order.empty() && !ladder_.supply)
+    if (const Rung plain = parts_.rung(ladder_.baseline);
+        plain.heldout.log_likelihood > last_.heldout.log_likelihood) {
+      out_.extended.baseline = ladder_.baseline.baseline;
+      last_ = plain;
+    }
   compare_with_anonymous();
   if (spikes())
     compare_with_anonymous();

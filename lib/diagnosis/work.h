@@ -122,6 +122,10 @@ private:
   /// no name could do that as well, with many columns in its place.
   bool drop_what_is_unclear();
 
+  /// Without a reference what lies across the vector is the motion's as well. What changes the
+  /// figure that the pair draws is seen in the length of held-out data.
+  bool drop_what_the_length_denies();
+
   /// Where a cause that may lie anywhere on the axis of the time or of the angle lies, in periods
   /// over the whole record: a whole one is what the record tells apart.
   struct Line {

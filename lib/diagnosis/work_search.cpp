@@ -207,6 +207,25 @@ bool Work::drop_turns_that_lengthen() {
   return false;
 }
 
+bool Work::drop_what_the_length_denies() {
+  if (scene_.has_reference)
+    return false;
+  const Model &model = found_.fit.model;
+  for (std::size_t place = 0; place < found_.order.size(); ++place) {
+    const std::size_t at = found_.order[place];
+    const Effect &effect = *model.effects[at].effect;
+    if (effect.info().prior_rank == 0 || !shapes_the_figure(effect))
+      continue;
+    const Model less = fit(parts_.train, model.without(at), 5).model;
+    if (nats_between(ada::radius_left(parts_.heldout, less),
+                     ada::radius_left(parts_.heldout, model)) > criteria::kRivalNats)
+      continue;
+    found_.forget(place);
+    return true;
+  }
+  return false;
+}
+
 std::optional<Work::Line> Work::line_of(const EffectInstance &e) const {
   const auto parameters = e.effect->info().parameters;
   for (std::size_t k = 0; k < parameters.size(); ++k) {

@@ -186,6 +186,27 @@ TEST(EllipseFit, exact_data_give_exact_parameters) {
     }
 }
 
+TEST(EllipseFit, a_flat_ellipse_in_coarse_steps_is_found) {
+  // One channel five times weaker than the other, and read in steps of a seventh of its amplitude:
+  // of a circle to begin with only a short part would be left.
+  SensorPair pair;
+  pair.k = -1.36;
+  pair.delta_rad = 19.0 * kRadPerDeg;
+  pair.amplitude_v = 0.55;
+  pair.noise_rms_v = 0.01;
+  pair.offset_sin_v = 0.5;
+  Sampler sampler(pair, fresh_seed());
+  Capture c = sampler.capture(560, 28.0, constant_speed(0.053));
+  constexpr double kStep = 0.025;
+  for (auto *channel : {&c.vsin_v, &c.vcos_v})
+    for (double &v : *channel)
+      v = kStep * std::round(v / kStep);
+  const EllipseFit fit = fit_ellipse(c.vsin_v, c.vcos_v);
+  EXPECT_NEAR(fit.coverage_deg, 360.0, 20.0);
+  EXPECT_NEAR(fit.value.k, pair.k, 0.02);
+  EXPECT_NEAR(fit.value.delta_rad, pair.delta_rad, 3.0 * kRadPerDeg);
+}
+
 TEST(EllipseFit, spikes_do_not_move_it) {
   SensorPair pair = elliptic_pair();
   Sampler sampler(pair, fresh_seed());

@@ -104,7 +104,7 @@ TEST(EffectText, RefusesWhatIsNoValue) {
   EXPECT_EQ(refusal("stray-field:b=nan"), "stray-field: b is not a number: 'nan'");
   EXPECT_EQ(refusal("stray-field:b=0.1,b=0.2"), "stray-field: b is given twice");
   EXPECT_EQ(refusal("amplitude-mismatch:k=9"),
-            "amplitude-mismatch: k must be from -1 to 1, not '9'");
+            "amplitude-mismatch: k must be from -1.9 to 1.9, not '9'");
 }
 
 TEST(EffectText, AnEffectStandsOnceAtAPlace) {

@@ -51,27 +51,39 @@ double at_order(const Kinematics &motion, std::size_t first, std::size_t last, i
   return mean != 0.0 ? std::abs(at / mean) : 0.0;
 }
 
-/// Whether an order of what a smooth motion leaves of the angle differs from turn to turn by so
-/// much that its mean over the turns is chance.
+/// Whether an order of what a smooth motion leaves of the angle is chance: it differs from turn to
+/// turn by more than its mean over the turns, or stands in too few turns to have been seen again.
+/// Where it falls with the speed each turn counts by its part of it.
 bool differs_by_turn(const SmoothMotion &smooth, std::span<const double> angle,
                      const std::vector<std::pair<std::size_t, std::size_t>> &turns, int order) {
   const std::vector<double> &alpha = smooth.motion.alpha;
+  const double slowest = slowest_of_range(smooth.motion.omega);
   std::vector<std::complex<double>> at;
-  std::complex<double> mean = 0.0;
+  std::vector<double> part;
+  std::complex<double> sum = 0.0;
+  double squares = 0.0, fourths = 0.0;
   for (const auto &[first, last] : turns) {
-    std::complex<double> sum = 0.0;
-    for (std::size_t i = first; i < last; ++i)
-      sum += (angle[i] - alpha[i]) * std::polar(1.0, -order * alpha[i]) *
-             std::abs(alpha[i + 1] - alpha[i]);
-    at.push_back(sum);
-    mean += sum;
+    std::complex<double> of = 0.0;
+    double fall = 0.0;
+    for (std::size_t i = first; i < last; ++i) {
+      const double step = std::abs(alpha[i + 1] - alpha[i]) / kTwoPi;
+      of += (angle[i] - alpha[i]) * std::polar(1.0, -order * alpha[i]) * step;
+      fall += slowest > 0.0 ? ripple_at(smooth.motion.omega[i], slowest) * step : step;
+    }
+    at.push_back(of);
+    part.push_back(fall);
+    sum += fall * of;
+    squares += fall * fall;
+    fourths += std::pow(fall, 4);
   }
-  const double n = static_cast<double>(turns.size());
-  mean /= n;
+  if (squares * squares < criteria::kFewestTurnsToRepeat * fourths)
+    return true;
+  const std::complex<double> mean = sum / squares;
   double apart2 = 0.0;
-  for (const auto &one : at)
-    apart2 += std::norm(one - mean);
-  return std::abs(mean) < criteria::kChanceRipple * std::sqrt(apart2 / (n - 1.0) / n);
+  for (std::size_t k = 0; k < at.size(); ++k)
+    apart2 += std::norm(at[k] - part[k] * mean);
+  const double n = static_cast<double>(turns.size());
+  return std::abs(mean) < criteria::kChanceRipple * std::sqrt(apart2 / (n - 1.0) / squares);
 }
 
 } // namespace

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Structure without a name that some cause of the catalogue follows by chance, because the motion
+// of the shaft is not known better.
+
+#include <array>
+#include <complex>
+#include <vector>
+
+#include "diagnosis/bench.h"
+
+namespace ada::test {
+namespace {
+
+using Complex = std::complex<double>;
+
+void expect_none_of(const Diagnosis &d, std::initializer_list<const char *> ids) {
+  for (const char *id : ids)
+    EXPECT_FALSE(named(d, id)) << id << " among " << names(d);
+}
+
+/// Angle of a shaft whose speed goes from one of these to the next, rpm, with half a cosine; by the
+/// time.
+std::vector<double> through_speeds(const std::vector<double> &rpm, double duration, double rate) {
+  const auto n = static_cast<std::size_t>(duration * rate);
+  std::vector<double> out;
+  double angle = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    out.push_back(angle);
+    const double at =
+        static_cast<double>(i) / static_cast<double>(n) * static_cast<double>(rpm.size() - 1);
+    const auto k = static_cast<std::size_t>(at);
+    const double part = 0.5 - 0.5 * std::cos(kPi * (at - static_cast<double>(k)));
+    angle += (rpm[k] + part * (rpm[k + 1] - rpm[k])) / 60.0 * kTwoPi / rate;
+  }
+  return out;
+}
+
+/// The pair of a bench that draws `z`, VCOS its real part, at these angles of the shaft.
+Capture drawn(Bench &bench, double rate, int periods, const std::vector<double> &angle,
+              const std::function<Complex(std::size_t)> &z) {
+  Capture c = bench.capture(angle.size(), rate, periods, [&](double t) {
+    return angle[static_cast<std::size_t>(std::lround(t * rate))];
+  });
+  const Pair &p = bench.pair;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const Complex v = z(i) * std::polar(1.0, p.zero_rad);
+    const double s = std::sin(0.5 * p.delta_rad), k = std::cos(0.5 * p.delta_rad);
+    c.vsin_v[i] = 2.5 + bench.normal(p.noise_v) +
+                  p.amplitude_v * (1.0 + 0.5 * p.k) * (v.imag() * k + v.real() * s);
+    c.vcos_v[i] = 2.5 + bench.normal(p.noise_v) +
+                  p.amplitude_v * (1.0 - 0.5 * p.k) * (v.real() * k + v.imag() * s);
+  }
+  return c;
+}
+
+KIND(a_speed_that_changes_within_a_turn_is_no_ripple) {
+  Bench bench;
+  constexpr std::array kPeriods{4, 7, 11};
+  constexpr int kCaptures = 6; // one in eight showed it
+  constexpr double kRate = 5000.0;
+  for (int k = 0; k < kCaptures; ++k) {
+    const int periods = kPeriods[static_cast<std::size_t>(bench.within(0.0, 2.999))];
+    const auto angle = through_speeds({bench.within(40.0, 80.0), bench.within(180.0, 240.0),
+                                       bench.within(380.0, 450.0), bench.within(250.0, 330.0)},
+                                      bench.within(1.2, 1.9), kRate);
+    Capture c = drawn(bench, kRate, periods, angle,
+                      [&](std::size_t i) { return std::polar(1.0, periods * angle[i]); });
+    c.reference_deg.clear();
+    const Diagnosis d = diagnose(c, {});
+    expect_pair(d, bench.pair);
+    expect_none_of(d, {"rotation-nonuniformity", "stray-field", "sensor-off-axis"});
+  }
+}
+
+KIND(a_board_that_tilts_is_never_made_worse) {
+  Bench bench;
+  const auto n = static_cast<std::size_t>(bench.within(50.0, 130.0));
+  const double turns = bench.within(0.9, 1.6), steep = bench.within(0.3, 1.2),
+               pitch = bench.within(0.1, 0.5), roll = bench.within(0.1, 0.5),
+               start = bench.within(0.0, kTwoPi), often = bench.within(0.5, 2.5);
+  std::vector<double> angle;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double part = static_cast<double>(i) / static_cast<double>(n);
+    angle.push_back(kTwoPi * (turns * part + 0.08 * std::sin(5.0 * kTwoPi * part)));
+  }
+  Capture c = drawn(bench, 10.0, 1, angle, [&](std::size_t i) {
+    const double part = static_cast<double>(i) / static_cast<double>(n);
+    const double a = pitch * std::sin(often * kTwoPi * part + start),
+                 b = roll * std::cos(1.3 * often * kTwoPi * part);
+    return std::polar(1.0, angle[i]) + steep * Complex(std::sin(a), std::sin(b));
+  });
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  if (d.verdict == Verdict::insufficient_data)
+    return;
+  EXPECT_GE(d.extended_quality.heldout.log_likelihood,
+            d.baseline_quality.heldout.log_likelihood - 1e-6)
+      << names(d);
+}
+
+} // namespace
+} // namespace ada::test
