@@ -54,7 +54,8 @@ public:
     const double ds = cos_psi * cos_h_ - sin_psi * sin_h_;
     const double dc = -sin_psi * cos_h_ + cos_psi * sin_h_;
     const double a = e_.amplitude_v, gs = 1 + e_.k / 2, gc = 1 - e_.k / 2;
-    const double ts = gs * ds, tc = gc * dc, length = std::hypot(ts, tc);
+    const double ts = gs * ds, tc = gc * dc;
+    const double length = std::sqrt(ts * ts + tc * tc); // of order 1: nothing to overflow
     const double ns = -tc / length, nc = ts / length;
     p.normal[kAmplitude] = ns * gs * s + nc * gc * c;
     p.normal[kMismatch] = 0.5 * a * (ns * s - nc * c);

@@ -41,10 +41,25 @@ bool ellipse_is_worthwhile(const EllipseFit &circle, const EllipseFit &ellipse) 
   return n * 2 * std::log(circle.residual_rms_v / ellipse.residual_rms_v) > kWorthwhile;
 }
 
+/// Whether an ellipse is so near to a circle that no arc could have been taken for all of it: a
+/// flat one goes to and fro along an arc.
+bool is_round(const EllipseFit &fit) {
+  constexpr double kMismatch = 0.5, kQuadratureRad = 20 * kRadPerDeg;
+  return std::abs(fit.value.k) < kMismatch && std::abs(fit.value.delta_rad) < kQuadratureRad;
+}
+
 /// The ellipse where the data carry it; on a short arc the circle, unless the data contradict it.
 EllipseFit fit_with_what_the_data_carry(const RecordingToFit &what, bool &circle_only) {
   circle_only = false;
   const int p = what.recording.meta().periods_per_turn;
+  std::optional<EllipseFit> ellipse;
+  try {
+    ellipse = fit_ellipse(what, {});
+  } catch (const Error &) {
+    // On a short arc the five may have no minimum; the circle stands.
+  }
+  if (ellipse && is_round(*ellipse) && ellipse->coverage_deg >= kGoodCoverageDeg)
+    return *std::move(ellipse);
   // Which shows how much of the circle there is.
   EllipseFit circle = fit_ellipse_to_sample(what, {.circle = true});
   if (circle.coverage_deg < kMinCoverageDeg) {
@@ -54,12 +69,6 @@ EllipseFit fit_with_what_the_data_carry(const RecordingToFit &what, bool &circle
                   "turn the magnet further",
                   circle.coverage_deg, circle.coverage_deg / p, kMinCoverageDeg);
     throw Error(ADA4571_ERROR_UNUSABLE_DATA, text);
-  }
-  std::optional<EllipseFit> ellipse;
-  try {
-    ellipse = fit_ellipse(what, {});
-  } catch (const Error &) {
-    // On a short arc the five may have no minimum; the circle stands.
   }
   if (ellipse &&
       (error_deg(*ellipse, p) <= kGoodErrorDeg || ellipse->coverage_deg >= kGoodCoverageDeg))

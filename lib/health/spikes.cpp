@@ -114,7 +114,10 @@ std::vector<std::size_t> rows_beyond(std::span<const double> x, double limit) {
 std::vector<std::size_t> reversals(const std::vector<double> &psi, const Capture &stretch,
                                    double limit) {
   const std::vector<double> &time = stretch.time_s;
-  const auto step = [&](std::size_t i) { return wrap_centred(psi[i] - psi[i - 1], kTwoPi); };
+  std::vector<double> steps(psi.size());
+  for (std::size_t i = 1; i < psi.size(); ++i)
+    steps[i] = wrap_centred(psi[i] - psi[i - 1], kTwoPi);
+  const auto step = [&](std::size_t i) { return steps[i]; };
   const auto turns_back = [&](std::size_t i) {
     const double before = step(i - 1), after = step(i + 1);
     if (before * after >= 0 || std::abs(before + after) > 2 * limit)
