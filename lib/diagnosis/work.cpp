@@ -240,8 +240,9 @@ std::vector<Finding> Work::screened_findings() {
       given_seen_ = true;
       continue;
     }
-    // Without a reference the ends of a burst jump as well.
-    if (in_bursts_ && !scene_.has_reference && is_jump(f.effect->info()))
+    // Without a reference the ends of a burst jump as well, and so does what passes between two
+    // ranges of readings that do not join.
+    if (!scene_.has_reference && is_jump(f.effect->info()) && (in_bursts_ || scene_.gap))
       continue;
     const bool correctable = f.effect->info().correctable;
     out.push_back(

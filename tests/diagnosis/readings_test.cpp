@@ -39,8 +39,8 @@ std::function<double(double)> by_hand(Bench &bench, double hz) {
   return wandering(bench, hz, 0.4, bench.within(0.05, 0.3) * hz);
 }
 
-/// A speed that is another in each part of a turn, as a hand has it: about `hz` turns a second, with
-/// six slow waves of its own.
+/// A speed that is another in each part of a turn, as a hand has it: about `hz` turns a second,
+/// with six slow waves of its own.
 std::function<double(double)> by_an_uneven_hand(Bench &bench, double hz) {
   std::vector<std::array<double, 3>> waves; // part of the speed, rad/s, rad
   for (int k = 0; k < 6; ++k)
@@ -60,8 +60,8 @@ KIND(a_hand_that_turns_unevenly_makes_no_ripple_of_the_turn) {
   Capture c = bench.capture(2000, 200.0, 1, by_an_uneven_hand(bench, turns / 10.0));
   c.reference_deg.clear();
   const Diagnosis d = diagnose(c, {});
-  for (const char *id : {"rotation-nonuniformity", "stray-field", "sensor-off-axis",
-                         "field-direction-error"})
+  for (const char *id :
+       {"rotation-nonuniformity", "stray-field", "sensor-off-axis", "field-direction-error"})
     EXPECT_FALSE(named(d, id)) << names(d);
   // Of few samples at one place of the turn and many at another.
   expect_pair(d, bench.pair, 0.003);
@@ -100,6 +100,25 @@ KIND(two_ranges_that_do_not_join_are_told_and_no_cause_is_fitted_over_the_joint)
   EXPECT_TRUE(d.findings.empty()) << names(d);
   EXPECT_TRUE(says(d, "VSIN is never between")) << left_of(d);
   EXPECT_EQ(d.verdict, Verdict::unexplained);
+}
+
+KIND(two_ranges_that_do_not_join_are_no_lost_rows) {
+  Bench bench;
+  constexpr int kCaptures = 2;
+  for (int k = 0; k < kCaptures; ++k) {
+    const double jump_v = bench.within(0.15, 0.5) * bench.pair.amplitude_v,
+                 hz = bench.within(2.0, 8.0), wow = bench.within(0.0, 0.02);
+    Capture c = bench.capture(5000, 1000.0, 1, [=](double t) {
+      return kTwoPi * hz * (t + wow * std::sin(kTwoPi * 0.4 * t) / (kTwoPi * 0.4));
+    });
+    c.reference_deg.clear();
+    for (double &v : c.vsin_v)
+      if (v < kMiddleV)
+        v -= jump_v;
+    const Diagnosis d = diagnose(c, {});
+    EXPECT_TRUE(d.findings.empty()) << names(d);
+    EXPECT_TRUE(says(d, "VSIN is never between")) << left_of(d);
+  }
 }
 
 KIND(a_square_wave_has_two_ranges_and_a_table_with_stops_has_many) {
