@@ -102,6 +102,27 @@ KIND(two_ranges_that_do_not_join_are_told_and_no_cause_is_fitted_over_the_joint)
   EXPECT_EQ(d.verdict, Verdict::unexplained);
 }
 
+KIND(a_shaft_that_turns_behind_much_noise_does_not_stand_still) {
+  Bench bench;
+  bench.pair.noise_v = bench.within(0.12, 0.16) * bench.pair.amplitude_v;
+  bench.pair.k = 0.15;
+  const double hz = bench.within(1.0, 4.0), wow = bench.within(0.0, 0.01);
+  Capture c = bench.capture(9000, 1000.0, 1, [=](double t) {
+    return kTwoPi * hz * (t + wow * std::sin(kTwoPi * 0.3 * t) / (kTwoPi * 0.3));
+  });
+  c.reference_deg.clear();
+  const Diagnosis turns = diagnose(c, {});
+  ASSERT_NE(turns.verdict, Verdict::insufficient_data) << turns.reason;
+  const Finding *k = named(turns, "amplitude-mismatch"); // the quadrature error may be too small
+  ASSERT_TRUE(k) << names(turns);
+  EXPECT_NEAR(k->values[0], bench.pair.k, 0.04);
+  // One that creeps within twice its noise does.
+  const double far = 2.0 * bench.pair.noise_v / bench.pair.amplitude_v;
+  Capture creeps = bench.capture(2000, 1000.0, 1, [=](double t) { return far * std::sin(t); });
+  creeps.reference_deg.clear();
+  EXPECT_EQ(diagnose(creeps, {}).verdict, Verdict::insufficient_data);
+}
+
 KIND(two_ranges_that_do_not_join_are_no_lost_rows) {
   Bench bench;
   constexpr int kCaptures = 2;

@@ -49,4 +49,17 @@ std::string why_no_angle(const std::vector<double> &vsin, const std::vector<doub
   return {};
 }
 
+bool draws_circle(const std::vector<double> &vsin, const std::vector<double> &vcos) {
+  try {
+    const EllipseFit fit = fit_ellipse(vsin, vcos);
+    return fit.coverage_deg >= 360.0 * criteria::kLeastCoverage &&
+           (why_no_circle(fit).empty() ||
+            share_near_centre(vsin, vcos, fit) <= criteria::kMostNearCentre);
+  } catch (const Error &error) {
+    if (error.status() != ADA4571_ERROR_UNUSABLE_DATA)
+      throw;
+    return false;
+  }
+}
+
 } // namespace ada

@@ -16,4 +16,7 @@ namespace ada {
 /// where there is a circle.
 std::string why_no_angle(const std::vector<double> &vsin, const std::vector<double> &vcos);
 
+/// Whether the pair draws as much of a circle as a diagnosis needs, and has an angle of its own.
+bool draws_circle(const std::vector<double> &vsin, const std::vector<double> &vcos);
+
 } // namespace ada
