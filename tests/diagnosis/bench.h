@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <initializer_list>
 #include <random>
 #include <string>
 #include <string_view>
@@ -126,6 +127,12 @@ inline std::string names(const Diagnosis &d) {
     out += "; ";
   }
   return out;
+}
+
+/// None of these causes is named.
+inline void expect_none(const Diagnosis &d, std::initializer_list<std::string_view> causes) {
+  for (std::string_view cause : causes)
+    EXPECT_FALSE(named(d, cause)) << cause << " among " << names(d);
 }
 
 /// Mismatch and quadrature with their values, within a hundredth of the larger of them, or within

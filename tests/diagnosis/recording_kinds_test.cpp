@@ -25,12 +25,6 @@ double steady(double rpm, double t) {
   return t * rpm / 60.0 * kTwoPi;
 }
 
-/// Neither the pair's own noise nor a process is blamed.
-void expect_none(const Diagnosis &d, std::initializer_list<std::string_view> causes) {
-  for (std::string_view cause : causes)
-    EXPECT_FALSE(named(d, cause)) << cause << " among " << names(d);
-}
-
 KIND(mains_beside_an_order_of_the_turn_is_told_from_it) {
   Bench bench;
   const double duration = bench.within(5.0, 8.0), mains_hz = bench.within(49.9, 50.1);

@@ -76,14 +76,19 @@ bool differs_by_turn(const SmoothMotion &smooth, std::span<const double> angle,
     squares += fall * fall;
     fourths += std::pow(fall, 4);
   }
-  if (squares * squares < criteria::kFewestTurnsToRepeat * fourths)
+  const double effective = squares * squares / fourths;
+  if (effective < criteria::kFewestTurnsToRepeat)
     return true;
   const std::complex<double> mean = sum / squares;
   double apart2 = 0.0;
   for (std::size_t k = 0; k < at.size(); ++k)
     apart2 += std::norm(at[k] - part[k] * mean);
-  const double n = static_cast<double>(turns.size());
-  return std::abs(mean) < criteria::kChanceRipple * std::sqrt(apart2 / (n - 1.0) / squares);
+  // Of so few turns the scatter is little known: the ratio is of an F distribution with 2 and
+  // 2 (n - 1) degrees of freedom, which exceeds f with a probability of (1 + f / (n - 1))^-(n - 1).
+  // For many turns that is e^-f, the chance of kChanceRipple.
+  const double n = static_cast<double>(turns.size()), free = effective - 1.0;
+  const double least = free * std::expm1(criteria::kChanceRipple * criteria::kChanceRipple / free);
+  return std::norm(mean) * squares < least * apart2 / (n - 1.0);
 }
 
 } // namespace
