@@ -97,8 +97,8 @@ inline constexpr int kMostPeriodsInTurns = 32;
 inline constexpr double kSamplesPerOrder = 6.0;
 /// Samples from which on lines of the spectrum are looked for.
 inline constexpr std::size_t kFewestForLines = 1000;
-/// Rows in the middle of a record that its spectrum is taken of, so that a long one takes no copy of
-/// itself: below a corner from a thousandth of the sample rate on lie a hundred lines and more.
+/// Rows in the middle of a record that its spectrum is taken of, so that a long one takes no copy
+/// of itself: below a corner from a thousandth of the sample rate on lie a hundred lines and more.
 inline constexpr std::size_t kFlickerRows = 131072;
 
 /// Functions slow in time: at most so many half waves over the record, each of which lasts this
@@ -197,12 +197,13 @@ inline constexpr double kUnclear = 4.0;
 /// sixteen of them for M of 400 places.
 inline constexpr double kMoreThanChanceTakes = 0.75;
 
-/// Lines of a spectrum, in periods over the whole record: closer than the first they are one and the
-/// same, and closer than the second the two sides of one whose size changes once over the record
-/// (one period to either side, or two of them) reach from one to the other.
+/// Lines of a spectrum, in periods over the whole record: closer than the first they are one and
+/// the same; closer than the second, they are one whose size changes once over the record, of which
+/// the sides lie two periods apart, each known to half of one.
 inline constexpr double kOneLine = 0.05, kTwoLines = 3.0;
-/// Part of the power of lines that stand together which the strongest has where it is steady: one
-/// that changes by a factor of two up and down as a sine has 0.8.
+/// Part of the power of lines that stand together which the strongest has where it is steady: a
+/// line whose size goes up and down as a sine, by a factor of 2.8 (m of 0.47), has as much: 1 / (1
+/// + m^2/2).
 inline constexpr double kMostlySteady = 0.9;
 
 /// A ripple of the shaft over what the motion does at its order in a turn by itself, divided by the

@@ -213,9 +213,9 @@ bool stands_still(const Capture &capture, double noise_v) {
   double most_v = 0.0;
   for (const auto *v : {&capture.vsin_v, &capture.vcos_v})
     most_v = std::max(most_v, quantile(*v, 0.99) - quantile(*v, 0.01));
-  if (most_v > kMany * noise_v || most_v <= kFew * noise_v)
-    return most_v <= kFew * noise_v;
-  return !draws_circle(capture.vsin_v, capture.vcos_v);
+  if (most_v <= kFew * noise_v)
+    return true;
+  return most_v <= kMany * noise_v && !draws_circle(capture.vsin_v, capture.vcos_v);
 }
 
 /// Speed and sense of each sample say nothing where they change: those are left out, unless that is

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "base/error.h"
@@ -32,34 +33,37 @@ double share_near_centre(const std::vector<double> &vsin, const std::vector<doub
   return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(radius.size(), 1));
 }
 
-} // namespace
-
-std::string why_no_angle(const std::vector<double> &vsin, const std::vector<double> &vcos) {
-  EllipseFit fit;
+/// Nothing of too few samples, or of too short an arc: that is said elsewhere.
+std::optional<EllipseFit> ellipse_of(const std::vector<double> &vsin,
+                                     const std::vector<double> &vcos) {
   try {
-    fit = fit_ellipse(vsin, vcos);
+    return fit_ellipse(vsin, vcos);
   } catch (const Error &error) {
     if (error.status() != ADA4571_ERROR_UNUSABLE_DATA)
       throw;
-    return {}; // too few, or too short an arc: that is said elsewhere
+    return std::nullopt;
   }
+}
+
+std::string why_no_angle(const std::vector<double> &vsin, const std::vector<double> &vcos,
+                         const EllipseFit &fit) {
   if (std::string why = why_no_circle(fit);
       !why.empty() && share_near_centre(vsin, vcos, fit) > criteria::kMostNearCentre)
     return why + ", and they come near its centre, where a pair has no angle";
   return {};
 }
 
+} // namespace
+
+std::string why_no_angle(const std::vector<double> &vsin, const std::vector<double> &vcos) {
+  const auto fit = ellipse_of(vsin, vcos);
+  return fit ? why_no_angle(vsin, vcos, *fit) : std::string();
+}
+
 bool draws_circle(const std::vector<double> &vsin, const std::vector<double> &vcos) {
-  try {
-    const EllipseFit fit = fit_ellipse(vsin, vcos);
-    return fit.coverage_deg >= 360.0 * criteria::kLeastCoverage &&
-           (why_no_circle(fit).empty() ||
-            share_near_centre(vsin, vcos, fit) <= criteria::kMostNearCentre);
-  } catch (const Error &error) {
-    if (error.status() != ADA4571_ERROR_UNUSABLE_DATA)
-      throw;
-    return false;
-  }
+  const auto fit = ellipse_of(vsin, vcos);
+  return fit && fit->coverage_deg >= 360.0 * criteria::kLeastCoverage &&
+         why_no_angle(vsin, vcos, *fit).empty();
 }
 
 } // namespace ada
