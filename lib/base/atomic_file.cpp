@@ -117,6 +117,19 @@ void AtomicFile::write(const void *bytes, std::size_t count) {
     buffer_.insert(buffer_.end(), from, from + count);
 }
 
+void AtomicFile::write(std::span<const std::string_view> pieces) {
+  synced_ = false;
+  flush();
+  write_all(fd_.get(), pieces, shown_);
+}
+
+void AtomicFile::expect(std::uint64_t bytes) {
+  if (!in_place_ && bytes > 0 &&
+      ::fallocate(fd_.get(), FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes)) != 0 &&
+      errno == ENOSPC)
+    throw system_error(ENOSPC, shown_, "cannot write");
+}
+
 void AtomicFile::flush() {
   write_all(fd_.get(), {buffer_.data(), buffer_.size()}, shown_);
   buffer_.clear();

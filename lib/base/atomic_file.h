@@ -7,6 +7,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +30,12 @@ public:
 
   void write(std::string_view bytes) { write(bytes.data(), bytes.size()); }
   void write(const void *bytes, std::size_t count);
+  /// Pieces that follow each other, in one call of the system.
+  void write(std::span<const std::string_view> pieces);
+  /// How many bytes will come: the file system gives room for all of them at once, which costs it
+  /// less than block by block. Throws where there is not so much room; a file system that cannot say
+  /// is no error.
+  void expect(std::uint64_t bytes);
   /// Hands the buffered bytes to the system.
   void flush();
   /// flush and fsync; commit() does it too. For a group of files: sync all, then commit all.

@@ -3,6 +3,7 @@
 
 #include "base/descriptor.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <climits>
@@ -10,6 +11,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 namespace ada {
@@ -69,6 +71,30 @@ void write_all(int fd, std::string_view bytes, const std::string &shown) {
     if (written < 0)
       throw system_error(errno, shown, "cannot write");
     bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void write_all(int fd, std::span<const std::string_view> pieces, const std::string &shown) {
+  std::array<iovec, 16> at; // POSIX knows of no system that takes fewer
+  while (!pieces.empty()) {
+    const std::size_t some = std::min(pieces.size(), at.size());
+    for (std::size_t k = 0; k < some; ++k) // writev reads only
+      at[k] = {const_cast<char *>(pieces[k].data()), pieces[k].size()};
+    ssize_t written = 0;
+    do
+      written = ::writev(fd, at.data(), static_cast<int>(some));
+    while (written < 0 && errno == EINTR);
+    if (written < 0)
+      throw system_error(errno, shown, "cannot write");
+    auto left = static_cast<std::size_t>(written);
+    while (!pieces.empty() && left >= pieces.front().size()) {
+      left -= pieces.front().size();
+      pieces = pieces.subspan(1);
+    }
+    if (left > 0) { // a write that was cut short ended within this piece
+      write_all(fd, pieces.front().substr(left), shown);
+      pieces = pieces.subspan(1);
+    }
   }
 }
 

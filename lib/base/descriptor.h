@@ -4,6 +4,7 @@
 // An open file descriptor, and which file it is, whatever its name.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -35,6 +36,8 @@ private:
 
 /// Writes all of it; throws system_error(..., shown, "cannot write").
 void write_all(int fd, std::string_view bytes, const std::string &shown);
+/// The same of pieces, one after the other, as few calls as may be.
+void write_all(int fd, std::span<const std::string_view> pieces, const std::string &shown);
 
 /// The folder of a path: "." where it names none.
 std::string folder_of(const std::string &path);

@@ -36,8 +36,8 @@ public:
   }
 
   /// From Taubin's circle through what the fences hold, from the circle of most places, or from
-  /// Taubin's circle through what the fences hold with both channels stretched to one range.
-  enum class Start { fences, places, ranges };
+  /// Taubin's circle through what the fences hold with its principal axes stretched to one range.
+  enum class Start { fences, places, axes };
   EllipseFit run(Start from);
 
 private:
@@ -50,7 +50,7 @@ private:
   std::size_t free_parameters() const { return options_.circle ? 3 : 5; }
   void start_within_fences();
   void start_at_places();
-  void start_by_ranges();
+  void start_by_axes();
   Normal accumulate(const EllipseParameters &e) const;
   double cost(const EllipseParameters &e) const;
   bool descend();
@@ -93,26 +93,52 @@ void Fitter::start_at_places() {
     no_ellipse("the samples do not lie on one curve");
 }
 
-void Fitter::start_by_ranges() {
+void Fitter::start_by_axes() {
   start_within_fences();
-  const auto range = [&](std::span<const double> of) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  for (const bool second : {false, true})
+    for (std::size_t i = 0; i < vsin_.size(); ++i)
+      if (use_[i]) {
+        const Eigen::Vector2d at(vsin_[i], vcos_[i]);
+        if (!second)
+          mean += at / static_cast<double>(used());
+        else
+          spread += (at - mean) * (at - mean).transpose();
+      }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(spread);
+  const Eigen::Matrix2d axes = eigen.eigenvectors(); // the short one first
+  std::array<std::vector<double>, 2> along;
+  Eigen::Vector2d range;
+  for (int axis = 0; axis < 2; ++axis) {
+    std::vector<double> &v = along[static_cast<std::size_t>(axis)];
+    for (std::size_t i = 0; i < vsin_.size(); ++i)
+      v.push_back(axes.col(axis).dot(Eigen::Vector2d(vsin_[i], vcos_[i])));
     constexpr double kEnd = 0.05;
-    std::vector<double> v(of.begin(), of.end());
-    const double low = quantile(v, kEnd);
-    return quantile(std::move(v), 1 - kEnd) - low;
-  };
-  const double sin = range(vsin_), cos = range(vcos_);
-  if (!(sin > 0 && cos > 0))
+    range[axis] = quantile(v, 1 - kEnd) - quantile(v, kEnd);
+  }
+  if (!(range[0] > 0 && range[1] > 0))
     no_ellipse("VSIN and VCOS stand still or move along one line");
-  std::vector<double> stretched(vsin_.begin(), vsin_.end());
-  for (double &v : stretched)
-    v *= cos / sin;
-  value_ = circle_start(stretched, vcos_, use_);
-  if (!(value_.amplitude_v > 0))
+  const double stretch = range[1] / range[0];
+  for (double &v : along[0])
+    v *= stretch;
+  const EllipseParameters circle = circle_start(along[0], along[1], use_);
+  if (!(circle.amplitude_v > 0))
     no_ellipse("VSIN and VCOS stand still or move along one line");
-  value_.centre_sin_v *= sin / cos;
-  value_.amplitude_v *= 0.5 * (1 + sin / cos);
+  const Eigen::Vector2d centre =
+      axes * Eigen::Vector2d(circle.centre_sin_v / stretch, circle.centre_cos_v);
+  // The circle seen in the channels: of A (1 +- k/2) and d its second moments know all.
+  const Eigen::Vector2d half(circle.amplitude_v / stretch, circle.amplitude_v);
+  const Eigen::Matrix2d moments = axes * half.cwiseAbs2().asDiagonal() * axes.transpose();
+  const double sin = std::sqrt(moments(0, 0)), cos = std::sqrt(moments(1, 1));
+  value_ = {};
+  value_.centre_sin_v = centre[0];
+  value_.centre_cos_v = centre[1];
+  value_.amplitude_v = 0.5 * (sin + cos);
   value_.k = 2 * (sin - cos) / (sin + cos);
+  value_.delta_rad = std::asin(std::clamp(moments(0, 1) / (sin * cos), -1.0, 1.0));
+  if (!valid(value_))
+    no_ellipse("VSIN and VCOS stand still or move along one line");
 }
 
 Fitter::Normal Fitter::accumulate(const EllipseParameters &e) const {
@@ -274,8 +300,8 @@ EllipseFit Fitter::run(Start from) {
   case Start::places:
     start_at_places();
     break;
-  case Start::ranges:
-    start_by_ranges();
+  case Start::axes:
+    start_by_axes();
     break;
   }
   bool converged = false;
@@ -356,7 +382,7 @@ EllipseFit fit_ellipse(std::span<const double> vsin, std::span<const double> vco
   if (plain && !is_doubtful(*plain, vsin.size()))
     return *std::move(plain);
   // Wild samples, or a figure that is far from a circle.
-  for (const auto start : {Fitter::Start::places, Fitter::Start::ranges})
+  for (const auto start : {Fitter::Start::places, Fitter::Start::axes})
     try {
       EllipseFit other = from(start);
       if (!plain || is_far_better(other, *plain))

@@ -20,7 +20,6 @@ namespace ada {
 namespace {
 
 constexpr double kStillFraction = 0.01; ///< of the supply: a channel at rest moves less
-constexpr double kMaxRejected = 0.10;   ///< more is no matter of spikes
 constexpr double kAsOften = 0.5;        ///< about as many samples of the other channel
 constexpr double kSectorOutlier = 6.0;  ///< sigmas from the median of a peak's sector
 constexpr double kPeakSector = 0.2;     ///< sine of half the sector about a peak

@@ -31,6 +31,9 @@ std::string why_no_circle(const EllipseFit &fit);
 /// 0.007 at most. A triangle in the place of a sine leaves 0.11.
 inline constexpr double kRoundness = 0.05;
 
+/// Share of the samples off the ellipse: more than these is no matter of spikes.
+inline constexpr double kMaxRejected = 0.10;
+
 /// More samples off the ellipse than spikes account for: a step, or another fault in time.
 void refuse_scattered(const Capture &capture, const EllipseFit &fit);
 

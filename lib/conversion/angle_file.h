@@ -28,7 +28,9 @@ public:
   virtual bool holds_times() const = 0;
   /// Any thread, several at once.
   virtual void encode(const AngleBlock &angles, Bytes &out) const = 0;
-  virtual void write(const Bytes &bytes) = 0;
+  /// Takes the bytes of a block that follows the last one; leaves others in their place, for their
+  /// memory.
+  virtual void write(Bytes &bytes) = 0;
   /// The file appears, whole.
   virtual void finish() = 0;
 };

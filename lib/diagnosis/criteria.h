@@ -121,6 +121,9 @@ inline constexpr double kNextGap = 0.25;
 /// filled evenly has 0.02 of them there (0.2 squared, the usual distance being 0.7 of its radius),
 /// two tones 0.01; a sound sensor has none.
 inline constexpr double kDeadCentre = 0.2, kMostNearCentre = 1.0 / 300.0;
+/// Electrical degrees that a pair which goes round shows at the least: all but two steps of the
+/// fewest samples. A cloud about one place of a curve shows less, for the centre lies outside it.
+inline constexpr double kAllRound = 360.0 - 2.0 * 360.0 / kFewestSamples;
 /// Samples that this is seen in: a share of one in 300 to a tenth of it.
 inline constexpr std::size_t kForCircle = 30000;
 /// Held-out nats by which an axis must gain to be admitted: by chance once in e^6 = 400 axes. Each

@@ -207,6 +207,26 @@ TEST(EllipseFit, a_flat_ellipse_in_coarse_steps_is_found) {
   EXPECT_NEAR(fit.value.delta_rad, pair.delta_rad, 3.0 * kRadPerDeg);
 }
 
+TEST(EllipseFit, a_flat_ellipse_across_both_channels_is_found) {
+  // Two channels five sixths of a half period apart, of a ring whose periods differ: a part of a
+  // large circle would fit nearly as well.
+  SensorPair pair;
+  pair.k = 0.25;
+  pair.delta_rad = -64.0 * kRadPerDeg;
+  pair.noise_rms_v = 0.002;
+  Sampler sampler(pair, fresh_seed());
+  Capture c = sampler.capture(450, 0.45, constant_speed(17.8));
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double size = 1.0 + 0.12 * std::sin(kTwoPi * 2.9 * static_cast<double>(i) / 450.0);
+    c.vsin_v[i] = 2.5 + size * (c.vsin_v[i] - 2.5);
+    c.vcos_v[i] = 2.5 + size * (c.vcos_v[i] - 2.5);
+  }
+  const EllipseFit fit = fit_ellipse(c.vsin_v, c.vcos_v);
+  EXPECT_NEAR(fit.coverage_deg, 360.0, 20.0);
+  EXPECT_NEAR(fit.value.k, pair.k, 0.1);
+  EXPECT_NEAR(fit.value.delta_rad, pair.delta_rad, 5.0 * kRadPerDeg);
+}
+
 TEST(EllipseFit, spikes_do_not_move_it) {
   SensorPair pair = elliptic_pair();
   Sampler sampler(pair, fresh_seed());

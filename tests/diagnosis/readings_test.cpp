@@ -391,6 +391,22 @@ KIND(two_tones_draw_no_circle_and_nothing_is_named) {
   EXPECT_NE(d.reason.find("draw no circle"), std::string::npos) << d.reason;
 }
 
+/// Through a cloud of readings goes a curve whose centre is outside of it: that is no turn.
+KIND(a_shaft_that_rests_and_is_shaken_has_no_angle) {
+  Bench bench;
+  Capture c = bench.capture(80, 1.0, 1, [](double) { return 0.7; });
+  c.reference_deg.clear();
+  const double noise = bench.within(0.01, 0.02), far = bench.within(0.2, 1.0);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double moved = i > 20 && i < 32 ? far : 0.0;
+    c.vsin_v[i] += bench.normal(noise) + moved * bench.within(-1.0, 1.0);
+    c.vcos_v[i] += bench.normal(noise) + moved * bench.within(-1.0, 1.0);
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_TRUE(d.findings.empty()) << names(d);
+  EXPECT_EQ(d.verdict, Verdict::insufficient_data) << left_of(d);
+}
+
 /// Its length comes down to a third, and still tells where the vector points.
 KIND(a_length_that_wanders_far_still_draws_a_circle) {
   Bench bench;

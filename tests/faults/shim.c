@@ -2,8 +2,8 @@
  * SPDX-FileCopyrightText: The libada4571 authors
  *
  * LD_PRELOAD library that makes one system call of a program go wrong: the FAULT_AT-th FAULT_CALL
- * (open, write, fsync, rename, link, truncate). FAULT_HOW is the number of an errno, "kill" to end the program
- * before the call, "killed" to end it after. With FAULT_ON every later call fails as well, as
+ * (open, write, room, fsync, rename, link, truncate; room is fallocate). FAULT_HOW is the number of an
+ * errno, "kill" to end the program before the call, "killed" to end it after. With FAULT_ON every later call fails as well, as
  * on a disk that is full. FAULT_LOG is a file that gets a line a call, to know how many there are.
  * With FAULT_SHRINK=N a recording's data file is cut short before it is read for the Nth time.
  * Counted is only what changes files: opens for writing, writes to regular files and to standard
@@ -20,6 +20,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 static atomic_int calls;
@@ -85,6 +86,18 @@ int open(const char *path, int flags, ...) {
 
 ssize_t write(int fd, const void *bytes, size_t count) {
   FAULTY(ssize_t, "write", is_counted(fd), syscall(SYS_write, fd, bytes, count));
+}
+
+ssize_t writev(int fd, const struct iovec *pieces, int count) {
+  FAULTY(ssize_t, "write", is_counted(fd), syscall(SYS_writev, fd, pieces, (long)count));
+}
+
+int fallocate(int fd, int mode, off_t from, off_t length) {
+  FAULTY(int, "room", 1, syscall(SYS_fallocate, fd, mode, from, length));
+}
+
+int fallocate64(int fd, int mode, off_t from, off_t length) {
+  return fallocate(fd, mode, from, length);
 }
 
 int fsync(int fd) {

@@ -8,7 +8,7 @@
 
 BUILD=$1 FORM=${2:-full}
 PATH=$BUILD/tools:$PATH
-CALLS=(open write fsync rename link truncate)
+CALLS=(open write room fsync rename link truncate)
 TRIES=0 FAILURES=0
 
 # passed, or failed WHAT...: one try more.

@@ -3,11 +3,17 @@
 
 #include "base/atomic_file.h"
 
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 
 #include "recording/captures.h"
 #include "support/temp_folder.h"
@@ -35,6 +41,61 @@ TEST(AtomicFile, LeavesTheOldFileAndNothingElseWithoutCommit) {
   }
   EXPECT_EQ(read_file(folder / "a"), "old");
   EXPECT_EQ(folder.names().size(), 1u);
+}
+
+TEST(AtomicFile, WritesPiecesInTheirOrderAfterWhatCameBefore) {
+  const TempFolder folder;
+  AtomicFile file(folder / "a");
+  std::vector<std::string> some;
+  std::string all = "before ";
+  for (std::size_t k = 0; k < 40; ++k) // more than one call takes; some are empty
+    some.emplace_back(k % 5 * 1000, static_cast<char>('a' + k % 26));
+  for (const std::string &piece : some)
+    all += piece;
+  file.expect(all.size());
+  file.write("before ");
+  const std::vector<std::string_view> pieces(some.begin(), some.end());
+  file.write(pieces);
+  file.commit();
+  EXPECT_EQ(read_file(folder / "a"), all);
+}
+
+/// A pipe takes what it has room for: the rest follows from within a piece.
+TEST(AtomicFile, WritesPiecesToAPipeThatTakesAPartAtATime) {
+  const TempFolder folder;
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string piece(30011, 'x');
+  const std::vector<std::string_view> pieces(20, piece);
+  std::size_t read = 0;
+  std::thread reader([&] {
+    std::ifstream from(pipe, std::ios::binary);
+    char some[997];
+    while (from.read(some, sizeof some) || from.gcount() > 0)
+      read += static_cast<std::size_t>(from.gcount());
+  });
+  {
+    AtomicFile file(pipe);
+    file.expect(1); // no regular file: nothing to make room in
+    file.write(pieces);
+    file.commit();
+  }
+  reader.join();
+  EXPECT_EQ(read, 20 * piece.size());
+}
+
+TEST(AtomicFile, RefusesMoreBytesThanTheDiskHasRoomFor) {
+  const TempFolder folder;
+  struct statvfs disk {};
+  ASSERT_EQ(::statvfs((folder / "").c_str(), &disk), 0);
+  const std::uint64_t room = std::uint64_t{disk.f_blocks} * disk.f_frsize;
+  AtomicFile file(folder / "a");
+  ada4571_status status = ADA4571_OK;
+  const std::string said = failure([&] { file.expect(room + (1 << 20)); }, &status);
+  if (said.empty())
+    GTEST_SKIP() << "this file system does not say how much room there is";
+  EXPECT_EQ(status, ADA4571_ERROR_IO);
+  EXPECT_NE(said.find("No space left"), std::string::npos) << said;
 }
 
 TEST(AtomicFile, RemovesTheTemporaryWhenTheRenameFails) {

@@ -47,9 +47,13 @@ std::optional<EllipseFit> ellipse_of(const std::vector<double> &vsin,
 
 std::string why_no_angle(const std::vector<double> &vsin, const std::vector<double> &vcos,
                          const EllipseFit &fit) {
-  if (std::string why = why_no_circle(fit);
-      !why.empty() && share_near_centre(vsin, vcos, fit) > criteria::kMostNearCentre)
+  std::string why = why_no_circle(fit);
+  if (why.empty())
+    return {};
+  if (share_near_centre(vsin, vcos, fit) > criteria::kMostNearCentre)
     return why + ", and they come near its centre, where a pair has no angle";
+  if (fit.coverage_deg < criteria::kAllRound)
+    return why + ", and the readings stand at one side of it";
   return {};
 }
 
@@ -63,6 +67,7 @@ std::string why_no_angle(const std::vector<double> &vsin, const std::vector<doub
 bool draws_circle(const std::vector<double> &vsin, const std::vector<double> &vcos) {
   const auto fit = ellipse_of(vsin, vcos);
   return fit && fit->coverage_deg >= 360.0 * criteria::kLeastCoverage &&
+         static_cast<double>(fit->rejected) < kMaxRejected * static_cast<double>(vsin.size()) &&
          why_no_angle(vsin, vcos, *fit).empty();
 }
 

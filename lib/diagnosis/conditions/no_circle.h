@@ -11,9 +11,10 @@
 namespace ada {
 
 /// Why the pair has no angle of its own: the scatter about the best ellipse reaches from the curve
-/// to its centre (why_no_circle of calibration/guards.h), and the pair also comes near that centre.
-/// A length that wanders scatters, too, yet keeps its angle, for it never comes to nothing. Empty
-/// where there is a circle.
+/// to its centre (why_no_circle of calibration/guards.h), and the pair also comes near that centre,
+/// or it does not go all round it: through a cloud of readings that stand still a curve passes with
+/// its centre outside. A length that wanders scatters, too, yet keeps its angle: it goes round, and
+/// never comes to nothing. Empty where there is a circle.
 std::string why_no_angle(const std::vector<double> &vsin, const std::vector<double> &vcos);
 
 /// Whether the pair draws as much of a circle as a diagnosis needs, and has an angle of its own.
