@@ -95,6 +95,8 @@ inline constexpr double kFewestTurnsToRepeat = 2.0;
 inline constexpr int kMostPeriodsInTurns = 32;
 /// Samples that an order takes: four numbers from two values each.
 inline constexpr double kSamplesPerOrder = 6.0;
+/// Rows from which on the means of bins and of bands are looked at: eight for each of fifty.
+inline constexpr std::size_t kFewestForMeans = 400;
 /// Samples from which on lines of the spectrum are looked for.
 inline constexpr std::size_t kFewestForLines = 1000;
 /// Rows in the middle of a record that its spectrum is taken of, so that a long one takes no copy
@@ -105,6 +107,9 @@ inline constexpr std::size_t kFlickerRows = 131072;
 /// many electrical periods, so that none follows the shaft, and no more than two to a round of what
 /// repeats with the angle, as those are the angle's.
 inline constexpr double kMostTrends = 32.0, kPeriodsPerTrend = 1.5, kTrendsPerRound = 2.0;
+/// Periods over the rows that a line of few of them has at the least: what comes round less often is
+/// slow in time. And how often white noise may have one as strong: in one capture of ten thousand.
+inline constexpr double kFewestPeriodsOfRows = 0.5 * kMostTrends, kChanceOfLine = 1e-4;
 /// Steps in time: stretches that are compared (three on either side of a place, and enough places
 /// to know what is usual), samples in each, and steps at most. A jump counts from this many of its
 /// usual sizes on, as a spike does, and where the speed changes by less than this part of the

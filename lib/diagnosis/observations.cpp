@@ -141,8 +141,12 @@ void describe_motion(Scene &scene) {
   std::vector<double> speed;
   for (std::size_t i = 0; i < all.size(); ++i) {
     speed.push_back(std::abs(all.omega[i]));
-    const double dt = i > 0 ? all.time[i] - all.time[i - 1] : 0.0;
-    const double step = std::min(std::abs(dt), 10.0 * all.frame_period_s) * all.omega[i];
+    double dt = i > 0 ? all.time[i] - all.time[i - 1] : 0.0;
+    double step = std::min(std::abs(dt), 10.0 * all.frame_period_s) * all.omega[i];
+    if (scene.stops && i > 0) { // it turns from one place to the next, and each way counts alike
+      dt = 1.0;
+      step = std::copysign(std::abs(all.alpha[i] - all.alpha[i - 1]), all.direction[i]);
+    }
     if (step == 0.0)
       continue;
     Way &way = step > 0.0 ? forward : backward;

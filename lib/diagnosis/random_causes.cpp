@@ -441,6 +441,13 @@ double radial_nats(const Anonymous &left, const Parts &parts, const Model &model
   return 0.5 * static_cast<double>(own.size()) * std::log(left_v2(less) / left_v2(left.selection));
 }
 
+/// Share of the strongest line where it stands out of white noise: what comes with the rows, as a motor
+/// gives that steps from one to the next, is no noise although neighbours do not share it.
+double share_of_line(const std::vector<double> &x) {
+  const RowLine line = strongest_line(x, criteria::kFewestPeriodsOfRows);
+  return line.chance < criteria::kChanceOfLine ? line.share : 0.0;
+}
+
 } // namespace
 
 std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model,
@@ -519,9 +526,9 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   const double along = std::max(white_variance(shape.along), criteria::kLeastMeanSquare);
   const double amplitude = model.baseline.amplitude_v;
   // The steps of a reference lie across the vector, too.
-  const double of_steps =
-      std::pow(step_rad * model.periods_per_turn * amplitude, 2) / 12.0 * criteria::kOfSteps;
-  const double all_across = white_variance(shape.across);
+  const double steps_v2 = std::pow(step_rad * model.periods_per_turn * amplitude, 2) / 12.0;
+  const double of_steps = steps_v2 * criteria::kOfSteps;
+  const double all_across = white_variance(shape.across) * (1.0 - share_of_line(shape.across));
   const double across = std::max(std::min(all_across, along), all_across - of_steps);
   const bool differ = nats_of_two(along, across, n / 2.0) > criteria::kNatsOfNoise &&
                       std::max(along, across) > criteria::kMoreVariance * std::min(along, across);
@@ -559,8 +566,11 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
       out.push_back({noise, {deg}, {relative * deg}, others, nats, 0.0});
     }
   }
+  // What a reference rounds stays the same for as long as a slow shaft stays in one step: that
+  // grows toward low frequency as well.
+  const bool by_reference = parts.has_reference && steps_v2 < along;
   const Flicker flicker =
-      in_order ? flicker_of(*in_order, parts.has_reference, model, left) : Flicker{};
+      in_order ? flicker_of(*in_order, by_reference, model, left) : Flicker{};
   if (flicker.corner_hz > 0.0)
     if (const Effect *e =
             effect_of(Evidence::noise, "noise", Pattern::offset, Character::process)) {

@@ -49,15 +49,17 @@ bool repeats_with_angle(const EffectInstance &e) {
          (e.effect->info().stage == Stage::record && !shows_beyond_angle(*e.effect));
 }
 
+/// Whether an effect says of itself that it looks like another.
+bool knows(const Effect &self, const Effect &other) {
+  return std::ranges::any_of(self.info().separations,
+                             [&](const Separation &s) { return s.rival == other.info().id; });
+}
+
 /// Whether a cause that the capture cannot show as such may yet be what was found: one that effects
 /// know to look alike. Beside a reference that follows the shaft no motion does.
 bool may_look_alike(const Effect &found, const Effect &invisible, bool has_reference) {
   if (!has_reference)
     return true;
-  const auto knows = [](const Effect &a, const Effect &b) {
-    return std::ranges::any_of(a.info().separations,
-                               [&](const Separation &s) { return s.rival == b.info().id; });
-  };
   return invisible.info().stage != Stage::motion &&
          (knows(found, invisible) || knows(invisible, found));
 }
@@ -93,11 +95,12 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
   for (const Candidate &c : list) {
     if (c.effect == self || c.gain < 0.8 * highest)
       continue;
-    // A signature is no rival of a physical cause, unless other evidence speaks for it; without a
-    // reference nothing tells them apart.
+    // A signature takes the place of no physical cause, unless other evidence speaks for it, and is
+    // told of beside one that says of itself that it looks so; without a reference nothing tells
+    // them apart.
     const bool a_cause = !c.effect->info().signature || self->info().signature ||
                          side_evidence(data_, c.start) > my_side + criteria::kRivalNats;
-    if (!a_cause && data_.scene->has_reference)
+    if (!a_cause && data_.scene->has_reference && !knows(*self, *c.effect))
       continue;
     State rival = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
     choose(rival, rival.fit.model.effects.size() - 1);

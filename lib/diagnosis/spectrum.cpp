@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unsupported/Eigen/FFT>
 
 namespace ada {
@@ -29,6 +30,40 @@ Spectrum spectrum_over_time(std::span<const double> time, double sample_period_s
   out.bin_hz = 1.0 / (static_cast<double>(size) * grid);
   Eigen::FFT<float> fft;
   fft.fwd(out.line, in);
+  return out;
+}
+
+RowLine strongest_line(std::span<const double> row, double fewest_periods) {
+  const std::size_t n = row.size();
+  const std::size_t first =
+      std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(fewest_periods)));
+  if (n < 2 * first + 4)
+    return {};
+  std::vector<double> in(row.begin(), row.end());
+  const double mean = std::accumulate(in.begin(), in.end(), 0.0) / static_cast<double>(n);
+  for (double &v : in)
+    v -= mean;
+  std::vector<std::complex<double>> line;
+  Eigen::FFT<double> fft;
+  fft.fwd(line, in);
+  double in_all = 0.0, in_band = 0.0, most = 0.0;
+  RowLine out;
+  for (std::size_t k = 1; 2 * k < n; ++k) { // the last line of an even row has one number only
+    const double power = std::norm(line[k]);
+    in_all += power;
+    if (k < first)
+      continue;
+    in_band += power;
+    if (power > most) {
+      most = power;
+      out.periods = static_cast<double>(k);
+    }
+  }
+  if (!(in_band > 0.0))
+    return {};
+  out.share = most / in_all;
+  const double lines = static_cast<double>((n - 1) / 2 - first + 1);
+  out.chance = std::min(1.0, lines * std::pow(1.0 - most / in_band, lines - 1.0));
   return out;
 }
 

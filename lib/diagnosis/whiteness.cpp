@@ -18,6 +18,7 @@
 #include "base/angle.h"
 #include "base/robust.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/few_rows.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/spectrum.h"
 
@@ -584,8 +585,10 @@ std::vector<Structure> find_structure(const Scene &scene, const Observations &da
                                       double sigma_v, double least_rms_v) {
   std::vector<Structure> out;
   const std::size_t n = data.size();
-  if (n < 400 || !(sigma_v > 0.0))
+  if (!(sigma_v > 0.0))
     return out;
+  if (n < criteria::kFewestForMeans)
+    return scene.stops ? out : find_lines_of_rows(scene, data, residual, least_rms_v);
   const Components parts = components(scene, residual);
   const Memory memory(scene, data, parts);
   sigma_v = std::max(sigma_v, memory.rms_v());

@@ -140,7 +140,7 @@ void Work::settle() {
   found_ = name_against_anonymous({scene_, judge(), found_baseline(), noise_, options_.progress},
                                   parts_, std::move(found_));
   take(build_ladder(parts_, found_));
-  while (drop_what_is_impossible() || drop_steps_of_processes() ||
+  while (drop_what_is_impossible() || drop_slips_within_a_step() || drop_steps_of_processes() ||
          drop_lines_that_stand_together() || drop_what_the_length_denies() ||
          drop_turns_that_lengthen() || drop_what_harms() || drop_what_is_unclear())
     take(build_ladder(parts_, found_));

@@ -122,6 +122,10 @@ private:
   /// no name could do that as well, with many columns in its place.
   bool drop_what_is_unclear();
 
+  /// The rounding of a reference that counts in steps stays the same for as long as a slow shaft
+  /// stays in one of them: what moves the angle by less than a step may be that.
+  bool drop_slips_within_a_step();
+
   /// Without a reference what lies across the vector is the motion's as well. What changes the
   /// figure that the pair draws is seen in the length of held-out data.
   bool drop_what_the_length_denies();

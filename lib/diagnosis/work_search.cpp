@@ -11,10 +11,12 @@
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "base/angle.h"
 #include "diagnosis/admission.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/first_model.h"
+#include "diagnosis/moments.h"
 #include "diagnosis/naming.h"
 #include "diagnosis/unseen_supply.h"
 #include "motion/surroundings.h"
@@ -164,6 +166,22 @@ bool Work::drop_what_is_impossible() {
     return false;
   found_.forget(static_cast<std::size_t>(impossible - f.begin()));
   return true;
+}
+
+bool Work::drop_slips_within_a_step() {
+  const double step_deg = reference_step_rad() * kDegPerRad;
+  for (std::size_t place = 0; place < found_.order.size(); ++place) {
+    const EffectInstance &e = found_.fit.model.effects[found_.order[place]];
+    const auto parameters = e.effect->info().parameters;
+    if (!has_moment(*e.effect) || e.effect->info().pattern != Pattern::turn)
+      continue;
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+      if (parameters[k].unit == "deg" && std::abs(e.values[k]) < step_deg) {
+        found_.forget(place);
+        return true;
+      }
+  }
+  return false;
 }
 
 double Work::lengthens(const Model &model, double order) const {

@@ -391,6 +391,29 @@ KIND(two_tones_draw_no_circle_and_nothing_is_named) {
   EXPECT_NE(d.reason.find("draw no circle"), std::string::npos) << d.reason;
 }
 
+/// A motor that steps between its readings errs with its phases: that comes again every four steps,
+/// and is neither noise nor explained.
+KIND(the_steps_of_a_motor_are_no_noise_of_the_angle) {
+  Bench bench;
+  constexpr double kStep = kTwoPi / 200.0;
+  const double across = bench.within(5e-4, 2e-3);
+  double phase[4];
+  for (double &p : phase)
+    p = bench.within(-1.0, 1.0);
+  const double mean = 0.25 * (phase[0] + phase[1] + phase[2] + phase[3]);
+  const double first = 0.5 * std::hypot(phase[0] - phase[2], phase[1] - phase[3]);
+  Capture c = bench.capture(200, 20.0, 1, [&](double t) { return kStep * 20.0 * t; });
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double a = c.reference_deg[i] * kRadPerDeg +
+                     across * (phase[i % 4] - mean) / std::max(first, 0.1) + bench.normal(1e-4);
+    c.vsin_v[i] = kMiddleV + std::sin(a);
+    c.vcos_v[i] = kMiddleV + std::cos(a);
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_FALSE(named(d, "angle-noise")) << names(d);
+  EXPECT_NE(left_of(d).find("readings"), std::string::npos) << left_of(d);
+}
+
 /// Through a cloud of readings goes a curve whose centre is outside of it: that is no turn.
 KIND(a_shaft_that_rests_and_is_shaken_has_no_angle) {
   Bench bench;

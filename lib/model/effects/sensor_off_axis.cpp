@@ -16,11 +16,12 @@ constexpr std::array<ParameterInfo, 2> kParameters{
     ParameterInfo{"a_deg", "deg", 0.2, 0.0, 20.0, Role::fitted, 0.01},
     ParameterInfo{"direction_deg", "deg", 0.0, -360.0, 360.0}};
 
-constexpr std::array<Separation, 2> kSeparations{
+constexpr std::array<Separation, 3> kSeparations{
     {{"rotation-nonuniformity",
       "record a reference angle, or repeat at another speed or in a coast-down"},
      {"field-direction-error", "move the sensor by a known step: the error of an off-axis sensor "
-                               "grows with the square of the distance"}}};
+                               "grows with the square of the distance"},
+     {"reference-harmonic", kSteadySpin}}};
 
 constexpr EffectInfo kInfo{
     .id = "sensor-off-axis",
