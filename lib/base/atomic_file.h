@@ -33,8 +33,8 @@ public:
   /// Pieces that follow each other, in one call of the system.
   void write(std::span<const std::string_view> pieces);
   /// How many bytes will come: the file system gives room for all of them at once, which costs it
-  /// less than block by block. Throws where there is not so much room; a file system that cannot say
-  /// is no error.
+  /// less than block by block. Throws where there is not so much room; a file system that cannot
+  /// say is no error.
   void expect(std::uint64_t bytes);
   /// Hands the buffered bytes to the system.
   void flush();

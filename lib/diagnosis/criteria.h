@@ -107,8 +107,9 @@ inline constexpr std::size_t kFlickerRows = 131072;
 /// many electrical periods, so that none follows the shaft, and no more than two to a round of what
 /// repeats with the angle, as those are the angle's.
 inline constexpr double kMostTrends = 32.0, kPeriodsPerTrend = 1.5, kTrendsPerRound = 2.0;
-/// Periods over the rows that a line of few of them has at the least: what comes round less often is
-/// slow in time. And how often white noise may have one as strong: in one capture of ten thousand.
+/// Periods over the rows that a line of few of them has at the least: what comes round less often
+/// is slow in time. And how often white noise may have one as strong: in one capture of ten
+/// thousand.
 inline constexpr double kFewestPeriodsOfRows = 0.5 * kMostTrends, kChanceOfLine = 1e-4;
 /// Steps in time: stretches that are compared (three on either side of a place, and enough places
 /// to know what is usual), samples in each, and steps at most. A jump counts from this many of its
@@ -209,6 +210,9 @@ inline constexpr double kMoreThanChanceTakes = 0.75;
 /// the same; closer than the second, they are one whose size changes once over the record, of which
 /// the sides lie two periods apart, each known to half of one.
 inline constexpr double kOneLine = 0.05, kTwoLines = 3.0;
+/// Part of its own frequency that a tone may wander by and still be one: the mains of an island
+/// stay within 2 % of theirs (EN 50160, for 95 % of a week).
+inline constexpr double kSameTone = 0.02;
 /// Part of the power of lines that stand together which the strongest has where it is steady: a
 /// line whose size goes up and down as a sine, by a factor of 2.8 (m of 0.47), has as much: 1 / (1
 /// + m^2/2).

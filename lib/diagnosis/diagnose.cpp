@@ -19,14 +19,17 @@ bool is_of_motion(const Finding &f) {
   return f.effect->info().stage == Stage::motion && f.effect->info().evidence == Evidence::signal;
 }
 
-/// Whether a reading that names a ripple of the shaft and leaves something over says no more of the
-/// sensor than one by the radius alone, which leaves nothing: then the shaft turns unevenly, and
-/// not by that ripple.
-bool is_the_shafts_alone(const Diagnosis &with_ripple, const Diagnosis &by_radius) {
-  if (!by_radius.structure.empty() ||
-      std::none_of(with_ripple.findings.begin(), with_ripple.findings.end(), is_of_motion))
+/// Whether a reading that leaves something over says less of the sensor than one by the radius
+/// alone, which leaves nothing: what more it says is a ripple of the shaft, or it says nothing more
+/// and the other does. Then the shaft turns unevenly, and not by that ripple.
+bool is_the_shafts_alone(const Diagnosis &with_motion, const Diagnosis &by_radius) {
+  const auto ripples =
+      std::count_if(with_motion.findings.begin(), with_motion.findings.end(), is_of_motion);
+  const auto of_sensor = static_cast<std::ptrdiff_t>(with_motion.findings.size()) - ripples;
+  const bool says_more = static_cast<std::ptrdiff_t>(by_radius.findings.size()) > of_sensor;
+  if (!by_radius.structure.empty() || with_motion.structure.empty() || !(ripples > 0 || says_more))
     return false;
-  return std::all_of(with_ripple.findings.begin(), with_ripple.findings.end(),
+  return std::all_of(with_motion.findings.begin(), with_motion.findings.end(),
                      [&](const Finding &f) {
                        return is_of_motion(f) ||
                               std::any_of(by_radius.findings.begin(), by_radius.findings.end(),

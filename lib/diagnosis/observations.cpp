@@ -520,10 +520,10 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   if (const double step = converter_step(capture.vsin_v); scene.white_noise_v < kCoarse * step)
     scene.coarse_step_v = step;
   if (stands_still(capture, look.white_noise_v)) {
-    scene.insufficient =
-        fmt::format("the shaft does not turn: both signals stand still, but for {:.3g} mV that differ "
-                    "from one reading to the next",
-                    1e3 * look.white_noise_v);
+    scene.insufficient = fmt::format(
+        "the shaft does not turn: both signals stand still, but for {:.3g} mV that differ "
+        "from one reading to the next",
+        1e3 * look.white_noise_v);
     return scene;
   }
   describe_temperature(capture, scene);

@@ -441,8 +441,8 @@ double radial_nats(const Anonymous &left, const Parts &parts, const Model &model
   return 0.5 * static_cast<double>(own.size()) * std::log(left_v2(less) / left_v2(left.selection));
 }
 
-/// Share of the strongest line where it stands out of white noise: what comes with the rows, as a motor
-/// gives that steps from one to the next, is no noise although neighbours do not share it.
+/// Share of the strongest line where it stands out of white noise: what comes with the rows, as a
+/// motor gives that steps from one to the next, is no noise although neighbours do not share it.
 double share_of_line(const std::vector<double> &x) {
   const RowLine line = strongest_line(x, criteria::kFewestPeriodsOfRows);
   return line.chance < criteria::kChanceOfLine ? line.share : 0.0;
@@ -569,8 +569,7 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   // What a reference rounds stays the same for as long as a slow shaft stays in one step: that
   // grows toward low frequency as well.
   const bool by_reference = parts.has_reference && steps_v2 < along;
-  const Flicker flicker =
-      in_order ? flicker_of(*in_order, by_reference, model, left) : Flicker{};
+  const Flicker flicker = in_order ? flicker_of(*in_order, by_reference, model, left) : Flicker{};
   if (flicker.corner_hz > 0.0)
     if (const Effect *e =
             effect_of(Evidence::noise, "noise", Pattern::offset, Character::process)) {

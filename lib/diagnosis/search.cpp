@@ -34,6 +34,16 @@ void SearchResult::forget(std::size_t place) {
     k -= k > effect;
 }
 
+void SearchResult::name_last(std::size_t place) {
+  const auto move = [place](auto &of) {
+    const auto at = of.begin() + static_cast<std::ptrdiff_t>(place);
+    std::rotate(at, at + 1, of.end());
+  };
+  move(order);
+  move(contribution);
+  move(alternatives);
+}
+
 Search::Search(SearchData data, Model baseline, double noise_v, Report report)
     : data_(std::move(data)), baseline_(std::move(baseline)), given_(baseline_.effects.size()),
       noise_v_(noise_v), report_(std::move(report)) {

@@ -43,6 +43,8 @@ struct SearchResult {
 
   /// Takes the finding at this place of `order` out of everything.
   void forget(std::size_t place);
+  /// Names it after all others.
+  void name_last(std::size_t place);
 };
 
 /// Mean squares of what no physical cause accounts for, V^2 of a channel.

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "diagnosis/anonymous/anonymous.h"
@@ -109,8 +110,10 @@ private:
   /// What the search began with: the model without its findings.
   Model found_baseline() const;
 
-  /// No finding makes held-out data worse: where all together do, the one that harms most goes.
+  /// No finding makes held-out data worse: where all together do, the one that harms most goes. One
+  /// that does so where it is added, but not among all, is named after what it has to stand on.
   bool drop_what_harms();
+  bool likelier_without(std::size_t place) const; ///< than under all findings
 
   /// A cause that the last fit, with all of the data and what has no name, leaves outside of what
   /// it can be (a delay below zero) stands for something else.
@@ -323,6 +326,7 @@ private:
   std::vector<Structure> angle_left_; ///< what the last look kept of the angle
   double noise_ = 0.0, explained_noise_ = 0.0;
   bool noise_stated_ = false, free_lag_ = false;
+  std::set<const Effect *> named_last_; ///< moved there once: no order of two may go round
   int slow_waves_ = 0; ///< half waves by which the course of a slow process was taken out
   std::vector<double> lengthening_; ///< orders at which the length changes as the angle does
   bool in_bursts_ = false;          ///< samples in a row are left over

@@ -128,6 +128,11 @@ Model Work::found_baseline() const {
   return out;
 }
 
+bool Work::likelier_without(std::size_t place) const {
+  const Model less = fit(parts_.train, found_.fit.model.without(found_.order[place]), 6).model;
+  return parts_.rung(less).heldout.log_likelihood > ladder_.last.heldout.log_likelihood;
+}
+
 bool Work::drop_what_harms() {
   const Quality &first = ladder_.first.heldout, &last = ladder_.last.heldout;
   const bool likelier = last.log_likelihood >= first.log_likelihood;
@@ -153,7 +158,12 @@ bool Work::drop_what_harms() {
   }
   if (worst == ladder_.findings.size())
     return false;
-  found_.forget(worst);
+  // What is named after it may be what it has to stand on.
+  if (!whole_harms && worst + 1 < found_.order.size() && !likelier_without(worst) &&
+      named_last_.insert(ladder_.findings[worst].effect).second)
+    found_.name_last(worst);
+  else
+    found_.forget(worst);
   return true;
 }
 
@@ -264,7 +274,7 @@ bool Work::drop_lines_that_stand_together() {
     if (!line)
       continue;
     std::vector<std::size_t> together;
-    double sum = 0.0, most = 0.0;
+    double sum = 0.0, most = 0.0, widest = 0.0;
     std::size_t strongest = place;
     for (std::size_t other = 0; other < found_.order.size(); ++other) {
       const std::size_t at = found_.order[other];
@@ -275,6 +285,7 @@ bool Work::drop_lines_that_stand_together() {
       if (other != place && (apart < criteria::kOneLine || apart > criteria::kTwoLines))
         continue;
       together.push_back(other);
+      widest = std::max(widest, apart);
       const double v2 = std::pow(moved_rms_v(parts_.heldout, model, at), 2);
       sum += v2;
       if (v2 > most) {
@@ -284,7 +295,10 @@ bool Work::drop_lines_that_stand_together() {
     }
     if (together.size() < 2)
       continue;
-    const bool steady = most > criteria::kMostlySteady * sum;
+    // A tone that wanders is still one: of its lines the strongest stands for it.
+    const bool steady =
+        most > criteria::kMostlySteady * sum ||
+        (line->axis == Line::of_time && widest < criteria::kSameTone * line->periods);
     for (auto other = together.rbegin(); other != together.rend(); ++other)
       if (!steady || *other != strongest)
         found_.forget(*other);

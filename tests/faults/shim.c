@@ -2,12 +2,12 @@
  * SPDX-FileCopyrightText: The libada4571 authors
  *
  * LD_PRELOAD library that makes one system call of a program go wrong: the FAULT_AT-th FAULT_CALL
- * (open, write, room, fsync, rename, link, truncate; room is fallocate). FAULT_HOW is the number of an
- * errno, "kill" to end the program before the call, "killed" to end it after. With FAULT_ON every later call fails as well, as
- * on a disk that is full. FAULT_LOG is a file that gets a line a call, to know how many there are.
- * With FAULT_SHRINK=N a recording's data file is cut short before it is read for the Nth time.
- * Counted is only what changes files: opens for writing, writes to regular files and to standard
- * output. */
+ * (open, write, room, fsync, rename, link, truncate; room is fallocate). FAULT_HOW is the number of
+ * an errno, "kill" to end the program before the call, "killed" to end it after. With FAULT_ON
+ * every later call fails as well, as on a disk that is full. FAULT_LOG is a file that gets a line a
+ * call, to know how many there are. With FAULT_SHRINK=N a recording's data file is cut short before
+ * it is read for the Nth time. Counted is only what changes files: opens for writing, writes to
+ * regular files and to standard output. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
