@@ -102,6 +102,8 @@ inline constexpr std::size_t kFewestForLines = 1000;
 /// Rows in the middle of a record that its spectrum is taken of, so that a long one takes no copy
 /// of itself: below a corner from a thousandth of the sample rate on lie a hundred lines and more.
 inline constexpr std::size_t kFlickerRows = 131072;
+/// Rows that tell the white noise of a long record.
+inline constexpr std::size_t kNoiseRows = 131072;
 
 /// Functions slow in time: at most so many half waves over the record, each of which lasts this
 /// many electrical periods, so that none follows the shaft, and no more than two to a round of what

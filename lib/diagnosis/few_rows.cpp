@@ -53,25 +53,37 @@ std::vector<Structure> find_lines_of_rows(const Scene &scene, const Observations
                                           const ResidualColumns &residual, double least_rms_v) {
   std::vector<Structure> out;
   const double rows = static_cast<double>(data.size());
+  const double turns = turns_of(data);
   for (const Part &part : parts_of(scene, data, residual)) {
-    const RowLine line = strongest_line(part.value, criteria::kFewestPeriodsOfRows);
-    if (line.chance > criteria::kChanceOfLine)
-      continue;
     double squares = 0.0;
     for (double v : part.value)
       squares += v * v;
-    const double rms_v = std::sqrt(line.share * squares / rows / 2.0); // of a channel
-    if (rms_v < least_rms_v)
-      continue;
-    const double turns = turns_of(data);
-    const std::string a_turn =
-        turns > 0.5 ? fmt::format(", {:.3g} times a turn", line.periods / turns) : "";
-    out.push_back({"frequency",
-                   fmt::format("a line of {:.3g} mV rms in {} comes every {:.3g} readings{}",
-                               1e3 * rms_v, part.of, rows / line.periods, a_turn),
-                   rms_v});
+    for (const RowLine &line :
+         standing_lines(part.value, criteria::kFewestPeriodsOfRows, criteria::kChanceOfLine)) {
+      const double rms_v = std::sqrt(line.share * squares / rows / 2.0); // of a channel
+      if (rms_v < least_rms_v)
+        break;
+      const std::string a_turn =
+          turns > 0.5 ? fmt::format(", {:.3g} times a turn", line.periods / turns) : "";
+      out.push_back({"frequency",
+                     fmt::format("a line of {:.3g} mV rms in {} comes every {:.3g} readings{}",
+                                 1e3 * rms_v, part.of, rows / line.periods, a_turn),
+                     rms_v});
+    }
   }
   return out;
+}
+
+double share_of_lines_across(const Scene &scene, const Model &model) {
+  const Observations &data = scene.all;
+  if (!scene.has_reference || scene.stops || data.size() >= criteria::kFewestForMeans)
+    return 0.0;
+  double sum = 0.0;
+  for (const RowLine &line :
+       standing_lines(parts_of(scene, data, residual_columns(data, model)).back().value,
+                      criteria::kFewestPeriodsOfRows, criteria::kChanceOfLine))
+    sum += line.share;
+  return sum;
 }
 
 } // namespace ada

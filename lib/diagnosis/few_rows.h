@@ -9,6 +9,7 @@
 #include "diagnosis/fit.h"
 #include "diagnosis/observations.h"
 #include "diagnosis/result.h"
+#include "model/model.h"
 
 namespace ada {
 
@@ -17,5 +18,9 @@ namespace ada {
 /// channel is worth a word.
 std::vector<Structure> find_lines_of_rows(const Scene &scene, const Observations &data,
                                           const ResidualColumns &residual, double least_rms_v);
+
+/// Part that such lines have of what the model leaves across the vector, beside a reference: that is
+/// no noise, although neighbours do not share it. 0 of more rows, where the line finders look.
+double share_of_lines_across(const Scene &scene, const Model &model);
 
 } // namespace ada

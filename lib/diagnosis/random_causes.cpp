@@ -441,13 +441,6 @@ double radial_nats(const Anonymous &left, const Parts &parts, const Model &model
   return 0.5 * static_cast<double>(own.size()) * std::log(left_v2(less) / left_v2(left.selection));
 }
 
-/// Share of the strongest line where it stands out of white noise: what comes with the rows, as a
-/// motor gives that steps from one to the next, is no noise although neighbours do not share it.
-double share_of_line(const std::vector<double> &x) {
-  const RowLine line = strongest_line(x, criteria::kFewestPeriodsOfRows);
-  return line.chance < criteria::kChanceOfLine ? line.share : 0.0;
-}
-
 } // namespace
 
 std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model,
@@ -508,8 +501,8 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
 }
 
 std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts, const Model &model,
-                                      double stated_v, double step_rad,
-                                      const Observations *in_order) {
+                                      const NoiseSeen &seen) {
+  const auto &[stated_v, step_rad, lines_across, in_order] = seen;
   std::vector<RandomCause> out;
   const Shape shape = shape_of(left, parts, model);
   const double n = static_cast<double>(shape.along.size());
@@ -528,7 +521,7 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   // The steps of a reference lie across the vector, too.
   const double steps_v2 = std::pow(step_rad * model.periods_per_turn * amplitude, 2) / 12.0;
   const double of_steps = steps_v2 * criteria::kOfSteps;
-  const double all_across = white_variance(shape.across) * (1.0 - share_of_line(shape.across));
+  const double all_across = white_variance(shape.across) * (1.0 - lines_across);
   const double across = std::max(std::min(all_across, along), all_across - of_steps);
   const bool differ = nats_of_two(along, across, n / 2.0) > criteria::kNatsOfNoise &&
                       std::max(along, across) > criteria::kMoreVariance * std::min(along, across);

@@ -35,11 +35,17 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
 /// the more `periods` of it come to each of the `waves` half waves.
 double crosstalk(double periods, double waves);
 
-/// The noise along and across the vector and over frequency, against `stated_v` where the capture
-/// states it (0: it does not). `in_order`: the whole record, where a spectrum of it means anything.
+/// What else is known of the noise.
+struct NoiseSeen {
+  double stated_v = 0.0;     ///< by the capture or by a model; 0: not
+  double step_rad = 0.0;     ///< of the reference
+  double lines_across = 0.0; ///< of what lies across the vector, the part that comes with the rows
+  const Observations *in_order = nullptr; ///< the whole record, where a spectrum means anything
+};
+
+/// The noise along and across the vector and over frequency.
 std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts, const Model &model,
-                                      double stated_v, double step_rad,
-                                      const Observations *in_order);
+                                      const NoiseSeen &seen);
 
 /// Takes out of `slow` offsets what flicker noise among `noise` holds anyway: its spectrum goes on
 /// to the `waves` half waves of a record of `span_s` by which they were seen.

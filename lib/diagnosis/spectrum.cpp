@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 #include <unsupported/Eigen/FFT>
+#include <utility>
 
 namespace ada {
 
@@ -33,7 +34,9 @@ Spectrum spectrum_over_time(std::span<const double> time, double sample_period_s
   return out;
 }
 
-RowLine strongest_line(std::span<const double> row, double fewest_periods) {
+std::vector<RowLine> standing_lines(std::span<const double> row, double fewest_periods,
+                                    double chance) {
+  constexpr std::size_t kMost = 8;
   const std::size_t n = row.size();
   const std::size_t first =
       std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(fewest_periods)));
@@ -46,24 +49,28 @@ RowLine strongest_line(std::span<const double> row, double fewest_periods) {
   std::vector<std::complex<double>> line;
   Eigen::FFT<double> fft;
   fft.fwd(line, in);
-  double in_all = 0.0, in_band = 0.0, most = 0.0;
-  RowLine out;
-  for (std::size_t k = 1; 2 * k < n; ++k) { // the last line of an even row has one number only
-    const double power = std::norm(line[k]);
+  // The last line of an even row has one number where the others have two: half of its square is
+  // its part of the sum of squares, and no likelier to be large than theirs.
+  std::vector<std::pair<double, std::size_t>> by_power;
+  double in_all = 0.0, in_band = 0.0;
+  for (std::size_t k = 1; 2 * k <= n; ++k) {
+    const double power = (2 * k == n ? 0.5 : 1.0) * std::norm(line[k]);
     in_all += power;
     if (k < first)
       continue;
     in_band += power;
-    if (power > most) {
-      most = power;
-      out.periods = static_cast<double>(k);
-    }
+    by_power.emplace_back(power, k);
   }
-  if (!(in_band > 0.0))
-    return {};
-  out.share = most / in_all;
-  const double lines = static_cast<double>((n - 1) / 2 - first + 1);
-  out.chance = std::min(1.0, lines * std::pow(1.0 - most / in_band, lines - 1.0));
+  std::sort(by_power.rbegin(), by_power.rend());
+  std::vector<RowLine> out;
+  for (const auto &[power, k] : by_power) {
+    const double lines = static_cast<double>(by_power.size() - out.size());
+    if (out.size() == kMost || !(in_band > 0.0) ||
+        lines * std::pow(1.0 - std::min(1.0, power / in_band), lines - 1.0) > chance)
+      break;
+    out.push_back({static_cast<double>(k), power / in_all});
+    in_band -= power;
+  }
   return out;
 }
 

@@ -24,16 +24,17 @@ struct Spectrum {
 Spectrum spectrum_over_time(std::span<const double> time, double sample_period_s,
                             const std::function<std::complex<double>(std::size_t)> &value);
 
-/// The strongest line of a row of values, at one of its own frequencies.
+/// A line of a row of values, at one of its own frequencies.
 struct RowLine {
-  double periods = 0.0; ///< over the whole row
-  double share = 0.0;   ///< of the sum of squares about the mean
-  /// How likely white noise has a line as strong among those that were looked at (R. A. Fisher,
-  /// Proc. R. Soc. A 125, 1929: exact for any number of normal values, which may be few).
-  double chance = 1.0;
+  double periods; ///< over the whole row
+  double share;   ///< of the sum of squares about the mean
 };
 
-/// Of lines with `fewest_periods` or more; by place in the row, whatever the clock says.
-RowLine strongest_line(std::span<const double> row, double fewest_periods);
+/// Lines of `fewest_periods` or more, the strongest first, each so strong beside those that are
+/// weaker as white noise has one with this chance only (R. A. Fisher, Proc. R. Soc. A 125, 1929:
+/// exact for any number of normal values, which may be few). By place in the row, whatever the
+/// clock says.
+std::vector<RowLine> standing_lines(std::span<const double> row, double fewest_periods,
+                                    double chance);
 
 } // namespace ada

@@ -10,6 +10,7 @@
 
 #include "diagnosis/conditions/gains.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/few_rows.h"
 #include "diagnosis/moments.h"
 #include "diagnosis/random_causes.h"
 
@@ -97,8 +98,9 @@ std::vector<RandomCause> Work::read_noise() const {
                         : named_before_ && named_before_->noise_rms_v
                             ? std::max(noise_, *named_before_->noise_rms_v)
                             : noise_;
-  return noise_causes(unnamed_, white, named, stated, reference_step_rad(),
-                      even_clock() ? &scene_.all : nullptr);
+  return noise_causes(unnamed_, white, named,
+                      {stated, reference_step_rad(), share_of_lines_across(scene_, out_.extended),
+                       even_clock() ? &scene_.all : nullptr});
 }
 
 void Work::name_random_causes() {

@@ -19,6 +19,7 @@ namespace {
 /// Orders that are fitted together with a motion; higher ones are far from what its knots can
 /// follow.
 constexpr int kFittedRipples = 20;
+constexpr double kRowsOfRipples = 131072.0; ///< from twice as many on a part of the rows will do
 
 /// Cosine and sine part of each order beside a smooth motion: a spline with a knot every other turn
 /// of travel, stiff enough to leave a ripple of order 1 to it.
@@ -165,6 +166,20 @@ std::vector<Ripple> ripples_against_time(std::span<const double> time,
   double travel = 0.0;
   for (std::size_t i = 1; i < angle.size(); ++i)
     travel += std::abs(angle[i] - angle[i - 1]);
+  // Of a long record every so many rows, as long as twice as many are left as the orders take.
+  const double rows = static_cast<double>(angle.size());
+  const auto every = static_cast<std::size_t>(
+      std::min(rows / kRowsOfRipples, rows / std::max(1.0, 8.0 * orders * travel / kTwoPi)));
+  if (every > 1) {
+    std::vector<double> some_time, some_angle;
+    std::vector<char> some_usable;
+    for (std::size_t i = 0; i < angle.size(); i += every) {
+      some_time.push_back(time[i]);
+      some_angle.push_back(angle[i]);
+      some_usable.push_back(usable[i]);
+    }
+    return ripples_against_time(some_time, some_angle, some_usable, orders);
+  }
   const auto parts = static_cast<std::size_t>(
       std::clamp(travel / kTwoPi / kTurnsOfPart, static_cast<double>(kFewestParts), kMostParts));
   // Parts of as many turns each: of a drive that has several speeds most then hold one of them.

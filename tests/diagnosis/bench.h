@@ -129,6 +129,14 @@ inline std::string names(const Diagnosis &d) {
   return out;
 }
 
+/// The names, and what is left over.
+inline std::string left_of(const Diagnosis &d) {
+  std::string out = names(d);
+  for (const Structure &s : d.structure)
+    out += "\n" + s.along + ": " + s.description;
+  return out;
+}
+
 /// None of these causes is named.
 inline void expect_none(const Diagnosis &d, std::initializer_list<std::string_view> causes) {
   for (std::string_view cause : causes)

@@ -30,13 +30,6 @@ std::function<double(double)> motion(Bench &bench) {
   };
 }
 
-std::string left_of(const Diagnosis &d) {
-  std::string out = names(d);
-  for (const Structure &s : d.structure)
-    out += "\n" + s.along + ": " + s.description;
-  return out;
-}
-
 bool says(const Diagnosis &d, const char *words) {
   return left_of(d).find(words) != std::string::npos;
 }

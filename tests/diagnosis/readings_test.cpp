@@ -27,13 +27,6 @@ bool says(const Diagnosis &d, std::string_view words) {
   });
 }
 
-std::string left_of(const Diagnosis &d) {
-  std::string out = names(d) + "left:";
-  for (const Structure &s : d.structure)
-    out += " " + s.description + ";";
-  return out;
-}
-
 /// A shaft that a hand turns, at about so many turns a second.
 std::function<double(double)> by_hand(Bench &bench, double hz) {
   return wandering(bench, hz, 0.4, bench.within(0.05, 0.3) * hz);
@@ -389,29 +382,6 @@ KIND(two_tones_draw_no_circle_and_nothing_is_named) {
   EXPECT_TRUE(d.findings.empty()) << names(d);
   EXPECT_EQ(d.verdict, Verdict::insufficient_data) << left_of(d);
   EXPECT_NE(d.reason.find("draw no circle"), std::string::npos) << d.reason;
-}
-
-/// A motor that steps between its readings errs with its phases: that comes again every four steps,
-/// and is neither noise nor explained.
-KIND(the_steps_of_a_motor_are_no_noise_of_the_angle) {
-  Bench bench;
-  constexpr double kStep = kTwoPi / 200.0;
-  const double across = bench.within(5e-4, 2e-3);
-  double phase[4];
-  for (double &p : phase)
-    p = bench.within(-1.0, 1.0);
-  const double mean = 0.25 * (phase[0] + phase[1] + phase[2] + phase[3]);
-  const double first = 0.5 * std::hypot(phase[0] - phase[2], phase[1] - phase[3]);
-  Capture c = bench.capture(200, 20.0, 1, [&](double t) { return kStep * 20.0 * t; });
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const double a = c.reference_deg[i] * kRadPerDeg +
-                     across * (phase[i % 4] - mean) / std::max(first, 0.1) + bench.normal(1e-4);
-    c.vsin_v[i] = kMiddleV + std::sin(a);
-    c.vcos_v[i] = kMiddleV + std::cos(a);
-  }
-  const Diagnosis d = diagnose(c, {});
-  EXPECT_FALSE(named(d, "angle-noise")) << names(d);
-  EXPECT_NE(left_of(d).find("readings"), std::string::npos) << left_of(d);
 }
 
 /// Through a cloud of readings goes a curve whose centre is outside of it: that is no turn.
