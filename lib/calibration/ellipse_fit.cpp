@@ -382,7 +382,9 @@ EllipseFit fit_ellipse(std::span<const double> vsin, std::span<const double> vco
   if (plain && !is_doubtful(*plain, vsin.size()))
     return *std::move(plain);
   // Wild samples, or a figure that is far from a circle.
-  for (const auto start : {Fitter::Start::places, Fitter::Start::axes})
+  for (const auto start : {Fitter::Start::places, Fitter::Start::axes}) {
+    if (options.circle && start == Fitter::Start::axes) // which would stay as they are
+      continue;
     try {
       EllipseFit other = from(start);
       if (!plain || is_far_better(other, *plain))
@@ -390,6 +392,7 @@ EllipseFit fit_ellipse(std::span<const double> vsin, std::span<const double> vco
     } catch (const Error &) {
       // Then the samples lie on no curve, and the first fit says so best.
     }
+  }
   if (plain)
     return *std::move(plain);
   throw Error(ADA4571_ERROR_UNUSABLE_DATA, why);
