@@ -224,6 +224,9 @@ inline constexpr double kMostlySteady = 0.9;
 /// square root of the turns: the mean of so many independent turns is that large with a probability
 /// of e^-9, one of 8000.
 inline constexpr double kChanceRipple = 3.0;
+/// Part of the power of a ripple that the knots of the smooth motion cannot follow: of less than a
+/// half the larger part of any ripple is theirs.
+inline constexpr double kBeyondKnots = 0.5;
 
 // --- naming causes
 

@@ -76,13 +76,14 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
   const auto run = [&](bool guess) {
     struct {
       Diagnosis out;
-      bool in_vain, doubtful;
+      bool in_vain, followed, doubtful;
       RadiusLeft left;
     } result;
     Work work(capture, options, guess);
     result.out = work.run();
     result.in_vain = work.guessed_in_vain();
-    result.doubtful = work.may_blame_the_sensor_for_the_motion();
+    result.followed = work.names_what_the_motion_follows();
+    result.doubtful = result.followed || work.may_blame_the_sensor_for_the_motion();
     if (result.doubtful)
       result.left = work.radius_left();
     return result;
@@ -100,7 +101,7 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
     return std::move(first.out);
   const double left_v = apart.radius_left().rms_v;
   const bool better =
-      criteria::kRadiusWorse * left_v < first.left.rms_v ||
+      first.followed || criteria::kRadiusWorse * left_v < first.left.rms_v ||
       (left_v < criteria::kRadiusWorse * first.left.rms_v && is_the_shafts_alone(first.out, out));
   return better ? std::move(out) : std::move(first.out);
 }

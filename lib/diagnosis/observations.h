@@ -104,6 +104,7 @@ struct Scene {
   /// Without a reference and with a shaft that turns too unevenly to be one itself: the angle is
   /// the pair's own, and only the radius can be judged.
   bool radius_only = false;
+  std::vector<double> knots; ///< s: of the smooth motion that the pair itself told, where it did
   /// Several records with a zero angle each, in none of which the speed changes: what lags behind a
   /// reference is in the zero angles.
   bool lag_in_zeros = false;

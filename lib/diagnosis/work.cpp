@@ -9,10 +9,13 @@
 #include <numeric>
 #include <utility>
 
+#include "base/angle.h"
+#include "diagnosis/admission.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/conditions/level_gap.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/conditions/several.h"
+#include "diagnosis/conditions/uneven_motion.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/describe.h"
 #include "diagnosis/first_model.h"
@@ -121,6 +124,25 @@ Diagnosis Work::run() {
 bool Work::may_blame_the_sensor_for_the_motion() const {
   return !scene_.has_reference && !scene_.radius_only &&
          (out_.verdict == Verdict::partly_explained || out_.verdict == Verdict::unexplained);
+}
+
+bool Work::names_what_the_motion_follows() const {
+  if (scene_.knots.empty())
+    return false;
+  const Observations &data = scene_.all;
+  const std::vector<char> all(data.size(), 1);
+  return std::any_of(out_.findings.begin(), out_.findings.end(), [&](const Finding &f) {
+    const EffectInstance e{f.effect, f.values, {}};
+    const auto order = chosen(e, "order", "per turn");
+    if (!order || f.effect->info().stage != Stage::motion)
+      return false;
+    std::vector<double> size;
+    if (const double rpm = chosen(e, "speed_rpm").value_or(0.0); rpm > 0.0)
+      for (double w : data.omega)
+        size.push_back(ripple_at(w, rpm / 60.0 * kTwoPi));
+    return beyond_knots(scene_.knots, data.time, data.alpha, all, *order, size) <
+           criteria::kBeyondKnots;
+  });
 }
 
 bool Work::guessed_in_vain() const {

@@ -32,6 +32,9 @@ public:
 
   /// Whether the shaft was taken for a reference and something is left over that may be its motion.
   bool may_blame_the_sensor_for_the_motion() const;
+  /// Whether a ripple of the shaft is named that the knots of the smooth motion follow: what was
+  /// fitted beside them is what they left to it.
+  bool names_what_the_motion_follows() const;
   /// What the extended model leaves along the radius of held-out data, V rms.
   RadiusLeft radius_left() const { return ada::radius_left(parts_.heldout, out_.extended); }
 

@@ -141,7 +141,8 @@ constexpr int kFallingOrders = 12;
 std::vector<double> split_by(std::vector<double> knots, std::span<const double> time,
                              std::span<const double> angle, std::span<const char> usable,
                              int orders, SmoothMotion &out, const std::vector<double> &falls) {
-  CubicSpline spline(std::move(knots));
+  CubicSpline spline(knots);
+  out.knots = std::move(knots);
   const int falling = falls.empty() ? 0 : std::min(orders, kFallingOrders);
   const auto harmonics = [&](std::size_t i, double *t) {
     const double c1 = std::cos(angle[i]), s1 = std::sin(angle[i]);

@@ -57,6 +57,7 @@ inline double ripple_at(double omega, double slowest) {
 struct SmoothMotion {
   Kinematics motion;                 ///< the smooth motion alone
   std::vector<double> cos, sin;      ///< rad: periodic part, entry n - 1 is order n
+  std::vector<double> knots;         ///< of the motion, s
   double residual_rms_rad = 0.0;     ///< what neither explains
   double slow_rad = 0.0;             ///< of that what goes on for a tenth of a turn or more
   std::vector<std::uint32_t> spikes; ///< single samples that stand out of both

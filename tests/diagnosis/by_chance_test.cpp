@@ -96,5 +96,28 @@ KIND(a_board_that_tilts_is_never_made_worse) {
       << names(d);
 }
 
+/// Where the speed changes so much that the knots of the motion lie close they follow any ripple of
+/// order 1: what is fitted beside them is none of the shaft's.
+KIND(a_speed_in_ramps_over_a_few_turns_has_no_ripple) {
+  Bench bench;
+  bench.pair.k = bench.pair.delta_rad = 0.0;
+  bench.pair.noise_v = bench.within(2e-3, 6e-3);
+  constexpr double kRate = 500.0, kDuration = 12.0;
+  const std::vector<double> rpm{bench.within(15.0, 30.0), bench.within(30.0, 60.0),
+                                bench.within(20.0, 90.0), bench.within(15.0, 40.0)};
+  std::vector<double> angle{0.0};
+  for (std::size_t i = 1; i < static_cast<std::size_t>(kRate * kDuration); ++i) {
+    const double at = static_cast<double>(i) / (kRate * kDuration) * 3.0;
+    const auto k = static_cast<std::size_t>(at);
+    const double now = rpm[k] + (at - static_cast<double>(k)) * (rpm[k + 1] - rpm[k]);
+    angle.push_back(angle.back() + now / 60.0 * kTwoPi / kRate);
+  }
+  Capture c = bench.capture(angle.size(), kRate, 1, [&](double t) {
+    return angle[static_cast<std::size_t>(std::lround(t * kRate))];
+  });
+  c.reference_deg.clear();
+  expect_none(diagnose(c, {}), {"rotation-nonuniformity", "stray-field", "sensor-off-axis"});
+}
+
 } // namespace
 } // namespace ada::test

@@ -11,6 +11,7 @@
 #include "base/angle.h"
 #include "base/robust.h"
 #include "diagnosis/criteria.h"
+#include "motion/spline.h"
 
 namespace ada {
 
@@ -93,12 +94,33 @@ bool differs_by_turn(const SmoothMotion &smooth, std::span<const double> angle,
 
 } // namespace
 
-bool ripples_by_chance(const SmoothMotion &smooth, std::span<const double> angle) {
+double beyond_knots(const std::vector<double> &knots, std::span<const double> time,
+                    std::span<const double> angle, std::span<const char> usable, double order,
+                    std::span<const double> size) {
+  CubicSpline spline(knots);
+  double left = 0.0, all = 0.0;
+  std::vector<double> ripple(angle.size());
+  for (const double quarter : {0.0, 0.5 * kPi}) {
+    for (std::size_t i = 0; i < angle.size(); ++i)
+      ripple[i] = (size.empty() ? 1.0 : size[i]) * std::cos(order * angle[i] - quarter);
+    spline.fit(time, ripple, usable, 0, {});
+    for (std::size_t i = 0; i < angle.size(); ++i)
+      if (usable[i]) {
+        left += std::pow(ripple[i] - spline.value(time[i]), 2);
+        all += ripple[i] * ripple[i];
+      }
+  }
+  return all > 0.0 ? left / all : 0.0;
+}
+
+bool ripples_by_chance(const SmoothMotion &smooth, std::span<const double> time,
+                       std::span<const double> angle, std::span<const char> usable) {
   const auto turns = whole_turns(smooth.motion);
   if (turns.size() < 2)
     return false;
-  int order = 0;
-  double most = 0.0, ripple_rad = 0.0;
+  // Of the speed the largest part, and of the angle.
+  int order = 0, widest = 0;
+  double most = 0.0, ripple_rad = 0.0, widest_rad = 0.0;
   for (std::size_t k = 0; k < smooth.cos.size(); ++k) {
     const double rad = std::hypot(smooth.cos[k], smooth.sin[k]);
     if (const double of_speed = static_cast<double>(k + 1) * rad; of_speed > most) {
@@ -106,8 +128,16 @@ bool ripples_by_chance(const SmoothMotion &smooth, std::span<const double> angle
       ripple_rad = rad;
       order = static_cast<int>(k + 1);
     }
+    if (rad > widest_rad) {
+      widest_rad = rad;
+      widest = static_cast<int>(k + 1);
+    }
   }
-  if (order == 0 || ripple_rad < smooth.residual_rms_rad)
+  if (widest == 0 || widest_rad < smooth.residual_rms_rad)
+    return false;
+  if (beyond_knots(smooth.knots, time, angle, usable, widest) < criteria::kBeyondKnots)
+    return true;
+  if (ripple_rad < smooth.residual_rms_rad)
     return false;
   if (differs_by_turn(smooth, angle, turns, order))
     return true;

@@ -6,16 +6,27 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "motion/kinematics.h"
 
 namespace ada {
 
+/// Part of the power of a ripple of this order of the turn that a motion with these knots cannot
+/// follow. One time, angle (rad, of the shaft), mark and size of the ripple a sample; no sizes: it
+/// is as large everywhere.
+double beyond_knots(const std::vector<double> &knots, std::span<const double> time,
+                    std::span<const double> angle, std::span<const char> usable, double order,
+                    std::span<const double> size = {});
+
 /// Whether the largest ripple (by its part of the speed) is no larger than what chance would leave in
 /// the mean of so many turns: of what the smooth motion itself does at the same order, turn by turn,
 /// or of what it leaves of the `angle` (unwrapped, rad, of the shaft, one value a sample of the
-/// motion), which differs from turn to turn. Needs two whole turns in one sense; false of fewer, and
-/// of a ripple within the noise.
-bool ripples_by_chance(const SmoothMotion &smooth, std::span<const double> angle);
+/// motion), which differs from turn to turn. Or whether the knots of the motion, which lie close
+/// where a shaft changes its speed, can follow most of any such ripple: then the one that was fitted
+/// beside them is what they left to it. Needs two whole turns in one sense; false of fewer, and of a
+/// ripple within the noise. One time and one mark a sample.
+bool ripples_by_chance(const SmoothMotion &smooth, std::span<const double> time,
+                       std::span<const double> angle, std::span<const char> usable);
 
 } // namespace ada
