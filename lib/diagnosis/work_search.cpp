@@ -128,9 +128,11 @@ Model Work::found_baseline() const {
   return out;
 }
 
-bool Work::likelier_without(std::size_t place) const {
+bool Work::needed_by_all(std::size_t place) const {
   const Model less = fit(parts_.train, found_.fit.model.without(found_.order[place]), 6).model;
-  return parts_.rung(less).heldout.log_likelihood > ladder_.last.heldout.log_likelihood;
+  const double more =
+      ladder_.last.heldout.log_likelihood - parts_.rung(less).heldout.log_likelihood;
+  return more * static_cast<double>(parts_.heldout.size()) > criteria::kRivalNats;
 }
 
 bool Work::drop_what_harms() {
@@ -159,7 +161,7 @@ bool Work::drop_what_harms() {
   if (worst == ladder_.findings.size())
     return false;
   // What is named after it may be what it has to stand on.
-  if (!whole_harms && worst + 1 < found_.order.size() && !likelier_without(worst) &&
+  if (!whole_harms && worst + 1 < found_.order.size() && needed_by_all(worst) &&
       named_last_.insert(ladder_.findings[worst].effect).second)
     found_.name_last(worst);
   else
