@@ -95,6 +95,7 @@ void Fitter::start_at_places() {
 
 void Fitter::start_by_axes() {
   start_within_fences();
+  const auto count = static_cast<double>(used());
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   for (const bool second : {false, true})
@@ -102,7 +103,7 @@ void Fitter::start_by_axes() {
       if (use_[i]) {
         const Eigen::Vector2d at(vsin_[i], vcos_[i]);
         if (!second)
-          mean += at / static_cast<double>(used());
+          mean += at / count;
         else
           spread += (at - mean) * (at - mean).transpose();
       }

@@ -95,7 +95,8 @@ inline constexpr double kFewestTurnsToRepeat = 2.0;
 inline constexpr int kMostPeriodsInTurns = 32;
 /// Samples that an order takes: four numbers from two values each.
 inline constexpr double kSamplesPerOrder = 6.0;
-/// Rows from which on the means of bins and of bands are looked at: eight for each of fifty.
+/// Rows from which on the means of bins and of bands are looked at. A choice: of 72 places in the
+/// turn each then has five or six rows.
 inline constexpr std::size_t kFewestForMeans = 400;
 /// Samples from which on lines of the spectrum are looked for.
 inline constexpr std::size_t kFewestForLines = 1000;

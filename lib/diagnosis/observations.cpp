@@ -371,7 +371,8 @@ Kinematics motion_by_pair(Screened &look, Scene &scene, std::vector<std::uint32_
   const std::vector<char> before = look.usable;
   SmoothMotion smooth = smooth_motion_with_losses(look, kRippleOrders);
   scene.radius_only = smooth.residual_rms_rad > kRoughMotion || ripples_too_much(smooth) ||
-                      more_than_the_radius(smooth, look) || ripples_by_chance(smooth, look.capture.time_s, look.angle, look.usable);
+                      more_than_the_radius(smooth, look) ||
+                      ripples_by_chance(smooth, look.capture.time_s, look.angle, look.usable);
   if (ripples_too_much(smooth)) {
     look.usable = before;
     return motion_of_the_pair_itself(look, scene);
