@@ -14,6 +14,8 @@
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/doubt.h"
+#include "diagnosis/moments.h"
+#include "diagnosis/onset.h"
 
 namespace ada {
 
@@ -422,6 +424,8 @@ bool Search::leaves_noise(const State &now) const {
 /// Whether what was measured rules an effect out as it was fitted.
 bool Search::refuted(const State &state, std::size_t effect) const {
   const Model &model = state.fit.model;
+  if (has_moment(*model.effects[effect].effect) && !begins_at_once(*data_.scene, model, effect))
+    return true;
   const ResidualColumns columns = residual_columns(quick_, model);
   const Residual view = residual_view(*data_.scene, quick_, columns, data_.scene->white_noise_v,
                                       model.baseline.amplitude_v);

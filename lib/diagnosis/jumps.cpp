@@ -379,8 +379,9 @@ OwnJumps unnamed_jumps(const Screened &look) {
         (!far && turns_deny(look, look.angle, jump)))
       continue;
     const bool forward = jump.gap * jump.per_frame > 0.0;
-    out += {forward ? 1u : 0u, forward ? 0u : 1u, std::abs(jump.gap), look.capture.time_s[jump.at],
-            jump.gap * jump.gap};
+    out += {forward ? 1u : 0u,   forward ? 0u : 1u,
+            std::abs(jump.gap),  look.capture.time_s[jump.at],
+            jump.gap * jump.gap, {static_cast<std::uint32_t>(jump.at)}};
   }
   return out;
 }

@@ -139,19 +139,20 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
       out.structure.insert(out.structure.end(), more.begin(), more.end());
   }
   if (scene.episodes.count != 0)
-    out.structure.push_back(of_episodes(scene));
+    out.of_rows.push_back(of_episodes(scene));
   if (scene.own_jumps.count_as_structure(scene.radius_only))
-    out.structure.push_back(of_own_jumps(scene, model));
+    out.of_rows.push_back(of_own_jumps(scene, model));
   if (scene.stale.count != 0)
-    out.structure.push_back(of_stale_rows(scene));
+    out.of_rows.push_back(of_stale_rows(scene));
   if (scene.gap)
-    out.structure.push_back(of_gap(*scene.gap));
+    out.of_rows.push_back(of_gap(*scene.gap));
   if (scene.wrong_rows.count != 0)
-    out.structure.push_back(of_wrong_rows(scene, model.baseline.amplitude_v));
+    out.of_rows.push_back(of_wrong_rows(scene, model.baseline.amplitude_v));
   const double rest2 = last.heldout.residual_rms_v * last.heldout.residual_rms_v -
                        explained.noise_v * explained.noise_v;
   out.unexplained_rms_v = rest2 > 0.0 ? std::sqrt(rest2) : 0.0;
-  if (!out.structure.empty() || explained.supply_inferred || !explained.noise_stated)
+  if (!out.structure.empty() || !out.of_rows.empty() || explained.supply_inferred ||
+      !explained.noise_stated)
     return out;
   const double rms = scene.has_reference ? last.heldout.residual_rms_v
                                          : rms_in_any_direction(parts.heldout, model, false);

@@ -16,6 +16,7 @@ namespace ada {
 
 struct LeftOver {
   std::vector<Structure> structure;
+  std::vector<Structure> of_rows; ///< what rows are wrong: no random cause accounts for them
   double unexplained_rms_v = 0.0;
   bool bursts = false; ///< samples in a row are left over
 };

@@ -13,6 +13,7 @@
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/moments.h"
+#include "diagnosis/onset.h"
 #include "diagnosis/step_causes.h"
 
 namespace ada {
@@ -437,7 +438,13 @@ std::optional<Model> with_events(const Scene &scene, Parts parts, const Model &m
                    std::max(left_v2(parts, fitted.model), criteria::kLeastMeanSquare));
   if (!fitted.determined || nats < criteria::kAdmittedNats * static_cast<double>(events.size()))
     return std::nullopt;
-  return with_exact_moments(scene, fitted.model, 0);
+  Model out = with_exact_moments(scene, fitted.model, 0);
+  for (std::size_t k = out.effects.size(); k-- > model.effects.size();)
+    if (!begins_at_once(scene, out, k))
+      out = out.without(k);
+  if (out.effects.size() == model.effects.size())
+    return std::nullopt;
+  return out;
 }
 
 } // namespace

@@ -97,9 +97,12 @@ bool stands_out(double sin, double cos, const Pair &around, double noise_v) {
 /// Rows about a gap in the clock: a spike is held against the rows on either side of it.
 class Gaps {
 public:
-  explicit Gaps(const std::vector<double> &time)
-      : time_(time), most_s_(kMissing * median_step(time)) {}
+  Gaps(const std::vector<double> &time, const std::vector<std::uint32_t> &jumps)
+      : time_(time), jumps_(jumps), most_s_(kMissing * median_step(time)) {}
   bool about(std::size_t row) const {
+    const auto jump = std::lower_bound(jumps_.begin(), jumps_.end(), row > kEach ? row - kEach : 0);
+    if (jump != jumps_.end() && *jump <= row + kEach)
+      return true;
     for (std::size_t k = row > kEach ? row - kEach : 0; k < row + kEach && k + 1 < time_.size();
          ++k)
       if (time_[k + 1] - time_[k] > most_s_)
@@ -110,19 +113,20 @@ public:
 private:
   static constexpr double kMissing = 1.5; ///< usual steps: one row is missing
   const std::vector<double> &time_;
+  const std::vector<std::uint32_t> &jumps_;
   double most_s_;
 };
 
-/// Samples about a gap that may lie where they do because the shaft moved on: without a reference
-/// nobody knows how it did, and the pair is met at another angle.
-/// `asked`: of `data`, whose rows in the capture are `rows`.
+/// Samples about a gap, or a jump of the pair's own angle, that may lie where they do because the
+/// shaft moved on: without a reference nobody knows how it did, and the pair is met at another
+/// angle. `asked`: of `data`, whose rows in the capture are `rows`.
 std::vector<std::uint32_t> moved_on(const Scene &scene, const Observations &data,
                                     const std::vector<std::uint32_t> &rows,
                                     std::vector<std::uint32_t> asked, const Model &model,
                                     double noise_v) {
   if (scene.has_reference || asked.empty())
     return {};
-  const Gaps gaps(scene.capture->time_s);
+  const Gaps gaps(scene.capture->time_s, scene.own_jumps.rows);
   std::erase_if(asked, [&](std::uint32_t i) { return !gaps.about(rows[i]); });
   if (asked.empty())
     return {};

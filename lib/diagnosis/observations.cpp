@@ -539,6 +539,9 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
     scene.own_jumps = own_jumps(capture.time_s, look.angle);
   else
     bursts = in_rows(look.spikes);
+  if (!rough.empty())
+    if (const OwnJumps left = own_jumps(capture.time_s, look.angle, look.usable); left.to_and_fro())
+      scene.own_jumps += left;
   if (!scene.has_reference)
     for (std::uint32_t i : bursts)
       motion.alpha[i] = look.angle[i];

@@ -143,15 +143,22 @@ bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) 
     }
     return out;
   };
-  // Where rough motion was left out, the turns are those beside it.
-  const auto within_a_turn = [&](std::size_t k, std::size_t of) {
-    return std::abs(near.alpha[k] - near.alpha[of]) <= kTwoPi;
+  // Where rough motion was left out, the turns are those beside it: a few readings between the
+  // moment and such a stretch are not a turn.
+  const auto beside = [&](std::size_t first, bool on) {
+    std::vector<Sight> out;
+    std::size_t of = first;
+    for (std::size_t k = first; k < near.size(); on ? ++k : --k) { // below 0: beyond the size
+      if (std::abs(near.alpha[k] - near.alpha[of]) > kTwoPi) {
+        if (out.size() >= kFewest)
+          break;
+        of = k;
+      }
+      out.push_back(sight(k));
+    }
+    return out;
   };
-  std::vector<Sight> before, after;
-  for (std::size_t k = middle; k-- > 0 && within_a_turn(k, middle - 1);)
-    before.push_back(sight(k));
-  for (std::size_t k = middle; k < near.size() && within_a_turn(k, middle); ++k)
-    after.push_back(sight(k));
+  std::vector<Sight> before = beside(middle - 1, false), after = beside(middle, true);
   if (before.size() < kFewest || after.size() < kFewest)
     return true;
   const Side first = look_at(before), second = look_at(after);

@@ -17,7 +17,6 @@
 #include "diagnosis/doubt.h"
 #include "diagnosis/first_model.h"
 #include "diagnosis/moments.h"
-#include "diagnosis/onset.h"
 
 namespace ada {
 
@@ -147,8 +146,6 @@ bool Search::forward(State &now) {
     if (refuted(state, last) || !(all_stand_alone(state.fit.model) || leaves_noise(state)))
       continue;
     if (the_records_could(state, last))
-      continue;
-    if (has_moment(*c.effect) && !begins_at_once(*data_.scene, state.fit.model, last))
       continue;
     const double worth = against_unnamed(state, now, last) - price(c.start.effects.back());
     const bool clear = worth > criteria::kFarMoreNats && !c.effect->info().signature;

@@ -34,6 +34,7 @@ Work::Work(const Capture &capture, const DiagnosisOptions &options, bool guess,
   if (apart_from_motion) {
     scene_.all = at_own_angle(std::move(scene_.all), *apart_from_motion);
     judge_radius_only(scene_);
+    scene_.own_jumps = own_jumps(worked_on(), scene_.all.centre_sin_v, scene_.all.centre_cos_v);
   }
   if (options.heldout)
     judge_ = scene_of(*options.heldout, false);
@@ -88,6 +89,7 @@ Diagnosis Work::run() {
       break;
     if (scene_.radius_only) {
       again.all = at_own_angle(std::move(again.all), known);
+      again.own_jumps = std::move(scene_.own_jumps); // of the rows, whatever the model
       judge_radius_only(again);
     }
     scene_ = std::move(again);

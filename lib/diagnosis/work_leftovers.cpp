@@ -26,6 +26,7 @@ void Work::look_at_leftovers() {
   LeftOver left = left_over(scene_, parts_, out_.extended, explained, last_, angle_left_);
   std::move(left.structure.begin(), left.structure.end(), std::back_inserter(out_.structure));
   drop_what_is_random();
+  std::move(left.of_rows.begin(), left.of_rows.end(), std::back_inserter(out_.structure));
   note_what_the_anonymous_model_does_better();
   std::stable_sort(out_.structure.begin(), out_.structure.end(),
                    [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
@@ -133,9 +134,9 @@ void Work::drop_what_is_random() {
 void Work::drop_processes_that_leave_more() {
   const auto leaves_more = [&](const auto &named) {
     const EffectInfo &info = named.effect->info();
-    if (info.character != Character::process || info.evidence == Evidence::noise)
+    if (info.character != Character::process)
       return false;
-    const double v = process_v(info, named.values);
+    const double v = is_coloured_noise(info) ? named.values[0] : process_v(info, named.values);
     return std::any_of(out_.structure.begin(), out_.structure.end(), [&](const Structure &s) {
       return s.along == axis_name(Axis::time) && s.rms_v > std::numbers::sqrt2 * v;
     });

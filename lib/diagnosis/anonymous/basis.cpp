@@ -35,11 +35,25 @@ Eigen::VectorXd Basis::stiffness() const {
   return out;
 }
 
+double Basis::of_top(double omega) const {
+  constexpr double kMost = 1.5; // what is faster for a moment has no weight of its own
+  return std::clamp(omega / top_speed_, -kMost, kMost);
+}
+
 void Basis::scale_to(const Observations &data) {
   std::vector<double> speed;
   for (double w : data.omega)
     speed.push_back(std::abs(w));
   top_speed_ = std::max(quantile(std::move(speed), 0.98), 1e-12);
+  mean_sense_ = mean_velocity_ = mean_speed_ = mean_square_ = 0.0;
+  const double part = 1.0 / static_cast<double>(std::max<std::size_t>(data.size(), 1));
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const double velocity = of_top(data.omega[i]);
+    mean_sense_ += part * static_cast<double>(data.direction[i]);
+    mean_velocity_ += part * velocity;
+    mean_speed_ += part * std::abs(velocity);
+    mean_square_ += part * velocity * velocity;
+  }
   time_from_ = data.time.front();
   time_span_ = std::max(data.time.back() - data.time.front(), 1e-12);
   if (!data.temp.empty()) {
@@ -50,26 +64,27 @@ void Basis::scale_to(const Observations &data) {
 }
 
 bool Basis::scaled_as(const Basis &other) const {
-  return top_speed_ == other.top_speed_ && temp_middle_ == other.temp_middle_ &&
+  return top_speed_ == other.top_speed_ && mean_sense_ == other.mean_sense_ &&
+         mean_velocity_ == other.mean_velocity_ && mean_speed_ == other.mean_speed_ &&
+         mean_square_ == other.mean_square_ && temp_middle_ == other.temp_middle_ &&
          temp_half_ == other.temp_half_ && time_from_ == other.time_from_ &&
          time_span_ == other.time_span_;
 }
 
 double Basis::function(const Modulation &g, const Observations &data, std::size_t i) const {
-  const auto speed = [&] { return std::clamp(data.omega[i] / top_speed_, -1.5, 1.5); };
   switch (g.kind) {
   case Modulation::none:
   case Modulation::angle_cos:
   case Modulation::angle_sin:
     break;
   case Modulation::sense:
-    return static_cast<double>(data.direction[i]);
+    return static_cast<double>(data.direction[i]) - mean_sense_;
   case Modulation::velocity:
-    return speed();
+    return of_top(data.omega[i]) - mean_velocity_;
   case Modulation::speed:
-    return std::abs(speed());
+    return std::abs(of_top(data.omega[i])) - mean_speed_;
   case Modulation::square:
-    return speed() * speed();
+    return std::pow(of_top(data.omega[i]), 2) - mean_square_;
   case Modulation::temperature: {
     const double u =
         data.temp.empty() ? 0.0 : std::clamp((data.temp[i] - temp_middle_) / temp_half_, -1.0, 1.0);

@@ -78,7 +78,11 @@ public:
   /// frequency; about the others nothing is known.
   Eigen::VectorXd stiffness() const;
 
-  /// Ranges that the functions are scaled to; the same for training and held-out data.
+  /// Ranges that the functions are scaled to, and the means that those of the speed are centred on;
+  /// the same for training and held-out data. What has no name is what departs from the mean: with
+  /// a function whose zero lies outside of the data, the baseline would be the pair at a standstill
+  /// that nobody has seen, far from it where a parabola is drawn through three speeds (the
+  /// constraint of Hastie and Tibshirani, Generalized Additive Models, 1990, section 5.2).
   void scale_to(const Observations &data);
   bool scaled_as(const Basis &other) const;
 
@@ -101,9 +105,13 @@ public:
 private:
   int periods_ = 2;
   double zero_rad_ = 0.0;
-  double top_speed_ = 1.0, temp_middle_ = 0.0, temp_half_ = 1.0, time_from_ = 0.0, time_span_ = 1.0;
+  double top_speed_ = 1.0, mean_sense_ = 0.0, mean_velocity_ = 0.0, mean_speed_ = 0.0,
+         mean_square_ = 0.0, temp_middle_ = 0.0, temp_half_ = 1.0, time_from_ = 0.0,
+         time_span_ = 1.0;
   std::vector<Term> terms_;
   std::vector<Group> groups_;
+
+  double of_top(double omega) const; ///< speed over the fastest
 };
 
 /// A line of the spectrum: of the channels as they are (an added tone), or of what turns with the

@@ -8,12 +8,15 @@
 #include <utility>
 #include <vector>
 
+#include "base/angle.h"
 #include "base/robust.h"
 #include "diagnosis/criteria.h"
+#include "motion/kinematics.h"
 
 namespace ada {
 
-OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle) {
+OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
+                   std::span<const char> spared) {
   constexpr std::size_t kReach = 8; // readings on either side that tell what is usual
   constexpr double kSteps = 4.0;    // of the usual size: no shaft changes its speed so at once
   constexpr double kEven = 1.5;     // of the usual time between readings
@@ -22,7 +25,7 @@ OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle) 
     return out;
   const double usual_s = median_step(time);
   for (std::size_t i = kReach + 1; i + kReach < angle.size(); ++i) {
-    if (!(time[i] - time[i - 1] <= kEven * usual_s))
+    if (!(time[i] - time[i - 1] <= kEven * usual_s) || (!spared.empty() && spared[i]))
       continue;
     std::vector<double> around, apart;
     for (std::size_t k = i - kReach; k <= i + kReach; ++k)
@@ -46,8 +49,22 @@ OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle) 
     (jump * usual > 0.0 ? out.forward : out.backward) += 1;
     out.largest_rad = std::max(out.largest_rad, std::abs(jump));
     out.squares_rad2 += jump * jump;
+    out.rows.push_back(static_cast<std::uint32_t>(i));
   }
   return out;
+}
+
+OwnJumps own_jumps(const Capture &capture, double centre_sin_v, double centre_cos_v) {
+  std::vector<double> angle(capture.size(), 0.0);
+  for (std::size_t i = 0; i < angle.size(); ++i) {
+    const double psi =
+        std::atan2(capture.vsin_v[i] - centre_sin_v, capture.vcos_v[i] - centre_cos_v);
+    angle[i] = std::isfinite(psi) ? psi : i > 0 ? angle[i - 1] : 0.0;
+  }
+  unwrap(angle, kTwoPi);
+  for (double &a : angle)
+    a /= capture.meta.periods_per_turn;
+  return own_jumps(capture.time_s, angle);
 }
 
 } // namespace ada

@@ -6,19 +6,26 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <vector>
+
+#include "recording/capture.h"
 
 namespace ada {
 
 struct OwnJumps {
   std::size_t forward = 0, backward = 0;
   double largest_rad = 0.0, first_s = 0.0, squares_rad2 = 0.0; ///< mechanical; the sum over all
+  std::vector<std::uint32_t> rows; ///< of the capture, rising: the first on the other side of each
   OwnJumps &operator+=(const OwnJumps &more) {
     first_s = forward + backward != 0 ? first_s : more.first_s;
     forward += more.forward;
     backward += more.backward;
     largest_rad = std::max(largest_rad, more.largest_rad);
     squares_rad2 += more.squares_rad2;
+    rows.insert(rows.end(), more.rows.begin(), more.rows.end());
+    std::sort(rows.begin(), rows.end());
     return *this;
   }
   /// Rows that are lost let the angle jump in one sense only.
@@ -32,6 +39,12 @@ struct OwnJumps {
 
 /// Steps of an unwrapped angle, rad, that differ from those around them by far more than these do
 /// among themselves, and than a shaft changes its speed from one to the next, at an even clock.
-OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle);
+/// With `spared` only at samples that are not of them: where a smooth motion leaves out what it
+/// cannot follow, that has to be said.
+OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
+                   std::span<const char> spared = {});
+
+/// The same of the pair as it was read, about its centre.
+OwnJumps own_jumps(const Capture &capture, double centre_sin_v, double centre_cos_v);
 
 } // namespace ada

@@ -135,6 +135,7 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
     out.wrong_rows += scene.wrong_rows;
     out.episodes += scene.episodes;
     out.stale += scene.stale;
+    move_by(scene.own_jumps.rows, start);
     out.own_jumps += scene.own_jumps;
     out.coarse_step_v = std::max(out.coarse_step_v, scene.coarse_step_v);
     for (ScreenFinding &f : scene.screened) // what several records show is said once
