@@ -130,6 +130,11 @@ inline constexpr double kNextGap = 0.25;
 /// filled evenly has 0.02 of them there (0.2 squared, the usual distance being 0.7 of its radius),
 /// two tones 0.01; a sound sensor has none.
 inline constexpr double kDeadCentre = 0.2, kMostNearCentre = 1.0 / 300.0;
+/// Readings stand in one place where all but this part of them do; elsewhere is what lies so many
+/// medians of the distance from the middle, of which noise reaches four (the median is 1.18 sigma
+/// of a channel, and one of 5000 readings lies 4.1 sigma away). Those are on no circle that leave
+/// it by this part of its radius, rms, as a harmonic of 14 % would have it.
+inline constexpr double kMostElsewhere = 0.25, kElsewhere = 8.0, kOffCircle = 0.1;
 /// Electrical degrees that a pair which goes round shows at the least: all but two steps of the
 /// fewest samples. A cloud about one place of a curve shows less, for the centre lies outside it.
 inline constexpr double kAllRound = 360.0 - 2.0 * 360.0 / kFewestSamples;

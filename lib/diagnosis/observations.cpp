@@ -196,6 +196,23 @@ std::vector<std::uint32_t> left_out(const std::vector<char> &before, const Scree
   return some;
 }
 
+/// Jumps to and fro of the pair's own angle at rows that were usable before and no longer are: of
+/// what a smooth motion leaves out something has to be said.
+OwnJumps jumps_left_out(const Screened &look, const std::vector<char> &before) {
+  std::vector<double> time, angle;
+  std::vector<std::uint32_t> rows;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (before[i]) {
+      time.push_back(look.capture.time_s[i]);
+      angle.push_back(look.angle[i]);
+      rows.push_back(static_cast<std::uint32_t>(i));
+    }
+  OwnJumps out = own_jumps(time, angle, pick(look.usable, rows));
+  for (std::uint32_t &at : out.rows)
+    at = rows[at];
+  return out.to_and_fro() ? out : OwnJumps{};
+}
+
 /// Spikes that come in rows, as no spikes do: at least four of six samples.
 std::vector<std::uint32_t> in_rows(const std::vector<std::uint32_t> &spikes) {
   constexpr std::size_t kFewest = 4;
@@ -533,6 +550,9 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
 
   std::vector<std::uint32_t> rough, bursts;
   scene.own_jumps = unnamed_jumps(look);
+  std::vector<char> before = look.usable;
+  for (std::uint32_t i : look.spikes)
+    before[i] = 1;
   Kinematics motion =
       scene.has_reference ? motion_by_reference(look, scene) : motion_by_pair(look, scene, rough);
   if (scene.radius_only)
@@ -540,8 +560,7 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   else
     bursts = in_rows(look.spikes);
   if (!rough.empty())
-    if (const OwnJumps left = own_jumps(capture.time_s, look.angle, look.usable); left.to_and_fro())
-      scene.own_jumps += left;
+    scene.own_jumps += jumps_left_out(look, before);
   if (!scene.has_reference)
     for (std::uint32_t i : bursts)
       motion.alpha[i] = look.angle[i];

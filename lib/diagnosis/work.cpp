@@ -32,9 +32,7 @@ Work::Work(const Capture &capture, const DiagnosisOptions &options, bool guess,
       options_(options), named_before_(named_part(options.baseline, capture.meta.supply_v)),
       scene_(scene_of(worked_on(), options.heldout == nullptr)) {
   if (apart_from_motion) {
-    scene_.all = at_own_angle(std::move(scene_.all), *apart_from_motion);
-    judge_radius_only(scene_);
-    scene_.own_jumps = own_jumps(worked_on(), scene_.all.centre_sin_v, scene_.all.centre_cos_v);
+    read_by_radius(scene_, *apart_from_motion);
   }
   if (options.heldout)
     judge_ = scene_of(*options.heldout, false);
@@ -43,6 +41,17 @@ Work::Work(const Capture &capture, const DiagnosisOptions &options, bool guess,
     move_angle(*judge_, ReferenceZero(scene_).move_if_needed(ReferenceZero(*judge_)));
   if (judge_ && scene_.radius_only != judge_->radius_only)
     judge_radius_only(scene_.radius_only ? *judge_ : scene_);
+}
+
+void Work::read_by_radius(Scene &scene, const Model &model) const {
+  scene.all = at_own_angle(std::move(scene.all), model);
+  judge_radius_only(scene);
+  std::vector<std::uint32_t> rows; // that are the sensor's, spikes or not
+  std::set_union(scene.index.begin(), scene.index.end(), scene.spiked_index.begin(),
+                 scene.spiked_index.end(), std::back_inserter(rows));
+  const double mid_v = 0.5 * model.supply_v;
+  scene.own_jumps = own_jumps(worked_on(), rows, mid_v + model.baseline.offset_sin_v,
+                              mid_v + model.baseline.offset_cos_v);
 }
 
 Diagnosis Work::run() {
@@ -87,11 +96,8 @@ Diagnosis Work::run() {
     Scene again = prepare(worked_on(), options_.heldout == nullptr, &known, vdd_level_v());
     if (!again.insufficient.empty())
       break;
-    if (scene_.radius_only) {
-      again.all = at_own_angle(std::move(again.all), known);
-      again.own_jumps = std::move(scene_.own_jumps); // of the rows, whatever the model
-      judge_radius_only(again);
-    }
+    if (scene_.radius_only)
+      read_by_radius(again, known);
     scene_ = std::move(again);
     search_causes();
   }

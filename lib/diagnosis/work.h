@@ -77,6 +77,8 @@ private:
 
   /// With a reference the search itself sees a supply that is not recorded; where VTEMP follows it
   /// every temperature effect would. Whether VTEMP was freed of it, and the search begins anew.
+  /// Reads a scene by the radius alone, each reading at the angle that the model gives it.
+  void read_by_radius(Scene &scene, const Model &model) const;
   bool free_vtemp();
 
   const Scene &judge() const { return options_.heldout ? *judge_ : scene_; }

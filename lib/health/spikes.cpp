@@ -110,26 +110,30 @@ std::vector<std::size_t> rows_beyond(std::span<const double> x, double limit) {
 
 /// The first samples after the sense of rotation has changed at one stroke: the same steps before
 /// and after but for their sign, and a jump between them, or no time for it. A single wild sample
-/// decides nothing: either side turns that way without the sample beside the jump, too.
+/// decides nothing: the mean step of a side lies between medians of three samples at its ends.
 std::vector<std::size_t> reversals(const std::vector<double> &psi, const Capture &stretch,
                                    double limit) {
   const std::vector<double> &time = stretch.time_s;
-  std::vector<double> steps(psi.size());
-  for (std::size_t i = 1; i < psi.size(); ++i)
+  std::vector<double> steps(psi.size()), angle(psi.size());
+  for (std::size_t i = 1; i < psi.size(); ++i) {
     steps[i] = wrap_centred(psi[i] - psi[i - 1], kTwoPi);
+    angle[i] = angle[i - 1] + steps[i];
+  }
   const auto step = [&](std::size_t i) { return steps[i]; };
+  const auto about = [&](std::size_t i) {
+    const double a = angle[i - 1], b = angle[i], c = angle[i + 1];
+    return std::max(std::min(a, b), std::min(std::max(a, b), c));
+  };
+  constexpr std::size_t kApart = kSenseSamples - 2; // of the two medians of a side
   const auto turns_back = [&](std::size_t i) {
     const double before = step(i - 1), after = step(i + 1);
     if (before * after >= 0 || std::abs(before + after) > 2 * limit)
       return false;
-    double from = 0, on = 0, uneven = 0;
-    for (std::size_t k = 1; k <= kSenseSamples; ++k) {
-      from += step(i - k) / kSenseSamples;
-      on += step(i + k) / kSenseSamples;
+    const double from = (about(i - 2) - about(i - 2 - kApart)) / kApart,
+                 on = (about(i + 1 + kApart) - about(i + 1)) / kApart;
+    double uneven = 0;
+    for (std::size_t k = 1; k <= kSenseSamples; ++k)
       uneven = std::max({uneven, std::abs(step(i - k) - before), std::abs(step(i + k) - after)});
-    }
-    if (from * (kSenseSamples * from - before) <= 0 || on * (kSenseSamples * on - after) <= 0)
-      return false;
     const double dt = time[i] - time[i - 1];
     const double acceleration = 2 * std::abs(from) / (dt * dt * stretch.meta.periods_per_turn);
     return std::abs(from + on) <= kSameSpeed * std::abs(from) && uneven <= 2 * limit &&

@@ -8,9 +8,12 @@
 #include <optional>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "base/error.h"
 #include "base/robust.h"
 #include "calibration/guards.h"
+#include "conversion/ellipse.h"
 #include "diagnosis/criteria.h"
 
 namespace ada {
@@ -33,6 +36,31 @@ double share_near_centre(const std::vector<double> &vsin, const std::vector<doub
   return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(radius.size(), 1));
 }
 
+/// Why readings of which most stand in one place draw no circle, where the few others lie on none:
+/// through one place and a few readings an ellipse passes that is nobody's. Empty where a shaft
+/// that rests for most of the time turns for the rest of it.
+std::string why_one_place(const std::vector<double> &vsin, const std::vector<double> &vcos,
+                          const EllipseFit &fit) {
+  const double sin_v = quantile(vsin, 0.5), cos_v = quantile(vcos, 0.5);
+  std::vector<double> away(vsin.size());
+  for (std::size_t i = 0; i < away.size(); ++i)
+    away[i] = std::hypot(vsin[i] - sin_v, vcos[i] - cos_v);
+  const double limit = criteria::kElsewhere * quantile(away, 0.5);
+  const EllipseInverse circle = invert(fit.value);
+  double others = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < away.size(); ++i)
+    if (away[i] > limit) {
+      others += 1.0;
+      squares += std::pow(
+          std::hypot(circle.sine(vsin[i], vcos[i]), circle.cosine(vsin[i], vcos[i])) - 1.0, 2);
+    }
+  if (others == 0.0 || others > criteria::kMostElsewhere * static_cast<double>(away.size()) ||
+      squares < others * criteria::kOffCircle * criteria::kOffCircle)
+    return {};
+  return fmt::format("all but {:.0f} of {} readings stand in one place, and those draw no circle",
+                     others, away.size());
+}
+
 /// Nothing of too few samples, or of too short an arc: that is said elsewhere.
 std::optional<EllipseFit> ellipse_of(const std::vector<double> &vsin,
                                      const std::vector<double> &vcos) {
@@ -49,7 +77,7 @@ std::string why_no_angle(const std::vector<double> &vsin, const std::vector<doub
                          const EllipseFit &fit) {
   std::string why = why_no_circle(fit);
   if (why.empty())
-    return {};
+    return why_one_place(vsin, vcos, fit);
   if (share_near_centre(vsin, vcos, fit) > criteria::kMostNearCentre)
     return why + ", and they come near its centre, where a pair has no angle";
   if (fit.coverage_deg < criteria::kAllRound)

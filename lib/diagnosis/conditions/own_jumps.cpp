@@ -25,7 +25,11 @@ OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
     return out;
   const double usual_s = median_step(time);
   for (std::size_t i = kReach + 1; i + kReach < angle.size(); ++i) {
-    if (!(time[i] - time[i - 1] <= kEven * usual_s) || (!spared.empty() && spared[i]))
+    // A reading that repeats the one before it may be of that moment.
+    std::size_t last = i - 1;
+    while (last > 0 && angle[last] == angle[last - 1])
+      --last;
+    if (!(time[i] - time[last] <= kEven * usual_s) || (!spared.empty() && spared[i]))
       continue;
     std::vector<double> around, apart;
     for (std::size_t k = i - kReach; k <= i + kReach; ++k)
@@ -54,17 +58,20 @@ OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
   return out;
 }
 
-OwnJumps own_jumps(const Capture &capture, double centre_sin_v, double centre_cos_v) {
-  std::vector<double> angle(capture.size(), 0.0);
-  for (std::size_t i = 0; i < angle.size(); ++i) {
-    const double psi =
-        std::atan2(capture.vsin_v[i] - centre_sin_v, capture.vcos_v[i] - centre_cos_v);
-    angle[i] = std::isfinite(psi) ? psi : i > 0 ? angle[i - 1] : 0.0;
+OwnJumps own_jumps(const Capture &capture, std::span<const std::uint32_t> rows, double centre_sin_v,
+                   double centre_cos_v) {
+  std::vector<double> time, angle;
+  for (std::uint32_t i : rows) {
+    time.push_back(capture.time_s[i]);
+    angle.push_back(std::atan2(capture.vsin_v[i] - centre_sin_v, capture.vcos_v[i] - centre_cos_v));
   }
   unwrap(angle, kTwoPi);
   for (double &a : angle)
     a /= capture.meta.periods_per_turn;
-  return own_jumps(capture.time_s, angle);
+  OwnJumps out = own_jumps(time, angle);
+  for (std::uint32_t &at : out.rows)
+    at = rows[at];
+  return out;
 }
 
 } // namespace ada

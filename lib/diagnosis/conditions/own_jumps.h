@@ -44,7 +44,8 @@ struct OwnJumps {
 OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
                    std::span<const char> spared = {});
 
-/// The same of the pair as it was read, about its centre.
-OwnJumps own_jumps(const Capture &capture, double centre_sin_v, double centre_cos_v);
+/// The same of the pair as it was read, about its centre, at some rows of the capture.
+OwnJumps own_jumps(const Capture &capture, std::span<const std::uint32_t> rows, double centre_sin_v,
+                   double centre_cos_v);
 
 } // namespace ada
