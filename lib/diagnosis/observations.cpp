@@ -15,6 +15,7 @@
 #include "base/angle.h"
 #include "base/robust.h"
 #include "diagnosis/conditions/holdout.h"
+#include "diagnosis/conditions/level_gap.h"
 #include "diagnosis/conditions/no_circle.h"
 #include "diagnosis/conditions/several.h"
 #include "diagnosis/conditions/uneven_motion.h"
@@ -696,6 +697,8 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
     std::iota(some.begin(), some.end(), 0u);
     some = thin(some, criteria::kForCircle);
     scene.insufficient = why_no_angle(pick(capture.vsin_v, some), pick(capture.vcos_v, some));
+    if (!scene.insufficient.empty() && level_gap(capture)) // a better reason, which is told later
+      scene.insufficient.clear();
   }
   if (!scene.has_reference || !scene.insufficient.empty())
     return scene;

@@ -75,9 +75,11 @@ std::optional<EllipseFit> ellipse_of(const std::vector<double> &vsin,
 
 std::string why_no_angle(const std::vector<double> &vsin, const std::vector<double> &vcos,
                          const EllipseFit &fit) {
+  if (std::string one = why_one_place(vsin, vcos, fit); !one.empty())
+    return one;
   std::string why = why_no_circle(fit);
   if (why.empty())
-    return why_one_place(vsin, vcos, fit);
+    return {};
   if (share_near_centre(vsin, vcos, fit) > criteria::kMostNearCentre)
     return why + ", and they come near its centre, where a pair has no angle";
   if (fit.coverage_deg < criteria::kAllRound)
