@@ -157,6 +157,13 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
     if (bends[i] > std::max(0.3 * std::abs(speeds[i]) * frame * static_cast<double>(side),
                             kKinkStandsOut * sigma))
       gaps[i] = 0.0;
+  // A line says nothing farther away than it is long: across a longer gap in the clock nobody knows
+  // how the shaft moved.
+  const std::vector<double> &time = look.capture.time_s;
+  for (std::size_t k = 1; k < n; ++k)
+    if (time[k] - time[k - 1] > frame * static_cast<double>(side))
+      std::fill(gaps.begin() + static_cast<std::ptrdiff_t>(k > side ? k - side : 0),
+                gaps.begin() + static_cast<std::ptrdiff_t>(std::min(gaps.size(), k + side)), 0.0);
   for (std::size_t i = side; i + side <= n; ++i) {
     // A gap far larger than a kink between the two lines could leave is a jump at any speed.
     const bool clear = std::abs(gaps[i]) > 2.0 * bends[i] + 50.0 * sigma ||

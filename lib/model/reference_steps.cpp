@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/angle.h"
+#include "base/robust.h"
 #include "model/residual.h"
 
 namespace ada {
@@ -56,6 +58,19 @@ double noise_power(const std::vector<double> &x) {
   return rms * rms / 20.0;
 }
 
+/// That of the angle, rad^2, as the radius shows it: into that neither the motion enters nor a clock
+/// that scatters.
+double noise_by_radius(const Screened &look) {
+  const Capture &c = look.capture;
+  std::vector<double> radius;
+  for (std::size_t i = 0; i < c.size(); ++i)
+    radius.push_back(
+        std::hypot(c.vsin_v[i] - look.centre_sin_v, c.vcos_v[i] - look.centre_cos_v));
+  const double usual = quantile(radius, 0.5) * c.meta.periods_per_turn;
+  return usual > 0.0 ? noise_power(radius) / (usual * usual)
+                     : std::numeric_limits<double>::infinity();
+}
+
 /// Sums up to each element, to take means over windows.
 std::vector<double> sums(const std::vector<double> &x) {
   std::vector<double> out{0.0};
@@ -74,7 +89,9 @@ double find_reference_step(const Screened &look) {
   if (reference.size() < kFewest || look.angle.size() != reference.size())
     return 0.0;
   const double step = grid_of(reference) * kRadPerDeg;
-  const double noise = noise_power(look.angle);
+  // An uneven clock or motion passes for noise of the angle; noise that turns the vector alone is
+  // none of the radius.
+  const double of_angle = noise_power(look.angle), noise = std::min(of_angle, noise_by_radius(look));
   if (!(step * step / 12.0 > kAddsToNoise * noise))
     return 0.0;
 
@@ -119,15 +136,18 @@ double find_reference_step(const Screened &look) {
     return shows && scatter > 0.5 * expected && scatter < 2.0 * expected;
   };
   const double length = 2.0 * kWindow + 1.0, long_length = 2.0 * kLongWindow + 1.0;
-  const double sigma = std::sqrt(2.0 * noise) / length / step;
   // A steady speed near a whole multiple is known well enough from the reference itself, over many
   // samples, of which the first and the last are rounded. Then its differences alone must scatter
   // so, which those of a speed that is one do not, and what the pair does not go along with, which
   // a shaft that moves in steps does.
   const double of_ends = 1.0 / std::sqrt(6.0) / long_length;
-  const bool steps = counts(kWindow, seen, apart, noise, sigma, 0.02) ||
-                     (counts(kLongWindow, moved, moved, 0.0, of_ends, 0.005) &&
-                      counts(kLongWindow, moved, apart, noise, of_ends, 0.005));
+  const auto with_noise = [&](double power) {
+    const double sigma = std::sqrt(2.0 * power) / length / step;
+    return counts(kWindow, seen, apart, power, sigma, 0.02) ||
+           (counts(kLongWindow, moved, moved, 0.0, of_ends, 0.005) &&
+            counts(kLongWindow, moved, apart, power, of_ends, 0.005));
+  };
+  const bool steps = with_noise(noise) || (of_angle > noise && with_noise(of_angle));
   return steps ? step * kDegPerRad : 0.0;
 }
 

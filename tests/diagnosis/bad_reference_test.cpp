@@ -52,6 +52,65 @@ TEST(HeldRows, ACoarseEncoderIsReadInEveryRow) {
   }
 }
 
+/// A clock that scatters: each reading is taken up to 0.4 periods after its turn.
+std::vector<double> uneven_times(Bench &bench, std::size_t n, double rate_hz) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < n; ++i)
+    out.push_back((static_cast<double>(i) + bench.within(0.0, 0.4)) / rate_hz);
+  return out;
+}
+
+KIND(a_coarse_reference_beside_an_uneven_clock_is_no_noise_of_the_angle) {
+  Bench bench;
+  constexpr std::size_t kRows = 3000;
+  constexpr double kRate = 60.0;
+  bench.pair.noise_v = bench.within(0.7e-3, 1.2e-3) * bench.pair.amplitude_v;
+  const std::vector<double> times = uneven_times(bench, kRows, kRate);
+  const auto angle = wandering(bench, bench.within(0.02, 0.08), 0.5, 0.1);
+  Capture c = bench.capture(kRows, kRate, 1, [&](double t) {
+    return angle(times[static_cast<std::size_t>(std::lround(t * kRate))]);
+  });
+  c.time_s = times;
+  const double step = 360.0 / 2048.0;
+  for (double &r : c.reference_deg)
+    r = step * std::floor(r / step);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "reference-resolution");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], step, 0.01 * step);
+  EXPECT_FALSE(named(d, "angle-noise")) << names(d);
+}
+
+/// A logger that reads fast and slowly by turns, and pauses four times: how the shaft moved in a
+/// pause is not known to a degree. One capture in ten had a slip there.
+KIND(a_pause_of_the_clock_is_no_slip) {
+  constexpr std::size_t kRows = 3000, kBlock = 250;
+  for (int capture = 0; capture < 6; ++capture) {
+    Bench bench;
+    bench.pair.noise_v = 2e-3;
+    std::vector<double> times{0.0};
+    for (std::size_t i = 1; i < kRows; ++i)
+      times.push_back(times.back() +
+                      (i / kBlock % 2 == 0 ? 0.025 : 0.004) * bench.within(0.8, 1.2));
+    for (int pause = 0; pause < 4; ++pause) {
+      const auto from = static_cast<std::size_t>(bench.within(1.0, kRows));
+      const double of_s = bench.within(0.5, 3.0);
+      for (std::size_t i = from; i < kRows; ++i)
+        times[i] += of_s;
+    }
+    const auto angle =
+        wandering(bench, bench.within(0.3, 1.1), 0.05, bench.within(0.5, 4.0) / times.back());
+    Capture c = bench.capture(kRows, 1.0, 2, [&](double t) {
+      return angle(times[static_cast<std::size_t>(std::lround(t))]);
+    });
+    c.time_s = times;
+    c.reference_deg.clear();
+    const Diagnosis d = diagnose(c, {});
+    EXPECT_FALSE(named(d, "angle-slip")) << left_of(d);
+    EXPECT_FALSE(named(d, "sample-loss")) << left_of(d);
+  }
+}
+
 KIND(a_reference_that_plays_bends_neither_mismatch_nor_quadrature) {
   Bench bench;
   Capture c = bench.capture(16000, 500.0, 2, [&](double t) {

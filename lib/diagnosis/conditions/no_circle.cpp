@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "base/angle.h"
 #include "base/error.h"
 #include "base/robust.h"
 #include "calibration/guards.h"
@@ -38,7 +40,8 @@ double share_near_centre(const std::vector<double> &vsin, const std::vector<doub
 
 /// Why readings of which most stand in one place draw no circle, where the few others lie on none:
 /// through one place and a few readings an ellipse passes that is nobody's. Empty where a shaft
-/// that rests for most of the time turns for the rest of it.
+/// that rests for most of the time turns for the rest of it, and where what most do is a circle by
+/// itself, whatever a few wild readings are.
 std::string why_one_place(const std::vector<double> &vsin, const std::vector<double> &vcos,
                           const EllipseFit &fit) {
   const double sin_v = quantile(vsin, 0.5), cos_v = quantile(vcos, 0.5);
@@ -47,15 +50,22 @@ std::string why_one_place(const std::vector<double> &vsin, const std::vector<dou
     away[i] = std::hypot(vsin[i] - sin_v, vcos[i] - cos_v);
   const double limit = criteria::kElsewhere * quantile(away, 0.5);
   const EllipseInverse circle = invert(fit.value);
+  constexpr double kSectors = 36.0;
+  std::set<int> reached; // by what stands in one place, or turns
   double others = 0.0, squares = 0.0;
-  for (std::size_t i = 0; i < away.size(); ++i)
+  for (std::size_t i = 0; i < away.size(); ++i) {
+    const double sine = circle.sine(vsin[i], vcos[i]), cosine = circle.cosine(vsin[i], vcos[i]);
     if (away[i] > limit) {
       others += 1.0;
-      squares += std::pow(
-          std::hypot(circle.sine(vsin[i], vcos[i]), circle.cosine(vsin[i], vcos[i])) - 1.0, 2);
+      squares += std::pow(std::hypot(sine, cosine) - 1.0, 2);
+    } else {
+      reached.insert(static_cast<int>(std::floor(kSectors / kTwoPi * std::atan2(sine, cosine))));
     }
+  }
+  const bool turns = static_cast<double>(reached.size()) > kSectors * criteria::kLeastCoverage;
   if (others == 0.0 || others > criteria::kMostElsewhere * static_cast<double>(away.size()) ||
-      squares < others * criteria::kOffCircle * criteria::kOffCircle)
+      (turns && why_no_circle(fit).empty()) ||
+      !(squares > others * criteria::kOffCircle * criteria::kOffCircle))
     return {};
   return fmt::format("all but {:.0f} of {} readings stand in one place, and those draw no circle",
                      others, away.size());
