@@ -20,7 +20,7 @@ namespace ada {
 namespace {
 
 constexpr double kStandsOut = 5.5;       ///< standard deviations
-constexpr std::size_t kFewestSpikes = 8; ///< a few may be the edges of something else
+constexpr std::size_t kFewestSpikes = 4; ///< a few may be the edges of something else
 
 using Pair = std::array<double, 2>; ///< VSIN, VCOS
 

@@ -78,7 +78,8 @@ void leave_out_kinks(const std::vector<double> &omega, std::vector<char> &usable
 }
 
 /// Just after a reversal the sense of rotation is known and yet a hysteresis has not crossed its
-/// loop. A few samples about each reversal are not used, unless the shaft does little else.
+/// loop. A few samples about each reversal are not used; where the shaft does little else, the two
+/// between which it turned, of which nobody knows which way it went in them.
 void leave_out_reversals(const Kinematics &motion, std::vector<char> &usable) {
   constexpr std::size_t kReach = 6;
   constexpr double kLoop = 0.6 * kRadPerDeg; // wider than the loop of any usable sensor
@@ -98,8 +99,12 @@ void leave_out_reversals(const Kinematics &motion, std::vector<char> &usable) {
       out[k] = 1;
   }
   const auto count = static_cast<double>(std::count(out.begin(), out.end(), char{1}));
-  if (count > kMost * static_cast<double>(n))
+  if (count > kMost * static_cast<double>(n)) {
     std::fill(out.begin(), out.end(), char{0});
+    for (std::size_t i = 1; i < n; ++i)
+      if (motion.direction[i] != motion.direction[i - 1])
+        out[i] = out[i - 1] = 1;
+  }
   // Which way it came to where it stands at the start nobody saw.
   const bool turns_back =
       std::any_of(motion.direction.begin(), motion.direction.end(),

@@ -490,12 +490,14 @@ namespace {
 
 /// Travel that no noise of the angle makes, rad.
 double beyond_noise(std::span<const double> alpha) {
-  // Of white noise the second difference has six times the power; of a travel hardly any.
+  // Of white noise the third difference has twenty times the power; of a travel hardly any, and of
+  // a lever that swings neither: its acceleration, which the second one shows, is no noise.
   std::vector<double> bends;
-  for (std::size_t i = 2; i < alpha.size(); ++i)
-    if (const double bend = alpha[i] - 2.0 * alpha[i - 1] + alpha[i - 2]; std::isfinite(bend))
+  for (std::size_t i = 3; i < alpha.size(); ++i)
+    if (const double bend = alpha[i] - 3.0 * (alpha[i - 1] - alpha[i - 2]) - alpha[i - 3];
+        std::isfinite(bend))
       bends.push_back(bend);
-  return kBackBeyondNoise * robust_spread(bends) / std::sqrt(6.0);
+  return kBackBeyondNoise * robust_spread(bends) / std::sqrt(20.0);
 }
 
 } // namespace

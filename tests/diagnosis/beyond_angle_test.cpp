@@ -54,6 +54,30 @@ std::vector<double> some_speeds(Bench &bench) {
   }
 }
 
+/// At the turns its acceleration is the largest, and is no noise of the angle behind which the way
+/// back would begin unseen.
+KIND(a_lever_that_swings_shows_its_hysteresis_and_no_delay) {
+  Bench bench;
+  const double swing_rad = bench.within(120.0, 170.0) * kRadPerDeg, hz = bench.within(0.3, 0.8),
+               falls = bench.within(0.02, 0.06), width = bench.within(0.2, 0.8) * kRadPerDeg;
+  const auto angle = [&](double t) {
+    return 3.0 + swing_rad * std::exp(-falls * t) * std::cos(kTwoPi * hz * t);
+  };
+  const auto behind = [&](double t) {
+    return angle(t) - 0.5 * std::copysign(width, angle(t + 1e-6) - angle(t - 1e-6));
+  };
+  Capture c = bench.capture(6000, 250.0, 2, behind);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(angle(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *f = named(d, "hysteresis");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0] * kRadPerDeg, width, 0.02 * width);
+  EXPECT_EQ(d.findings.size(), 3u) << left_of(d);
+  EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
+}
+
 KIND(a_skew_beside_a_large_quadrature_error_and_a_stray_field_is_named) {
   Bench bench;
   const double late_s = bench.within(8e-6, 16e-6), stray = bench.within(0.005, 0.015),
