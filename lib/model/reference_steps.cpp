@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/angle.h"
-#include "base/robust.h"
 #include "model/residual.h"
 
 namespace ada {
@@ -44,31 +42,28 @@ double grid_of(std::vector<double> values) {
   return static_cast<double>(fits) >= kOnGrid * static_cast<double>(values.size()) ? step : 0.0;
 }
 
-/// White noise of a column, squared, from its third differences.
-double noise_power(const std::vector<double> &x) {
+/// White noise of a column, squared, from its third divided differences: into them neither a motion
+/// enters that is smooth over four rows nor a clock that scatters.
+double noise_power(const std::vector<double> &time, const std::vector<double> &x) {
   std::vector<double> size;
-  for (std::size_t i = 3; i < x.size(); ++i)
-    if (const double d = x[i] - 3.0 * x[i - 1] + 3.0 * x[i - 2] - x[i - 3]; std::isfinite(d))
+  for (std::size_t i = 3; i < x.size(); ++i) {
+    double difference = 0.0, squares = 0.0;
+    for (std::size_t k = i - 3; k <= i; ++k) {
+      double weight = 1.0;
+      for (std::size_t m = i - 3; m <= i; ++m)
+        weight *= m == k ? 1.0 : (time[i] - time[i - 3]) / (time[k] - time[m]);
+      difference += weight * x[k];
+      squares += weight * weight;
+    }
+    if (const double d = difference / std::sqrt(squares); std::isfinite(d))
       size.push_back(std::abs(d));
+  }
   if (size.empty())
     return 0.0;
   const auto middle = size.begin() + static_cast<std::ptrdiff_t>(size.size() / 2);
   std::nth_element(size.begin(), middle, size.end());
   const double rms = *middle / 0.6745; // of a normal distribution
-  return rms * rms / 20.0;
-}
-
-/// That of the angle, rad^2, as the radius shows it: into that neither the motion enters nor a clock
-/// that scatters.
-double noise_by_radius(const Screened &look) {
-  const Capture &c = look.capture;
-  std::vector<double> radius;
-  for (std::size_t i = 0; i < c.size(); ++i)
-    radius.push_back(
-        std::hypot(c.vsin_v[i] - look.centre_sin_v, c.vcos_v[i] - look.centre_cos_v));
-  const double usual = quantile(radius, 0.5) * c.meta.periods_per_turn;
-  return usual > 0.0 ? noise_power(radius) / (usual * usual)
-                     : std::numeric_limits<double>::infinity();
+  return rms * rms;
 }
 
 /// Sums up to each element, to take means over windows.
@@ -89,9 +84,7 @@ double find_reference_step(const Screened &look) {
   if (reference.size() < kFewest || look.angle.size() != reference.size())
     return 0.0;
   const double step = grid_of(reference) * kRadPerDeg;
-  // An uneven clock or motion passes for noise of the angle; noise that turns the vector alone is
-  // none of the radius.
-  const double of_angle = noise_power(look.angle), noise = std::min(of_angle, noise_by_radius(look));
+  const double noise = noise_power(look.capture.time_s, look.angle);
   if (!(step * step / 12.0 > kAddsToNoise * noise))
     return 0.0;
 
@@ -141,13 +134,10 @@ double find_reference_step(const Screened &look) {
   // so, which those of a speed that is one do not, and what the pair does not go along with, which
   // a shaft that moves in steps does.
   const double of_ends = 1.0 / std::sqrt(6.0) / long_length;
-  const auto with_noise = [&](double power) {
-    const double sigma = std::sqrt(2.0 * power) / length / step;
-    return counts(kWindow, seen, apart, power, sigma, 0.02) ||
-           (counts(kLongWindow, moved, moved, 0.0, of_ends, 0.005) &&
-            counts(kLongWindow, moved, apart, power, of_ends, 0.005));
-  };
-  const bool steps = with_noise(noise) || (of_angle > noise && with_noise(of_angle));
+  const double sigma = std::sqrt(2.0 * noise) / length / step;
+  const bool steps = counts(kWindow, seen, apart, noise, sigma, 0.02) ||
+                     (counts(kLongWindow, moved, moved, 0.0, of_ends, 0.005) &&
+                      counts(kLongWindow, moved, apart, noise, of_ends, 0.005));
   return steps ? step * kDegPerRad : 0.0;
 }
 

@@ -488,16 +488,23 @@ void unwrap(std::vector<double> &angle, double period) {
 
 namespace {
 
+/// Of white noise the second difference has six times the power, the third twenty times; of a
+/// travel either has hardly any.
+double noise_of(std::span<const double> alpha, std::size_t order) {
+  std::vector<double> bends;
+  for (std::size_t i = order; i < alpha.size(); ++i) {
+    const double back = alpha[i - 1] - alpha[i - 2];
+    const double bend = order == 2 ? alpha[i] - alpha[i - 1] - back
+                                   : alpha[i] - alpha[i - 3] - 3.0 * back;
+    if (std::isfinite(bend))
+      bends.push_back(bend);
+  }
+  return robust_spread(bends) / std::sqrt(order == 2 ? 6.0 : 20.0);
+}
+
 /// Travel that no noise of the angle makes, rad.
 double beyond_noise(std::span<const double> alpha) {
-  // Of white noise the third difference has twenty times the power; of a travel hardly any, and of
-  // a lever that swings neither: its acceleration, which the second one shows, is no noise.
-  std::vector<double> bends;
-  for (std::size_t i = 3; i < alpha.size(); ++i)
-    if (const double bend = alpha[i] - 3.0 * (alpha[i - 1] - alpha[i - 2]) - alpha[i - 3];
-        std::isfinite(bend))
-      bends.push_back(bend);
-  return kBackBeyondNoise * robust_spread(bends) / std::sqrt(20.0);
+  return kBackBeyondNoise * noise_of(alpha, 2);
 }
 
 } // namespace
@@ -509,7 +516,10 @@ std::size_t first_motion(std::span<const double> alpha) {
 }
 
 std::vector<signed char> senses_of(std::span<const double> alpha) {
+  // A tremor as small as the shaft's acceleration makes from row to row is no way back. Where it
+  // turned is told by the noise alone, in which a lever that swings has no acceleration.
   const double back = beyond_noise(alpha);
+  const double rests = 0.5 * kBackBeyondNoise * std::min(noise_of(alpha, 2), noise_of(alpha, 3));
   std::vector<signed char> out(alpha.size(), 1);
   signed char sense = 1;
   double furthest = -std::numeric_limits<double>::infinity();
@@ -526,7 +536,7 @@ std::vector<signed char> senses_of(std::span<const double> alpha) {
     }
     begun = begun || at > sense * alpha.front() + back;
     furthest = std::max(furthest, at);
-    if (at >= furthest - 0.5 * back) // of an exact angle the two may be one number
+    if (at >= furthest - rests) // of an exact angle the two may be one number
       left = i + 1;
     out[i] = sense;
   }
