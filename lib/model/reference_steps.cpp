@@ -81,7 +81,8 @@ std::vector<double> sums(const std::vector<double> &x) {
 // k + 1, so that its differences scatter by q^2 f (1 - f) about those of the pair.
 double find_reference_step(const Screened &look) {
   const std::vector<double> &reference = look.capture.reference_deg;
-  if (reference.size() < kFewest || look.angle.size() != reference.size())
+  if (reference.size() < kFewest || look.angle.size() != reference.size() ||
+      look.capture.time_s.size() != reference.size())
     return 0.0;
   const double step = grid_of(reference) * kRadPerDeg;
   const double noise = noise_power(look.capture.time_s, look.angle);

@@ -136,6 +136,7 @@ struct Stepped {
     std::normal_distribution<double> normal(0.0, noise_deg);
     for (std::size_t i = 0; i < n; ++i) {
       const double a = angle(static_cast<double>(i));
+      capture.time_s.push_back(1e-3 * static_cast<double>(i));
       look.angle.push_back((a + normal(rng)) * kRadPerDeg);
       capture.reference_deg.push_back(wrap(read(a), 360.0));
     }
