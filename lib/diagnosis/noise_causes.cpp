@@ -20,7 +20,9 @@ namespace ada {
 namespace {
 
 constexpr double kStandsOut = 5.5;       ///< standard deviations
-constexpr std::size_t kFewestSpikes = 4; ///< a few may be the edges of something else
+/// A choice: one to three samples may be the edges of something else. Below sixteen nothing tells
+/// whether they come at one place in the turn (come_with_the_angle).
+constexpr std::size_t kFewestSpikes = 4;
 
 using Pair = std::array<double, 2>; ///< VSIN, VCOS
 

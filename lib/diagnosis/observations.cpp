@@ -205,17 +205,13 @@ std::vector<std::uint32_t> left_out(const std::vector<char> &before, const Scree
 /// Jumps to and fro of the pair's own angle at rows that were usable before and no longer are: of
 /// what a smooth motion leaves out something has to be said.
 OwnJumps jumps_left_out(const Screened &look, const std::vector<char> &before) {
-  std::vector<double> time, angle;
   std::vector<std::uint32_t> rows;
   for (std::size_t i = 0; i < before.size(); ++i)
-    if (before[i]) {
-      time.push_back(look.capture.time_s[i]);
-      angle.push_back(look.angle[i]);
+    if (before[i])
       rows.push_back(static_cast<std::uint32_t>(i));
-    }
-  OwnJumps out = own_jumps(time, angle, pick(look.usable, rows));
-  for (std::uint32_t &at : out.rows)
-    at = rows[at];
+  OwnJumps out = own_jumps(pick(look.capture.time_s, rows), pick(look.angle, rows),
+                           pick(look.usable, rows));
+  out.number_by(rows);
   return out.to_and_fro() ? out : OwnJumps{};
 }
 

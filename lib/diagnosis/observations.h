@@ -119,7 +119,7 @@ struct Scene {
   std::vector<Ripple> reference_ripples;
   WrongRows wrong_rows;
   StaleRows stale;
-  OwnJumps own_jumps; ///< looked for where the angle is the pair's own
+  OwnJumps own_jumps; ///< where the angle is the pair's own, or a smooth motion leaves rows out
   Episodes episodes;
   std::optional<LevelGap> gap; ///< between two ranges of the readings
 

@@ -31,9 +31,8 @@ Work::Work(const Capture &capture, const DiagnosisOptions &options, bool guess,
     : given_(capture), freed_(guess ? with_unseen_supply(capture) : std::nullopt),
       options_(options), named_before_(named_part(options.baseline, capture.meta.supply_v)),
       scene_(scene_of(worked_on(), options.heldout == nullptr)) {
-  if (apart_from_motion) {
+  if (apart_from_motion)
     read_by_radius(scene_, *apart_from_motion);
-  }
   if (options.heldout)
     judge_ = scene_of(*options.heldout, false);
   if (judge_ && judge_->insufficient.empty() && scene_.insufficient.empty() &&

@@ -130,12 +130,12 @@ double find_reference_step(const Screened &look) {
     return shows && scatter > 0.5 * expected && scatter < 2.0 * expected;
   };
   const double length = 2.0 * kWindow + 1.0, long_length = 2.0 * kLongWindow + 1.0;
+  const double sigma = std::sqrt(2.0 * noise) / length / step;
   // A steady speed near a whole multiple is known well enough from the reference itself, over many
   // samples, of which the first and the last are rounded. Then its differences alone must scatter
   // so, which those of a speed that is one do not, and what the pair does not go along with, which
   // a shaft that moves in steps does.
   const double of_ends = 1.0 / std::sqrt(6.0) / long_length;
-  const double sigma = std::sqrt(2.0 * noise) / length / step;
   const bool steps = counts(kWindow, seen, apart, noise, sigma, 0.02) ||
                      (counts(kLongWindow, moved, moved, 0.0, of_ends, 0.005) &&
                       counts(kLongWindow, moved, apart, noise, of_ends, 0.005));

@@ -14,7 +14,8 @@ namespace ada {
 /// to its centre (why_no_circle of calibration/guards.h), and the pair also comes near that centre,
 /// or it does not go all round it: through a cloud of readings that stand still a curve passes with
 /// its centre outside. A length that wanders scatters, too, yet keeps its angle: it goes round, and
-/// never comes to nothing. Empty where there is a circle.
+/// never comes to nothing. Or that most readings stand in one place, and the few others lie on no
+/// circle. Empty where there is one.
 std::string why_no_angle(const std::vector<double> &vsin, const std::vector<double> &vcos);
 
 /// Whether the pair draws as much of a circle as a diagnosis needs, and has an angle of its own.

@@ -24,11 +24,12 @@ OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
   if (time.size() < 4 * kReach)
     return out;
   const double usual_s = median_step(time);
-  for (std::size_t i = kReach + 1; i + kReach < angle.size(); ++i) {
-    // A reading that repeats the one before it may be of that moment.
-    std::size_t last = i - 1;
-    while (last > 0 && angle[last] == angle[last - 1])
-      --last;
+  std::size_t last = 0; // a reading that repeats the one before it may be of that moment
+  for (std::size_t i = 1; i + kReach < angle.size(); ++i) {
+    if (i > 1 && angle[i - 1] != angle[i - 2])
+      last = i - 1;
+    if (i <= kReach)
+      continue;
     if (!(time[i] - time[last] <= kEven * usual_s) || (!spared.empty() && spared[i]))
       continue;
     std::vector<double> around, apart;
@@ -69,8 +70,7 @@ OwnJumps own_jumps(const Capture &capture, std::span<const std::uint32_t> rows, 
   for (double &a : angle)
     a /= capture.meta.periods_per_turn;
   OwnJumps out = own_jumps(time, angle);
-  for (std::uint32_t &at : out.rows)
-    at = rows[at];
+  out.number_by(rows);
   return out;
 }
 

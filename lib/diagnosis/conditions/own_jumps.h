@@ -24,9 +24,16 @@ struct OwnJumps {
     backward += more.backward;
     largest_rad = std::max(largest_rad, more.largest_rad);
     squares_rad2 += more.squares_rad2;
+    const bool rising = rows.empty() || more.rows.empty() || rows.back() <= more.rows.front();
     rows.insert(rows.end(), more.rows.begin(), more.rows.end());
-    std::sort(rows.begin(), rows.end());
+    if (!rising)
+      std::sort(rows.begin(), rows.end());
     return *this;
+  }
+  /// From places among some rows of the capture to these.
+  void number_by(std::span<const std::uint32_t> of_capture) {
+    for (std::uint32_t &at : rows)
+      at = of_capture[at];
   }
   /// Rows that are lost let the angle jump in one sense only.
   bool to_and_fro() const { return forward != 0 && backward != 0; }
