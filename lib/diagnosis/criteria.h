@@ -338,9 +338,11 @@ inline constexpr double kSameWave = 0.9;
 /// Correlation with a cause that was not found from which on the error is worked out with it as
 /// well: it then grows by 2 % or more.
 inline constexpr double kWorthAFit = 0.2;
-/// Powers of ten over which a size is as likely at one as at the other: a millionth of what is
-/// possible moves nothing.
-inline constexpr double kDecadesOfSize = 6.0;
+/// Powers of ten over which a size is as likely at one as at the other: a conversion takes from a
+/// thousandth of a frame to all of it, and no converter remembers less than that of another value.
+inline constexpr double kDecadesOfSize = 3.0;
+/// Share of what a value may be that lies within two of its standard errors.
+inline constexpr double kWithinTwo = 0.95;
 
 /// Stretches of the record between which the score is compared: with forty its variance is known to
 /// a quarter. Fewer than eight say nothing; each holds this many samples.

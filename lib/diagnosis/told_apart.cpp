@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -38,24 +39,36 @@ double largest(const Effect &effect, double sign, const Observations &data) {
   return possible;
 }
 
-/// Mean square of the size of a cause that data make `size` with a standard error, before which it
-/// is as likely to be absent as not, and if it is there, of either sign and of any power of ten up
-/// to what is possible.
-double mean_square_size(double size, double error, double least, double most) {
+/// Square of an error for the size of a cause that data make `size` with a standard error, before
+/// which it is as likely to be absent as not, and if it is there, of either sign and of any power
+/// of ten up to what is possible. What it then may be has a peak at none and a broad hill about
+/// `size`: two errors hold as much of it as of a normal law, and one is no less than its root mean
+/// square.
+double square_of_what_it_may_be(double size, double error, double least, double most) {
   constexpr int kPoints = 240; // of a sum over the logarithm
   const auto likelihood = [&](double x) {
     const double off = (x - size) / error, absent = size / error;
     return std::exp(std::min(700.0, 0.5 * (absent * absent - off * off))); // over that of none
   };
+  std::vector<std::pair<double, double>> may_be; // size and weight, the largest first
   double there = 0.0, squares = 0.0;
   for (int k = 0; k < kPoints; ++k) {
     const double part = std::pow(10.0, -criteria::kDecadesOfSize * (k + 0.5) / kPoints);
     for (const double x : {part * most, -part * least}) {
-      there += likelihood(x) / (2.0 * kPoints);
-      squares += x * x * likelihood(x) / (2.0 * kPoints);
+      const double weight = likelihood(x) / (2.0 * kPoints);
+      may_be.emplace_back(std::abs(x), weight);
+      there += weight;
+      squares += x * x * weight;
     }
   }
-  return squares / (1.0 + there);
+  std::ranges::sort(may_be, std::greater{});
+  double beyond = 0.0, within = 0.0;
+  for (const auto &[x, weight] : may_be)
+    if ((beyond += weight) > (1.0 - criteria::kWithinTwo) * (1.0 + there)) {
+      within = x;
+      break;
+    }
+  return std::max(squares / (1.0 + there), 0.25 * within * within);
 }
 
 /// Whether a cause that a model lacks may be beside what every pair has.
@@ -118,7 +131,7 @@ std::vector<Untold> widen_by_what_is_not_told_apart(const Observations &all, Fit
     const double least = largest(*other, -1.0, all), most = largest(*other, 1.0, all);
     if (error > std::max(least, most)) // one speed, say: then one or the other has the name
       continue;
-    const double added = mean_square_size(size, error, least, most);
+    const double added = square_of_what_it_may_be(size, error, least, most);
     const Eigen::VectorXd moves = joint.covariance.col(n).head(n) / (error * error);
     if (!std::isfinite(added) || !moves.allFinite())
       continue;
