@@ -199,6 +199,25 @@ MostlyAt mostly_at(const Residual &r) {
   return out;
 }
 
+/// Whether a line rotates with the pair. Of a shaft that goes to and fro it does so one way and
+/// then the other, which together is a line that stands: it is asked in one sense.
+bool rotates_with_pair(const Residual &r, const MostlyAt &at, double frequency, const Line &line) {
+  const auto [low, high] = std::minmax_element(r.omega.begin(), r.omega.end());
+  if (!(*low < 0.0 && *high > 0.0))
+    return rotates(line);
+  Residual one = r;
+  std::array<std::vector<double>, 3> column;
+  for (std::size_t i : at.samples) {
+    column[0].push_back(r.time[i]);
+    column[1].push_back(r.sin_v[i]);
+    column[2].push_back(r.cos_v[i]);
+  }
+  one.time = column[0];
+  one.sin_v = column[1];
+  one.cos_v = column[2];
+  return rotates(line_at(one, frequency));
+}
+
 /// Whether a line that rotates is a gain or an angle that wanders: seen from the turning pair that
 /// lies along the radius or across it, while a pickup turns about the pair and shows in both alike.
 bool one_sided(const Residual &r, const MostlyAt &at, double frequency) {
@@ -424,7 +443,8 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
             !told_from_order(r, static_cast<int>(order), frequency)) ||
            turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line) ||
            slow_beside_pair(r, frequency) ||
-           (rotates(line) && (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));
+           (rotates_with_pair(r, *most, frequency, line) &&
+            (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));
   };
   for (const auto &[frequency, line] : strongest_lines(r, no_tone)) {
     const auto a = line_at(residual, frequency).amplitudes;

@@ -255,8 +255,32 @@ double radial_flicker(double frequency, const std::vector<double> &twice_turning
   return 0.5 / frequency + sum / static_cast<double>(twice_turning.size());
 }
 
+/// Takes out what every pair has, by least squares in each channel: beside what repeats with the
+/// angle a baseline may be off, and at a speed that changes its line spreads far and low.
+void take_out_pair(ResidualColumns &rest) {
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
+  const auto row = [&](std::size_t i) {
+    return Eigen::Vector3d(1.0, rest.model_sin[i], rest.model_cos[i]);
+  };
+  for (std::size_t i = 0; i < rest.sin.size(); ++i) {
+    const Eigen::Vector3d x = row(i);
+    matrix += x * x.transpose();
+    right += x * Eigen::RowVector2d(rest.sin[i], rest.cos[i]);
+  }
+  const Eigen::Matrix<double, 3, 2> of = matrix.ldlt().solve(right);
+  if (!of.allFinite())
+    return;
+  for (std::size_t i = 0; i < rest.sin.size(); ++i) {
+    const Eigen::RowVector2d pair = row(i).transpose() * of;
+    rest.sin[i] -= pair[0];
+    rest.cos[i] -= pair[1];
+  }
+}
+
 /// `radial`: only that part is left, in which the pair does not turn.
-Lines lines_of(const Observations &data, const ResidualColumns &rest, int periods, bool radial) {
+Lines lines_of(const Observations &data, ResidualColumns rest, int periods, bool radial) {
+  take_out_pair(rest);
   Lines out;
   for (int channel = 0; channel < 2; ++channel) {
     const auto &v = channel == 0 ? rest.sin : rest.cos;

@@ -116,7 +116,7 @@ KIND(fringes_there_and_back_are_no_tone) {
   c.reference_deg.clear();
   const Diagnosis d = diagnose(c, {});
   expect_pair(d, bench.pair);
-  EXPECT_FALSE(named(d, "periodic-interference"));
+  EXPECT_FALSE(named(d, "periodic-interference")) << names(d);
 }
 
 KIND(a_magnet_of_many_orders_hides_neither_mismatch_nor_quadrature) {
