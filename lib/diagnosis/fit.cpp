@@ -199,11 +199,18 @@ FitResult fit(const Observations &data, const Model &start, int max_iterations) 
     const Scaled scaled(here.matrix + here.damping);
     if (!scaled.determined)
       break;
-    const Eigen::VectorXd step = scaled.solve(here.right);
+    Eigen::VectorXd step = scaled.solve(here.right);
     if (!step.allFinite())
       break;
+    // Damped steps that follow are taken on the same parabola: only how far it holds needs another.
+    for (; iteration + 1 < max_iterations && !here.damping.isZero(0.0); ++iteration) {
+      const Eigen::VectorXd left = here.right - here.matrix * step, more = scaled.solve(left);
+      if (!more.allFinite() || more.dot(left) < kStill * here.rss)
+        break;
+      step += more;
+    }
     bool better = false, as_expected = false;
-    const double expected = step.dot(here.right);
+    const double expected = 2.0 * step.dot(here.right) - step.dot(here.matrix * step);
     for (double part = 1.0; part > 0.05; part *= 0.5) {
       std::vector<double> next = x;
       for (std::size_t k = 0; k < x.size(); ++k)
@@ -219,8 +226,7 @@ FitResult fit(const Observations &data, const Model &start, int max_iterations) 
         out.rss = rss;
         better = true;
         // How far the sum is from where a parabola would have taken it bounds what is left to gain.
-        as_expected = part == 1.0 && here.damping.isZero(0.0) &&
-                      std::abs(here.rss - expected - rss) < kStill * here.rss;
+        as_expected = part == 1.0 && std::abs(here.rss - expected - rss) < kStill * here.rss;
         break;
       }
     }

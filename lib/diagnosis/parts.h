@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "diagnosis/observations.h"
 #include "diagnosis/result.h"
@@ -26,6 +27,23 @@ struct Parts {
   /// How residuals weigh along a disturbance that is not recorded, in fits and in judging.
   void weigh(Direction direction, double weight);
   Rung rung(const Model &model) const;
+};
+
+/// The same parts without the covariance of what has no name: a copy only where they have one. The
+/// parts must outlive it and stay as they are.
+class Uncoloured {
+public:
+  explicit Uncoloured(const Parts &of) : of_(of) {
+    if (!of.train.coloured)
+      return;
+    copy_ = of;
+    copy_->train.coloured.reset();
+  }
+  const Parts &parts() const { return copy_ ? *copy_ : of_; }
+
+private:
+  const Parts &of_;
+  std::optional<Parts> copy_;
 };
 
 /// Mean square of the held-out residual of a model, V^2 of a channel.

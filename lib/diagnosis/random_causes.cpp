@@ -345,15 +345,17 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
   data.coloured.reset();
   if (!has_reference) // at an angle that is off the radius is that of another part of the ellipse
     data = at_own_angle(std::move(data), model);
-  ResidualColumns rest = residual_columns(data, model);
-  const ResidualColumns as_it_is = rest;
-  subtract(left.basis, left.selection, data, rest);
-  if (!has_reference)
-    rest = radial_of(data, as_it_is, rest);
   const double span = data.time.back() - data.time.front();
   if (!(data.frame_period_s > 0.0) || span <= 0.0)
     return out;
-  const Lines of = lines_of(data, rest, model.periods_per_turn, !has_reference);
+  ResidualColumns rest = residual_columns(data, model), as_it_is;
+  if (!has_reference)
+    as_it_is = rest;
+  subtract(left.basis, left.selection, data, rest);
+  if (!has_reference)
+    rest = radial_of(data, std::move(as_it_is), std::move(rest));
+  const double variance[2] = {mean_square(rest.sin), mean_square(rest.cos)};
+  const Lines of = lines_of(data, std::move(rest), model.periods_per_turn, !has_reference);
   const auto &[power, flicker, bin, told] = of;
   const std::size_t lines = of.size();
   if (lines < 64 || told.empty() || told.front() >= lines / 4)
@@ -395,11 +397,11 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
   // Flicker noise of the channels is seen along the radius as well: what is across only is an angle
   // that the reference, or the magnet, has moved.
   if (has_reference) {
-    const Observations own = at_own_angle(data, model);
-    const ResidualColumns at_own = residual_columns(own, model);
-    ResidualColumns less = at_own;
+    const Observations own = at_own_angle(std::move(data), model);
+    ResidualColumns at_own = residual_columns(own, model), less = at_own;
     subtract(left.basis, left.selection, own, less);
-    const Lines along = lines_of(own, radial_of(own, at_own, less), model.periods_per_turn, true);
+    const Lines along = lines_of(own, radial_of(own, std::move(at_own), std::move(less)),
+                                 model.periods_per_turn, true);
     double nats = 0.0, w;
     for (int c = 0; c < 2; ++c)
       nats += along.likelihood(c, out.corner_hz, w) - along.likelihood(c, 0.0, w);
@@ -414,8 +416,7 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
     for (std::size_t k : told)
       all += power[static_cast<std::size_t>(c)][k];
     const double count = static_cast<double>(told.size());
-    const double variance = mean_square(c == 0 ? rest.sin : rest.cos);
-    const double density = variance * white[c] / (all / count) / top / of_white;
+    const double density = variance[c] * white[c] / (all / count) / top / of_white;
     sum += 0.5 * density * out.corner_hz * std::log(std::max(out.corner_hz * span, std::exp(1.0)));
   }
   out.rms_v = std::sqrt(sum);

@@ -76,8 +76,7 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
   const double n = static_cast<double>(data_.heldout.size());
   const Baseline &base = now.fit.model.baseline;
   const double offset = std::hypot(base.offset_sin_v, base.offset_cos_v);
-  std::vector<Candidate> list = candidates(*data_.scene, quick_, less.fit.model,
-                                           {.signatures = signatures_, .invisible = true});
+  std::vector<Candidate> list = candidates_beside(less.fit.model, signatures_);
   std::erase_if(list, [&](const Candidate &c) {
     return !c.visible && !may_look_alike(*self, *c.effect, data_.scene->has_reference);
   });
@@ -161,8 +160,7 @@ bool Search::blame_reference(State &now) const {
     if (!of_the_angle(*now.fit.model.effects[k].effect))
       continue;
     const State less = without(now, k);
-    const std::vector<Candidate> list =
-        candidates(*data_.scene, quick_, less.fit.model, {.signatures = true, .invisible = true});
+    const std::vector<Candidate> &list = candidates_beside(less.fit.model, true);
     const double side = side_evidence(data_, less.fit.model);
     double highest = 0.0;
     for (const Candidate &c : list)

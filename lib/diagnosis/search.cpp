@@ -84,6 +84,21 @@ Search::State Search::evaluate(const Model &start, int iterations) const {
   return known_fits_.emplace(std::move(key), fitted(start, iterations)).first->second;
 }
 
+const std::vector<Candidate> &Search::candidates_beside(const Model &model, bool signatures) const {
+  const auto key = std::pair{start_of(model, 0), signatures};
+  if (const auto known = known_candidates_.find(key); known != known_candidates_.end())
+    return known->second;
+  return known_candidates_
+      .emplace(key, candidates(*data_.scene, quick_, model,
+                               {.signatures = signatures, .invisible = true}))
+      .first->second;
+}
+
+void Search::forget() const {
+  known_fits_.clear();
+  known_candidates_.clear();
+}
+
 Search::State Search::fitted(const Model &start, int iterations) const {
   State out;
   if (data_.train.coloured) {
@@ -113,8 +128,6 @@ Search::State Search::without(const State &now, std::size_t effect) const {
 
 bool Search::forward(State &now) {
   const double allowance = doubt_v(now.fit.model);
-  const std::vector<Candidate> list =
-      candidates(*data_.scene, quick_, now.fit.model, {.signatures = signatures_});
   const double scale = static_cast<double>(data_.train.size()) / static_cast<double>(quick_.size());
   const double variance = now.fit.rss / (2.0 * static_cast<double>(data_.train.size()));
   struct Option {
@@ -126,7 +139,9 @@ bool Search::forward(State &now) {
   std::vector<Option> options;
   std::size_t physical = 0, signatures = 0;
   std::map<std::string_view, std::size_t> beyond_angle; // by axis
-  for (const Candidate &c : list) {
+  for (const Candidate &c : candidates_beside(now.fit.model, signatures_)) {
+    if (!c.visible)
+      continue;
     // What stands beside the pair may ask for a cause that the pair alone hardly shows.
     const bool asked_for = unexplained && leaks(c.start.effects.back());
     if (!worth_keeping(scale * c.gain / (2.0 * variance), *c.effect) && !asked_for)
@@ -382,7 +397,7 @@ void Search::colour(const Discrepancy &discrepancy) {
   for (Observations *o : {&data_.train, &data_.heldout})
     o->coloured = std::make_shared<Coloured>(discrepancy, *o);
   quick_.coloured = data_.train.coloured;
-  known_fits_.clear();
+  forget();
 }
 
 SearchResult Search::run_against(const Discrepancy &discrepancy, const Unnamed &unnamed,

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "diagnosis/anonymous/discrepancy.h"
+#include "diagnosis/candidates.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/observations.h"
 
@@ -80,6 +81,10 @@ private:
   /// What a fit begins with, to the bit: baseline, effects, numbers, and iterations.
   using Start = std::vector<std::uint64_t>;
   static Start start_of(const Model &model, int iterations);
+  /// What may be beside a model, what this capture cannot show as such included, best first.
+  const std::vector<Candidate> &candidates_beside(const Model &model, bool signatures) const;
+  /// After a change of the weights.
+  void forget() const;
   State fitted(const Model &start, int iterations) const;
 
   SearchResult result(State &now, bool thorough);
@@ -154,9 +159,10 @@ private:
   /// Alternatives found so far, by the score of the state and the effect: what is compared on the way
   /// is asked for again at the end.
   std::map<std::pair<double, std::size_t>, std::vector<Rival>> known_rivals_;
-  /// Fits made so far to the data as they are weighed now: forward, backward and sideways ask for
-  /// many of them again.
+  /// Fits made so far to the data as they are weighed now, and the ways to go on from them:
+  /// forward, backward and sideways ask for many of them again.
   mutable std::map<Start, State> known_fits_;
+  mutable std::map<std::pair<Start, bool>, std::vector<Candidate>> known_candidates_;
 };
 
 } // namespace ada

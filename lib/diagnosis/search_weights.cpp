@@ -173,7 +173,7 @@ void Search::weigh(State &now, Direction direction, double weight) {
     o->disturbed = direction;
     o->weight_along = weight;
   }
-  known_fits_.clear();
+  forget();
   now = evaluate(now.fit.model, 4);
 }
 

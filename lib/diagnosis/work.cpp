@@ -290,8 +290,8 @@ Finding Work::recorded(Finding finding) {
 }
 
 void Work::compare_with_anonymous() {
-  Parts white = parts_;
-  white.train.coloured.reset();
+  const Uncoloured uncoloured(parts_);
+  const Parts &white = uncoloured.parts();
   unnamed_ = anonymous_of(scene_, white, out_.extended);
   if (processes_.empty()) {
     const Anonymous whole = anonymous_of(scene_, white, ladder_.baseline);

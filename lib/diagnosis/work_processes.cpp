@@ -19,8 +19,8 @@ namespace ada {
 bool Work::take_out_processes() {
   if (found_.disturbed == Direction::supply) // what goes on slowly along it is the supply's
     return false;
-  Parts white = parts_;
-  white.train.coloured.reset();
+  const Uncoloured uncoloured(parts_);
+  const Parts &white = uncoloured.parts();
   // What is carried without a name is a part of what the anonymous model holds.
   Model named = out_.extended;
   named.remainder.reset();
@@ -57,8 +57,8 @@ bool Work::goes_on(const RandomCause &c) const {
 void Work::take_out_rest_of_courses() {
   if (processes_.empty())
     return;
-  Parts white = parts_;
-  white.train.coloured.reset();
+  const Uncoloured uncoloured(parts_);
+  const Parts &white = uncoloured.parts();
   Model named = out_.extended;
   named.remainder.reset();
   Anonymous slow = anonymous_of(scene_, white, named, {.speed = false, .others = false});
@@ -90,15 +90,14 @@ bool Work::drop_steps_of_processes(const std::vector<RandomCause> &noise) {
 }
 
 std::vector<RandomCause> Work::read_noise() const {
-  Parts white = parts_;
-  white.train.coloured.reset();
+  const Uncoloured uncoloured(parts_);
   Model named = out_.extended;
   named.remainder.reset();
   const double stated = !noise_stated_ ? 0.0
                         : named_before_ && named_before_->noise_rms_v
                             ? std::max(noise_, *named_before_->noise_rms_v)
                             : noise_;
-  return noise_causes(unnamed_, white, named,
+  return noise_causes(unnamed_, uncoloured.parts(), named,
                       {stated, reference_step_rad(), share_of_lines_across(scene_, out_.extended),
                        even_clock() ? &scene_.all : nullptr});
 }
@@ -215,8 +214,8 @@ bool Work::take_out_courses(Anonymous slow, const std::vector<RandomCause> &proc
 
 void Work::look_anew() {
   parts_.courses_taken_out = true;
-  Parts white = parts_;
-  white.train.coloured.reset();
+  const Uncoloured uncoloured(parts_);
+  const Parts &white = uncoloured.parts();
   Model named = out_.extended;
   named.remainder.reset();
   unnamed_ = anonymous_of(scene_, white, named);

@@ -5,6 +5,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <utility>
 
 namespace ada {
 
@@ -73,18 +74,27 @@ void CubicSpline::fit(std::span<const double> x, std::span<const double> y,
                       const std::function<void(std::size_t, double *)> &terms) {
   const std::size_t m = coefficients_.size(), n = m + term_count;
   Eigen::MatrixXd band = Eigen::MatrixXd::Zero(4, static_cast<Eigen::Index>(m)); // (offset, column)
-  Eigen::MatrixXd cross =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(term_count));
+  Eigen::MatrixXd cross = // (term, piece): what one sample adds lies side by side
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(term_count), static_cast<Eigen::Index>(m));
   Eigen::MatrixXd inner = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(term_count),
                                                 static_cast<Eigen::Index>(term_count));
   Eigen::VectorXd right = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(n));
-  Eigen::VectorXd t(static_cast<Eigen::Index>(term_count));
+  // The terms of many samples are multiplied at once.
+  constexpr Eigen::Index kAtOnce = 64;
+  Eigen::MatrixXd some(static_cast<Eigen::Index>(term_count), kAtOnce);
+  Eigen::Index held = 0;
+  const auto multiply = [&] {
+    if (held == 0)
+      return;
+    inner.selfadjointView<Eigen::Lower>().rankUpdate(some.leftCols(std::exchange(held, 0)));
+  };
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!usable.empty() && !usable[i])
       continue;
     const std::size_t k = piece(x[i]);
     double b[4];
     basis(x[i], k, 0, b);
+    auto t = some.col(held);
     if (term_count > 0)
       terms(i, t.data());
     const Eigen::Index base = static_cast<Eigen::Index>(k) - 3;
@@ -93,13 +103,15 @@ void CubicSpline::fit(std::span<const double> x, std::span<const double> y,
         band(q - p, base + p) += b[p] * b[q];
       right[base + p] += b[p] * y[i];
       if (term_count > 0)
-        cross.row(base + p) += b[p] * t.transpose();
+        cross.col(base + p) += b[p] * t;
     }
     if (term_count > 0) {
-      inner.selfadjointView<Eigen::Lower>().rankUpdate(t);
       right.tail(static_cast<Eigen::Index>(term_count)) += y[i] * t;
+      if (++held == kAtOnce)
+        multiply();
     }
   }
+  multiply();
   // A little stiffness keeps pieces without data determined: it pulls them straight, not to zero.
   const double stiffness = 1e-7 * std::max(1.0, band.row(0).maxCoeff());
   const auto greville = [&](std::size_t i) {
@@ -120,8 +132,8 @@ void CubicSpline::fit(std::span<const double> x, std::span<const double> y,
       entries.emplace_back(c + d, c, band(d, c) + (d == 0 ? ridge : 0.0));
   for (Eigen::Index r = 0; r < static_cast<Eigen::Index>(term_count); ++r) {
     for (Eigen::Index c = 0; c < static_cast<Eigen::Index>(m); ++c)
-      if (cross(c, r) != 0.0)
-        entries.emplace_back(static_cast<Eigen::Index>(m) + r, c, cross(c, r));
+      if (cross(r, c) != 0.0)
+        entries.emplace_back(static_cast<Eigen::Index>(m) + r, c, cross(r, c));
     for (Eigen::Index c = 0; c <= r; ++c)
       entries.emplace_back(static_cast<Eigen::Index>(m) + r, static_cast<Eigen::Index>(m) + c,
                            inner(r, c) + (r == c ? ridge : 0.0));

@@ -170,20 +170,35 @@ std::vector<StepPlace> find_steps(const Basis &basis, const Observations &data,
 
 double moment_of_step(const Basis &basis, const Observations &near, const ResidualColumns &rest) {
   constexpr std::size_t kEnds = 8; // of the samples, an eighth at either end tells its side
-  const std::size_t n = near.size();
-  PairFit all, before;
-  for (std::size_t i = 0; i < n; ++i)
+  // The sum that a place explains falls off evenly to both sides of the moment: a grid finds the
+  // hill, and its top is looked for between the two places beside the best one.
+  constexpr std::size_t kPlaces = 256;
+  const std::size_t n = near.size(), stride = n / kPlaces + 1;
+  PairFit all;
+  std::vector<PairFit> before{all}; // of the samples before each place of the grid
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i > 0 && i % stride == 0)
+      before.push_back(all);
     all.add(columns_of(basis, near, i), {rest.cos[i], rest.sin[i]});
+  }
   std::size_t best = n / 2;
   double most = -1.0;
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    before.add(columns_of(basis, near, i), {rest.cos[i], rest.sin[i]});
-    if (i < n / kEnds || i > n - n / kEnds)
-      continue;
-    if (const double explained = before.explained() + (all - before).explained();
-        explained > most) {
+  const auto look_at = [&](const PairFit &left, std::size_t place) {
+    if (place <= n / kEnds || place > n - n / kEnds + 1 || place >= n)
+      return;
+    if (const double explained = left.explained() + (all - left).explained(); explained > most) {
       most = explained;
-      best = i + 1;
+      best = place;
+    }
+  };
+  for (std::size_t k = 1; k < before.size(); ++k)
+    look_at(before[k], k * stride);
+  if (stride > 1) {
+    const std::size_t nearest = best / stride, first = nearest > 0 ? nearest - 1 : 0;
+    PairFit left = before[std::min(first, before.size() - 1)];
+    for (std::size_t i = first * stride; i < std::min(n, (nearest + 1) * stride); ++i) {
+      left.add(columns_of(basis, near, i), {rest.cos[i], rest.sin[i]});
+      look_at(left, i + 1);
     }
   }
   return 0.5 * (near.time[best - 1] + near.time[best]);
