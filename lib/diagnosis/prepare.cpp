@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// From a capture to what is known of its samples, and to what it as a whole can show.
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numeric>
+#include <utility>
+
+#include "base/pick.h"
+#include "base/robust.h"
+#include "diagnosis/conditions/holdout.h"
+#include "diagnosis/conditions/level_gap.h"
+#include "diagnosis/conditions/no_circle.h"
+#include "diagnosis/conditions/no_pair.h"
+#include "diagnosis/conditions/several.h"
+#include "diagnosis/criteria.h"
+#include "diagnosis/fit.h"
+#include "diagnosis/looks.h"
+#include "diagnosis/observations.h"
+#include "diagnosis/screening.h"
+#include "diagnosis/shaft_motion.h"
+#include "motion/surroundings.h"
+
+namespace ada {
+
+namespace {
+
+/// Whether the samples about a spike are of use: in a stretch that is left out the angle is not
+/// known well enough to say what the spike stands out of.
+bool stands_alone(const std::vector<char> &usable, std::size_t spike) {
+  constexpr std::size_t kReach = 4;
+  const std::size_t from = spike > kReach ? spike - kReach : 0;
+  const std::size_t to = std::min(usable.size(), spike + kReach + 1);
+  const auto good = std::count(usable.begin() + static_cast<std::ptrdiff_t>(from),
+                               usable.begin() + static_cast<std::ptrdiff_t>(to), char{1});
+  return static_cast<std::size_t>(good) >= kReach;
+}
+
+/// Jumps to and fro of the pair's own angle at rows that were usable before and no longer are: of
+/// what a smooth motion leaves out something has to be said.
+OwnJumps jumps_left_out(const Screened &look, const std::vector<char> &before) {
+  std::vector<std::uint32_t> rows;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (before[i])
+      rows.push_back(static_cast<std::uint32_t>(i));
+  OwnJumps out =
+      own_jumps(pick(look.capture.time_s, rows), pick(look.angle, rows), pick(look.usable, rows));
+  out.number_by(rows);
+  return out.to_and_fro() ? out : OwnJumps{};
+}
+
+/// Spikes that come in rows, as no spikes do: at least four of six samples.
+std::vector<std::uint32_t> in_rows(const std::vector<std::uint32_t> &spikes) {
+  constexpr std::size_t kFewest = 4;
+  constexpr std::uint32_t kWithin = 6;
+  std::vector<std::uint32_t> out;
+  for (std::size_t k = 0; k + kFewest <= spikes.size(); ++k)
+    if (spikes[k + kFewest - 1] - spikes[k] < kWithin)
+      for (std::size_t i = k; i < k + kFewest; ++i)
+        if (out.empty() || spikes[i] > out.back())
+          out.push_back(spikes[i]);
+  return out;
+}
+
+} // namespace
+
+Scene prepare_record(const Capture &capture, bool needs_split, const Model *known,
+                     std::optional<double> vdd_level_v) {
+  Scene scene;
+  scene.capture = &capture;
+  scene.periods = capture.meta.periods_per_turn;
+  scene.supply_v = capture.meta.supply_v;
+  scene.has_reference = capture.has_reference();
+  if (capture.size() < criteria::kFewestSamples) {
+    scene.insufficient = "only " + std::to_string(capture.size()) + " samples; at least " +
+                         std::to_string(criteria::kFewestSamples) + " are needed";
+    return scene;
+  }
+  Observations &all = scene.all;
+  {
+    SupplyOverTime supply(capture, vdd_level_v);
+    TemperatureOverTime temperature(capture, supply);
+    all.mid_shift_v = supply.mid_shift_v;
+    all.supply = std::move(supply.unit);
+    scene.supply_rms = supply.rms;
+    all.temp = std::move(temperature.vtemp_v);
+    all.temp_rate = std::move(temperature.rate);
+    all.vtemp_on_vcos = temperature.on_vcos;
+    all.vtemp_on_vcos_error = temperature.on_vcos_error;
+  }
+  std::vector<char> usable(capture.size());
+  for (std::size_t i = 0; i < capture.size(); ++i)
+    usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
+  scene.episodes = leave_out_episodes(capture, usable);
+  scene.stale = leave_out_stale_rows(capture, usable);
+  Screened look = screen(capture, known, all, std::move(usable));
+  scene.screened = look.findings;
+  scene.white_noise_v = look.white_noise_v;
+  constexpr double kCoarse = 0.5; // of a step; its own error counts as 0.29 of noise
+  if (const double step = converter_step(capture.vsin_v); scene.white_noise_v < kCoarse * step)
+    scene.coarse_step_v = step;
+  if (stands_still(capture, look.white_noise_v)) {
+    scene.insufficient = fmt::format(
+        "the shaft does not turn: both signals stand still, but for {:.3g} mV that differ "
+        "from one reading to the next",
+        1e3 * look.white_noise_v);
+    return scene;
+  }
+  describe_temperature(capture, scene);
+
+  std::vector<std::uint32_t> rough, bursts;
+  scene.own_jumps = unnamed_jumps(look);
+  std::vector<char> before = look.usable;
+  for (std::uint32_t i : look.spikes)
+    before[i] = 1;
+  Kinematics motion =
+      scene.has_reference ? motion_by_reference(look, scene) : motion_by_pair(look, scene, rough);
+  if (scene.radius_only)
+    scene.own_jumps = own_jumps(capture.time_s, look.angle);
+  else
+    bursts = in_rows(look.spikes);
+  if (!rough.empty())
+    scene.own_jumps += jumps_left_out(look, before);
+  if (!scene.has_reference)
+    for (std::uint32_t i : bursts)
+      motion.alpha[i] = look.angle[i];
+  for (std::size_t i = 0; i < capture.size(); ++i)
+    if (look.usable[i])
+      scene.index.push_back(static_cast<std::uint32_t>(i));
+  for (std::uint32_t i : look.spikes)
+    if (stands_alone(look.usable, i))
+      scene.spiked_index.push_back(i);
+  all.frame_period_s = median_step(capture.time_s);
+  all.centre_sin_v = look.centre_sin_v;
+  all.centre_cos_v = look.centre_cos_v;
+  all.time = time_with_losses(look, all.frame_period_s);
+  all.vsin = capture.vsin_v;
+  all.vcos = capture.vcos_v;
+  all.alpha = std::move(motion.alpha);
+  all.omega = std::move(motion.omega);
+  all.accel = std::move(motion.accel);
+  all.direction = std::move(motion.direction);
+  if (scene.has_reference)
+    all.travel = std::move(motion.travel);
+  std::vector<double>().swap(look.angle); // a long capture has no memory to spare
+  take_derivatives(capture.time_s, all);
+  scene.spiked = all.select(scene.spiked_index);
+  scene.rough = all.select(rough);
+  scene.bursts = all.select(bursts);
+  all.keep(scene.index);
+  if (all.size() < criteria::kFewestSamples) {
+    scene.insufficient = "only " + std::to_string(all.size()) + " usable samples";
+    return scene;
+  }
+  if (scene.radius_only)
+    judge_radius_only(scene);
+  else
+    describe_motion(scene);
+  if (needs_split) {
+    Stops stops = scene.stops;
+    if (stops)
+      stops.of = pick(stops.of, scene.index);
+    Holdout parts = split(all.alpha, scene.periods, stops);
+    scene.unit = parts.unit;
+    scene.train = std::move(parts.train);
+    scene.heldout = std::move(parts.heldout);
+  } else {
+    scene.train.resize(all.size());
+    std::iota(scene.train.begin(), scene.train.end(), 0u);
+  }
+  return scene;
+}
+
+Scene prepare(const Capture &capture, bool needs_split, const Model *known,
+              std::optional<double> vdd_level_v) {
+  Scene scene = capture.starts.empty() ? prepare_record(capture, needs_split, known, vdd_level_v)
+                                       : prepare_several(capture, needs_split, known, vdd_level_v);
+  const Observations &all = scene.all;
+  if (!scene.insufficient.empty())
+    return scene;
+  const double least =
+      scene.has_reference ? criteria::kLeastCoverageByReference : criteria::kLeastCoverage;
+  const double seen = share_of_circle(all.alpha, scene.periods);
+  if (seen < least)
+    scene.insufficient = fmt::format("the record shows {:.0f} of 360 electrical degrees; at least "
+                                     "{:.0f} are needed to tell centre and axes apart",
+                                     360.0 * seen, 360.0 * least);
+  else if (on_one_line(all, scene.white_noise_v))
+    scene.insufficient =
+        "the shaft turns and the vector does not: VSIN and VCOS move along one line";
+  else if (!scene.has_reference) {
+    // Of all samples: those about the centre turn too fast to be usable.
+    std::vector<std::uint32_t> some(capture.size());
+    std::iota(some.begin(), some.end(), 0u);
+    some = thin(some, criteria::kForCircle);
+    scene.insufficient = why_no_angle(pick(capture.vsin_v, some), pick(capture.vcos_v, some));
+    if (!scene.insufficient.empty() && level_gap(capture)) // a better reason, which is told later
+      scene.insufficient.clear();
+  }
+  if (!scene.has_reference || !scene.insufficient.empty())
+    return scene;
+  if (const int periods = other_periods(all, scene.periods); periods != 0)
+    scene.insufficient = fmt::format(
+        "the pair makes {} {} a turn of the reference, where the capture states {}: its "
+        "periods_per_turn is wrong, or the reference counts other turns than the shaft's",
+        periods, periods == 1 ? "period" : "periods", scene.periods);
+  return scene;
+}
+
+} // namespace ada
