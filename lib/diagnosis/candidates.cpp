@@ -61,19 +61,17 @@ Variant make_variant(const Model &model, const Effect &effect, std::vector<doubl
 }
 
 std::vector<Variant> variants(const Scene &scene, const Residual &residual, const Model &model,
-                              Tried tried) {
+                              bool signatures) {
   std::vector<Variant> out;
   for (const Effect *effect : catalogue()) {
-    if (effect->info().evidence != Evidence::signal ||
-        (effect->info().signature && !tried.signatures) ||
+    if (effect->info().evidence != Evidence::signal || (effect->info().signature && !signatures) ||
         (scene.radius_only && needs_motion(*effect)))
       continue;
     const auto present = std::count_if(model.effects.begin(), model.effects.end(),
                                        [&](const EffectInstance &e) { return e.effect == effect; });
     if (present >= (effect->info().repeats ? kMostOfOne : 1))
       continue;
-    const bool absent = effect->info().stage == Stage::record && !scene.has_reference;
-    if (absent || (!tried.invisible && !effect->invisible(residual).empty()))
+    if (effect->info().stage == Stage::record && !scene.has_reference)
       continue;
     for (auto &values : effect->guesses(residual)) {
       if (std::any_of(model.effects.begin(), model.effects.end(),
@@ -121,14 +119,14 @@ Residual residual_view(const Scene &scene, const Observations &data, const Resid
 }
 
 std::vector<Candidate> candidates(const Scene &scene, const Observations &data, const Model &model,
-                                  Tried tried) {
+                                  bool signatures) {
   const ResidualColumns columns = residual_columns(data, model);
   ResidualColumns white = columns; // what a search for lines and steps may trust
   for (std::size_t i = 0; i < data.size(); ++i)
     data.whiten(i, columns.model_sin[i], columns.model_cos[i], white.sin[i], white.cos[i]);
   const Residual residual =
       residual_view(scene, data, white, scene.white_noise_v, model.baseline.amplitude_v);
-  const std::vector<Variant> all = variants(scene, residual, model, tried);
+  const std::vector<Variant> all = variants(scene, residual, model, signatures);
 
   // Columns: the model's own coordinates, every variant's, and the residual last.
   const std::vector<double> x0 = coordinates_of(model), h0 = coordinate_steps(model);

@@ -30,14 +30,9 @@ struct ResidualColumns;
 Residual residual_view(const Scene &scene, const Observations &data, const ResidualColumns &columns,
                        double noise_v, double amplitude_v);
 
-/// Which effects are tried.
-struct Tried {
-  bool signatures = true; ///< shapes whose physical cause is open
-  bool invisible = false; ///< what this capture cannot show as such, but which may look like it
-};
-
-/// Best variant of each effect, by gain, best first.
+/// Best variant of each effect, by gain, best first: also of those that this capture cannot show as
+/// such, but which may look like another. `signatures`: with shapes whose physical cause is open.
 std::vector<Candidate> candidates(const Scene &scene, const Observations &data, const Model &model,
-                                  Tried tried);
+                                  bool signatures);
 
 } // namespace ada

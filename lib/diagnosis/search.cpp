@@ -88,9 +88,7 @@ const std::vector<Candidate> &Search::candidates_beside(const Model &model, bool
   const auto key = std::pair{start_of(model, 0), signatures};
   if (const auto known = known_candidates_.find(key); known != known_candidates_.end())
     return known->second;
-  return known_candidates_
-      .emplace(key, candidates(*data_.scene, quick_, model,
-                               {.signatures = signatures, .invisible = true}))
+  return known_candidates_.emplace(key, candidates(*data_.scene, quick_, model, signatures))
       .first->second;
 }
 
