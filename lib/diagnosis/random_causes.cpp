@@ -221,6 +221,7 @@ struct Flicker {
 /// Power of both channels' lines over time, and how it is looked at.
 struct Lines {
   std::array<std::vector<double>, 2> power;
+  std::array<double, 2> mean_square_v2{}; ///< of what the spectrum is of
   std::vector<double> flicker; ///< density of flicker noise over white noise and corner, s
   double bin_hz = 0.0;
   /// Lines that tell: those of the grid closer than the record resolves are no news, below the
@@ -284,6 +285,7 @@ Lines lines_of(const Observations &data, ResidualColumns rest, int periods, bool
   Lines out;
   for (int channel = 0; channel < 2; ++channel) {
     const auto &v = channel == 0 ? rest.sin : rest.cos;
+    out.mean_square_v2[static_cast<std::size_t>(channel)] = mean_square(v);
     const Spectrum s = spectrum_over_time(data.time, data.frame_period_s,
                                           [&](std::size_t i) { return std::complex(v[i], 0.0); });
     out.bin_hz = s.bin_hz;
@@ -354,9 +356,8 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
   subtract(left.basis, left.selection, data, rest);
   if (!has_reference)
     rest = radial_of(data, std::move(as_it_is), std::move(rest));
-  const double variance[2] = {mean_square(rest.sin), mean_square(rest.cos)};
   const Lines of = lines_of(data, std::move(rest), model.periods_per_turn, !has_reference);
-  const auto &[power, flicker, bin, told] = of;
+  const auto &[power, mean_squares, flicker, bin, told] = of;
   const std::size_t lines = of.size();
   if (lines < 64 || told.empty() || told.front() >= lines / 4)
     return out;
@@ -416,7 +417,8 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
     for (std::size_t k : told)
       all += power[static_cast<std::size_t>(c)][k];
     const double count = static_cast<double>(told.size());
-    const double density = variance[c] * white[c] / (all / count) / top / of_white;
+    const double density =
+        mean_squares[static_cast<std::size_t>(c)] * white[c] / (all / count) / top / of_white;
     sum += 0.5 * density * out.corner_hz * std::log(std::max(out.corner_hz * span, std::exp(1.0)));
   }
   out.rms_v = std::sqrt(sum);
