@@ -47,6 +47,10 @@ inline constexpr double kStuckMoves = 0.25;
 /// Samples about reversals and changes of speed are left out only while at least this part stays.
 inline constexpr double kMostLeftOut = 0.8;
 
+/// So much more than while its peaks are cut off the other channel moves while one is stuck: from
+/// peak to peak those last equally long in the angle, but for noise at their edges.
+inline constexpr double kLongerThanCut = 1.5;
+
 /// Standard error of the sample clock, relative: of quartz that is good to 50 ppm, spread evenly.
 inline constexpr double kClock = 29e-6;
 

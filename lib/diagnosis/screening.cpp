@@ -356,6 +356,25 @@ double Screened::turns() const {
   return travel / kTwoPi;
 }
 
+namespace {
+
+/// The most that `others` move while `values` stay within a band: as long as a peak that is cut off
+/// lasts, in terms of the other channel.
+double most_moved_within(std::span<const double> values, std::span<const double> others,
+                         double held, double band) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t from = i;
+    while (i < values.size() && std::abs(values[i] - held) <= band)
+      ++i;
+    if (i > from)
+      most = std::max(most, bulk(others.subspan(from, i - from)).width());
+  }
+  return most;
+}
+
+} // namespace
+
 bool screen_stuck(Screened &look, const Effect &effect) {
   const Capture &c = look.capture;
   const std::size_t n = c.size();
@@ -363,32 +382,35 @@ bool screen_stuck(Screened &look, const Effect &effect) {
   if (n < 4 * tail)
     return false;
   const std::vector<double> *channels[2] = {&c.vsin_v, &c.vcos_v};
-  const auto last = [&](int k) {
-    return std::span<const double>(channels[k]->data() + (n - tail), tail);
-  };
   for (int k = 0; k < 2; ++k) {
+    const double *values = channels[k]->data(), *others = channels[1 - k]->data();
     const double whole = range_of(*channels[1 - k], look.usable).half;
-    // While the other moves along the circle by `moved` of its half range to either side, a channel
-    // that lives moves by no less than this, at its very peak.
-    const double moved = std::min(1.0, 0.5 * bulk(last(1 - k)).width() / whole);
-    const double least = whole * (1.0 - std::sqrt(1.0 - moved * moved));
-    // Of less than a step of its converter nobody knows whether it moved.
     const double step_v = converter_step(*channels[k]);
-    if (least < step_v)
+    const std::span<const double> last(values + (n - tail), tail);
+    const double spread = robust_spread(last);
+    if (spread > 0.01 * whole)
       continue;
-    const double spread = robust_spread(last(k));
-    if (spread > 0.01 * whole || bulk(last(k)).width() > criteria::kStuckMoves * least)
-      continue;
-    const double held =
-        quantile({channels[k]->end() - static_cast<std::ptrdiff_t>(tail), channels[k]->end()}, 0.5);
-    // Of noise below 0.74 steps, rms, half of the readings are the same step, and its median
-    // deviation is nothing.
+    // As far back as it holds what it holds at the end. Of noise below 0.74 steps, rms, half of the
+    // readings are the same step, and its median deviation is nothing.
     constexpr double kUnseen = 0.74;
+    const double held = quantile({last.begin(), last.end()}, 0.5);
     const double band = std::max(8.0 * std::max(spread, kUnseen * step_v), 1e-4 * whole);
     std::size_t first = n;
-    while (first > 0 && std::abs((*channels[k])[first - 1] - held) <= band)
+    while (first > 0 && std::abs(values[first - 1] - held) <= band)
       --first;
     if (n - first < tail)
+      continue;
+    // While the other moves along the circle by `moved` of its half range to either side, a channel
+    // that lives moves by no less than this, at its very peak. Of less than a step of its converter
+    // nobody knows whether it moved.
+    const double width = bulk({others + first, n - first}).width();
+    const double moved = std::min(1.0, 0.5 * width / whole);
+    const double least = whole * (1.0 - std::sqrt(1.0 - moved * moved));
+    if (least < step_v || bulk({values + first, n - first}).width() > criteria::kStuckMoves * least)
+      continue;
+    // The record may end on a peak that is cut off, as all before it are.
+    if (width < criteria::kLongerThanCut *
+                    most_moved_within({values, first}, {others, first}, held, band))
       continue;
     std::fill(look.usable.begin() + static_cast<std::ptrdiff_t>(first), look.usable.end(), char{0});
     const double step = median_step(c.time_s);
