@@ -423,13 +423,22 @@ bool Search::leaves_noise(const State &now) const {
 
 /// Whether what was measured rules an effect out as it was fitted.
 bool Search::refuted(const State &state, std::size_t effect) const {
+  return refuted(state, effect, effect + 1);
+}
+
+/// The same of any from one place to before another.
+bool Search::refuted(const State &state, std::size_t from, std::size_t to) const {
   const Model &model = state.fit.model;
-  if (has_moment(*model.effects[effect].effect) && !begins_at_once(*data_.scene, model, effect))
-    return true;
   const ResidualColumns columns = residual_columns(quick_, model);
   const Residual view = residual_view(*data_.scene, quick_, columns, data_.scene->white_noise_v,
                                       model.baseline.amplitude_v);
-  return model.effects[effect].effect->refuted(model.effects[effect].values, view);
+  for (std::size_t k = from; k < to; ++k) {
+    const EffectInstance &e = model.effects[k];
+    if ((has_moment(*e.effect) && !begins_at_once(*data_.scene, model, k)) ||
+        e.effect->refuted(e.values, view))
+      return true;
+  }
+  return false;
 }
 
 /// A signature describes one term of what repeats with the angle. It is worth a name of its own

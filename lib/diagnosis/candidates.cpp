@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "diagnosis/anonymous/discrepancy.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/over_samples.h"
 #include "model/forward.h"
@@ -18,6 +20,9 @@ namespace {
 /// A cause that is needed more often than this, each time at another order or frequency, is the
 /// name of something else.
 constexpr std::ptrdiff_t kMostOfOne = 3;
+
+/// Of the guesses that a first look does not tell from the best.
+constexpr std::ptrdiff_t kMostOthers = 3;
 
 bool same_choice(const EffectInstance &a, const Effect &effect, const std::vector<double> &values) {
   if (a.effect != &effect)
@@ -115,6 +120,8 @@ Residual residual_view(const Scene &scene, const Observations &data, const Resid
   r.cos_v = columns.cos;
   r.model_sin_v = columns.model_sin;
   r.model_cos_v = columns.model_cos;
+  r.read_sin_v = data.vsin;
+  r.read_cos_v = data.vcos;
   return r;
 }
 
@@ -218,16 +225,28 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
         added[static_cast<std::size_t>(k)] = y[k] * scale[here + k] * size;
     if (!v.linear && y[0] < 0.0)
       continue;
-    Candidate candidate{v.effect, model, gain, added.size(), v.effect->invisible(residual).empty()};
+    Candidate candidate{v.effect, model, gain, added.size(), v.effect->invisible(residual).empty(), {}};
     candidate.start.effects.push_back({v.effect, v.values, {}});
     x.insert(x.end(), added.begin(), added.end());
     candidate.start = with_coordinates(candidate.start, x);
     const auto better = std::find_if(out.begin(), out.end(),
                                      [&](const Candidate &o) { return o.effect == v.effect; });
-    if (better == out.end())
+    if (better == out.end()) {
       out.push_back(std::move(candidate));
-    else if (gain > better->gain)
-      *better = std::move(candidate);
+      continue;
+    }
+    if (gain > better->gain) {
+      std::swap(candidate.others, better->others);
+      std::swap(candidate, *better);
+    }
+    better->others.emplace_back(candidate.gain, std::move(candidate.start));
+  }
+  for (Candidate &c : out) {
+    std::erase_if(c.others, [&](const auto &o) { return o.first < criteria::kComparable * c.gain; });
+    std::stable_sort(c.others.begin(), c.others.end(),
+                     [](const auto &a, const auto &b) { return a.first > b.first; });
+    if (std::ssize(c.others) > kMostOthers)
+      c.others.erase(c.others.begin() + kMostOthers, c.others.end());
   }
   std::stable_sort(out.begin(), out.end(),
                    [](const Candidate &a, const Candidate &b) { return a.gain > b.gain; });

@@ -5,6 +5,7 @@
 // pass over the data, with everything already in the model free to move.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "diagnosis/observations.h"
@@ -18,6 +19,9 @@ struct Candidate {
   double gain;         ///< expected fall of the sum of squares, V^2
   std::size_t freedom; ///< coordinates that it adds
   bool visible;        ///< whether this capture can show it as such
+  /// The same with other guesses of the effect, with their gains, best first: the best may have a
+  /// number that the capture does not determine, as the lower of two levels that is never reached.
+  std::vector<std::pair<double, Model>> others;
 };
 
 /// Whether only a motion that is known shows the effect: it turns the angle and leaves the radius as

@@ -285,6 +285,14 @@ inline constexpr double kMoreThanNoise = 1.2;
 inline constexpr double kRivalNats = 8.0;
 /// What a cause leaves over of the one that yields to it: as a part of what either explains, and as
 /// a part of the noise, where what stands clear of it tells the two apart.
+
+/// A shape without a physical cause that gains so many times as much as any cause: two causes that
+/// share its work would each gain half of it.
+inline constexpr double kSaysMuchMore = 2.5;
+
+/// Part of the highest gain from which on a first look, which is linear, does not tell which of two
+/// does better: what is clipped far, or bent far, looks that much smaller or larger than it is.
+inline constexpr double kComparable = 0.8;
 inline constexpr double kSlight = 0.02, kHidden = 0.5;
 /// Prior cost of a motion whose own ripple happens to look like an error of the reference, nats.
 inline constexpr double kCoincidence = 20.0;

@@ -479,13 +479,11 @@ std::vector<double> find_modulations(const Residual &r) {
 std::vector<std::vector<double>> find_clipping(const Residual &r) {
   // Of a sine that stops at 90 to 97 % of its peak about a tenth lies on the stop: the level is
   // seen at its middle. The channel with the higher peak says it for both.
-  std::vector<double> observed[2];
-  for (std::size_t i = 0; i < r.time.size(); ++i) {
-    observed[0].push_back(r.model_sin_v[i] + r.sin_v[i]);
-    observed[1].push_back(r.model_cos_v[i] + r.cos_v[i]);
-  }
-  const double high[2] = {quantile(observed[0], 0.96), quantile(observed[1], 0.96)};
-  const double low[2] = {quantile(observed[0], 0.04), quantile(observed[1], 0.04)};
+  const auto quantiles = [&](double at) {
+    return std::array{quantile({r.read_sin_v.begin(), r.read_sin_v.end()}, at),
+                      quantile({r.read_cos_v.begin(), r.read_cos_v.end()}, at)};
+  };
+  const std::array low = quantiles(0.04), high = quantiles(0.96);
   std::vector<std::vector<double>> out;
   const auto add = [&](double bottom, double top, double channel) {
     out.push_back({kAbsentLevel, top, channel});
@@ -494,7 +492,7 @@ std::vector<std::vector<double>> find_clipping(const Residual &r) {
   };
   add(std::min(low[0], low[1]), std::max(high[0], high[1]), kAbsentLevel);
   for (int k : {0, 1})
-    add(low[k], high[k], k);
+    add(low[static_cast<std::size_t>(k)], high[static_cast<std::size_t>(k)], k);
   return out;
 }
 

@@ -92,7 +92,7 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
   if (highest == 0.0 && !list.empty())
     highest = list.front().gain;
   for (const Candidate &c : list) {
-    if (c.effect == self || c.gain < 0.8 * highest)
+    if (c.effect == self || c.gain < criteria::kComparable * highest)
       continue;
     // A signature takes the place of no physical cause, unless other evidence speaks for it, and is
     // told of beside one that says of itself that it looks so; without a reference nothing tells
@@ -167,7 +167,7 @@ bool Search::blame_reference(State &now) const {
       highest = std::max(highest, c.gain);
     for (const Candidate &c : list) {
       const EffectInstance &e = c.start.effects.back();
-      if (c.gain < 0.8 * highest || !(e.effect->reference_ripple(e.values).order > 0.0) ||
+      if (c.gain < criteria::kComparable * highest || !(e.effect->reference_ripple(e.values).order > 0.0) ||
           side_evidence(data_, c.start) <= side)
         continue;
       model.effects[k] = e;

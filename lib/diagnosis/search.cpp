@@ -137,8 +137,16 @@ bool Search::forward(State &now) {
   std::vector<Option> options;
   std::size_t physical = 0, signatures = 0;
   std::map<std::string_view, std::size_t> beyond_angle; // by axis
-  for (const Candidate &c : candidates_beside(now.fit.model, signatures_)) {
-    if (!c.visible)
+  // A signature waits for the physical causes, unless it says much more than the best of them: of
+  // what that leaves, others take the parts that look like them.
+  double most_physical = 0.0;
+  const std::vector<Candidate> &list = candidates_beside(now.fit.model, true);
+  for (const Candidate &c : list)
+    if (c.visible && !c.effect->info().signature)
+      most_physical = std::max(most_physical, c.gain);
+  for (const Candidate &c : list) {
+    if (!c.visible || (!signatures_ && c.effect->info().signature &&
+                       c.gain < criteria::kSaysMuchMore * most_physical))
       continue;
     // What stands beside the pair may ask for a cause that the pair alone hardly shows.
     const bool asked_for = unexplained && leaks(c.start.effects.back());
@@ -156,7 +164,9 @@ bool Search::forward(State &now) {
     if (!state.fit.determined || !in_range(state.fit.model, given_))
       continue;
     const std::size_t last = state.fit.model.effects.size() - 1;
-    if (refuted(state, last) || !(all_stand_alone(state.fit.model) || leaves_noise(state)))
+    // One more may bend those before it into what was not measured.
+    if (refuted(state, given_, last + 1) ||
+        !(all_stand_alone(state.fit.model) || leaves_noise(state)))
       continue;
     if (the_records_could(state, last))
       continue;

@@ -53,6 +53,8 @@ public:
   std::span<const double> time, omega;
   std::span<const double> sin_v, cos_v;             ///< residual
   std::span<const double> model_sin_v, model_cos_v; ///< absolute volts of the model so far
+  /// Absolute volts as they were read: the residual above may be weighed, and is then not the rest.
+  std::span<const double> read_sin_v, read_cos_v;
   std::span<const double> alpha;                    ///< mechanical angle, rad
   AskedOften<std::vector<double>> orders;           ///< of find_orders
   AskedOften<double> slowest;                       ///< of slowest_speed

@@ -71,12 +71,8 @@ public:
     for (double channel : {0.0, 1.0}) {
       if (!std::isnan(v[2]) && v[2] != channel)
         continue;
-      const auto &model = channel < 0.5 ? r.model_sin_v : r.model_cos_v;
-      const auto &left = channel < 0.5 ? r.sin_v : r.cos_v;
-      for (std::size_t i = 0; i < model.size(); ++i) {
-        const double measured = model[i] + left[i];
-        beyond += measured < v[0] - reach || measured > v[1] + reach; // never true of NaN
-      }
+      for (const double read : channel < 0.5 ? r.read_sin_v : r.read_cos_v)
+        beyond += read < v[0] - reach || read > v[1] + reach; // never true of NaN
     }
     return static_cast<double>(beyond) > 2.0 + kSpikes * static_cast<double>(r.time.size());
   }
