@@ -18,10 +18,13 @@ inline constexpr std::size_t kFewestSamples = 12;
 /// Share of the electrical circle that must be seen: below a third an ellipse's centre and its axes
 /// are one in the data (Kanatani, Statistical Optimization, 1996, on short arcs).
 inline constexpr double kLeastCoverage = 0.33;
-/// The same beside a reference: with the angle known, centre and axes are a linear regression. Of
-/// 60 degrees its worst direction has 1/600 of the weight of a whole turn: 10,000 samples know it
-/// as 17 do there.
-inline constexpr double kLeastCoverageByReference = 1.0 / 6.0;
+/// The same beside a reference: with the angle known, centre and axes are a linear regression, which
+/// says itself how well they are known. On less than 20 degrees a vector turns by less than what
+/// bends it may be: the worst of its directions has 1e-5 of the weight of a whole turn.
+inline constexpr double kLeastCoverageByReference = 1.0 / 18.0;
+/// Standard error of the centre, in amplitudes, up to which it is known at all: that of the angle is
+/// a degree by then.
+inline constexpr double kCentreKnown = 0.02;
 /// Of the samples may lie in episodes that are not the sensor's. An estimate: with more of them it
 /// is no longer plain which of the two states is the sensor's own.
 inline constexpr double kMostOfEpisodes = 0.1;
@@ -109,6 +112,10 @@ inline constexpr std::size_t kFewestForLines = 1000;
 inline constexpr std::size_t kFlickerRows = 131072;
 /// Rows that tell the white noise of a long record.
 inline constexpr std::size_t kNoiseRows = 131072;
+
+/// Electrical periods from one end of the motion to the other below which what changes an offset, a
+/// gain and the angle is hardly told apart: cosines of the vector and of nothing are alike to 0.8.
+inline constexpr double kPairOfArc = 0.4;
 
 /// Functions slow in time: at most so many half waves over the record, each of which lasts this
 /// many electrical periods, so that none follows the shaft, and no more than two to a round of what

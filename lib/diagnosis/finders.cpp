@@ -23,14 +23,16 @@ namespace {
 constexpr double kAbsentLevel = std::numeric_limits<double>::quiet_NaN();
 
 /// Below this what comes with time cannot be told from what comes with the angle.
-constexpr double kFewestTurns = criteria::kFewestTurnsToRepeat;
+constexpr double kFewestRounds = criteria::kFewestTurnsToRepeat;
 
-/// Turns that the shaft makes, whatever their sense.
-double turns_of(const Residual &r) {
+/// How often the shaft comes round, whatever its sense: by a turn, or to and fro over a part of one.
+double rounds_of(const Residual &r) {
   double speed = 0.0;
   for (double w : r.omega)
     speed += std::abs(w) / static_cast<double>(r.omega.size());
-  return speed * (r.time.back() - r.time.front()) / kTwoPi;
+  const auto [low, high] = std::minmax_element(r.alpha.begin(), r.alpha.end());
+  const double travel = speed * (r.time.back() - r.time.front());
+  return travel / std::clamp(2.0 * (*high - *low), std::numeric_limits<double>::min(), kTwoPi);
 }
 
 /// Tangential part of the residual as a mechanical angle, rad.
@@ -312,7 +314,7 @@ std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, Skip ski
   if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0)
     return {};
   // At one speed a tone and what repeats with the angle are one but for the width of a line.
-  if (turns_of(r) < (r.several_speeds ? kFewestTurns : criteria::kFewestUnits))
+  if (rounds_of(r) < (r.several_speeds ? kFewestRounds : criteria::kFewestUnits))
     return {};
   const double resolution = 1.0 / span;
   std::vector<double> power;
@@ -369,10 +371,10 @@ std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, Skip ski
 /// rotation: what depends on speed or sense changes there too and is no step. 0: nowhere clearly.
 std::size_t sudden_step(const Residual &r, const std::vector<double> &a,
                         const std::vector<double> &b) {
-  // A turn at least, so that what repeats with the angle cancels.
+  // A round at least, so that what repeats with the angle cancels.
   const std::size_t n = r.time.size();
   const auto reach = static_cast<std::size_t>(static_cast<double>(n) /
-                                              std::clamp(turns_of(r), kFewestTurns, 25.0));
+                                              std::clamp(rounds_of(r), kFewestRounds, 25.0));
   std::vector<std::size_t> turned(n + 1, 0); // changes of sense so far
   for (std::size_t i = 1; i < n; ++i)
     turned[i + 1] = turned[i] + ((r.omega[i] < 0.0) != (r.omega[i - 1] < 0.0));
@@ -414,7 +416,7 @@ std::size_t largest_split(const std::vector<double> &a, const std::vector<double
 
 std::vector<StepGuess> find_steps(const Residual &r, StepIn where) {
   const std::size_t n = r.time.size();
-  if (n < 100 || turns_of(r) < kFewestTurns)
+  if (n < 100 || rounds_of(r) < kFewestRounds)
     return {};
   // Running sums of both components.
   std::vector<double> a(n + 1, 0.0), b(n + 1, 0.0);

@@ -110,6 +110,11 @@ struct Scene {
   bool lag_in_zeros = false;
   std::string why_no_temperature;
   double turns = 0.0, fastest_omega = 0.0;
+  double seen_turns = 1.0; ///< from one end of the motion to the other, at most one
+  /// How often the shaft comes round a part of a turn: on less than that, to and fro.
+  double rounds(double part_of_turn) const {
+    return turns / std::min(part_of_turn, 2.0 * seen_turns);
+  }
   double vtemp_mean_v = 0.0, supply_rms = 0.0;
   double white_noise_v = 0.0; ///< from sample to sample, one channel
   /// Step of a converter that stands so far above the noise that its error is none; otherwise 0.

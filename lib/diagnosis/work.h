@@ -193,7 +193,7 @@ private:
   /// What the first half waves leave of a course is seen where nothing else is left beside it.
   void take_out_rest_of_courses();
 
-  double periods_in_all() const { return scene_.turns * scene_.periods; }
+  double periods_in_all() const { return scene_.rounds(1.0 / scene_.periods); }
 
   std::vector<RandomCause> read_noise() const;
 

@@ -133,7 +133,7 @@ std::vector<double> steps_of(const Scene &scene, const Halves &halves, const Ano
   subtract_all_but_slow(left, halves.train, rest);
   std::vector<double> out;
   for (const StepPlace &place :
-       find_steps(left.basis, halves.train, rest, scene.turns * scene.periods)) {
+       find_steps(left.basis, halves.train, rest, scene.rounds(1.0 / scene.periods))) {
     const auto &time = scene.all.time;
     const auto index = [&](double t) {
       return static_cast<std::uint32_t>(std::lower_bound(time.begin(), time.end(), t) -

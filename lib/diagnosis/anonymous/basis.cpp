@@ -189,7 +189,11 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
     else
       for (auto kind : {Modulation::angle_cos, Modulation::angle_sin})
         out.add(Axis::angle, n / step, p, {kind, n});
-  const std::array<int, 3> pair{0, p, -p}; // offsets; gain and angle; mismatch and quadrature
+  // Offsets; gain and angle; mismatch and quadrature. On a short arc they are hardly apart, and each
+  // would seem as large as the sum of all is small: there the offsets stand for all.
+  std::vector<int> pair{0};
+  if (scene.seen_turns * p >= criteria::kPairOfArc)
+    pair.insert(pair.end(), {p, -p});
   if (asked.speed && scene.both_directions)
     for (int m : pair)
       out.add(Axis::speed, 1, m, {Modulation::sense});
@@ -212,9 +216,9 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
   // Slow in time: half waves that each last two electrical periods or more, so that none of them
   // follows the shaft, and half of what repeats with the angle. Where no angle comes twice, time
   // and angle are one.
-  const double rounds = scene.turns * step;
+  const double rounds = scene.rounds(1.0 / step);
   const double waves =
-      std::min({criteria::kMostTrends, scene.turns * p / criteria::kPeriodsPerTrend,
+      std::min({criteria::kMostTrends, scene.rounds(1.0 / p) / criteria::kPeriodsPerTrend,
                 criteria::kTrendsPerRound * rounds});
   asked.over_time = asked.over_time && rounds >= criteria::kFewestTurnsToRepeat;
   if (asked.over_time)
