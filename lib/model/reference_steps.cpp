@@ -17,6 +17,10 @@ constexpr double kOffGrid = 0.1;    ///< of a step
 constexpr std::size_t kWindow = 8;  ///< samples to either side over which the speed is even
 constexpr std::size_t kLongWindow = 8 * kWindow;
 constexpr double kAddsToNoise = 1.0 / 9; ///< of its power: a twentieth of its rms
+/// Of the power of the noise of a difference, from which on half of what a count is off by is told
+/// from none; and share of the samples that may be off by none all the same, where a speed is not
+/// even.
+constexpr double kOffByMore = 32.0, kMostKeptUp = 0.5;
 
 /// The spacing of which all spacings of the values are multiples; 0 where there is none.
 double grid_of(std::vector<double> values) {
@@ -111,7 +115,7 @@ double find_reference_step(const Screened &look) {
                           const std::vector<double> &difference, double own_noise, double sigma,
                           double least) {
     const std::vector<double> speed = sums(of_speed), mean = sums(difference);
-    double scatter = 0.0, expected = 0.0, count = 0.0;
+    double scatter = 0.0, expected = 0.0, count = 0.0, told = 0.0, kept_up = 0.0;
     for (std::size_t i = window; i + window < moved.size(); ++i) {
       const std::size_t from = i - window, to = i + window + 1;
       const double length = static_cast<double>(to - from);
@@ -123,11 +127,19 @@ double find_reference_step(const Screened &look) {
       scatter += e * e;
       expected += step * step * f * (1.0 - f);
       count += 1.0;
+      // Every count is off by the one part of a step or the other: a shaft that goes from rest to
+      // rest keeps up with its reference in almost every row.
+      if (const double least_off = step * std::min(f, 1.0 - f);
+          own_noise > 0.0 && least_off * least_off > kOffByMore * own_noise) {
+        told += 1.0;
+        kept_up += std::abs(difference[i]) < 0.5 * least_off;
+      }
     }
     scatter -= 2.0 * own_noise * count;
     // The noise of the speed alone lets f(1 - f) seem as large as its mean deviation, 0.8 sigma.
     const bool shows = expected > (least + 1.5 * sigma) * step * step * count;
-    return shows && scatter > 0.5 * expected && scatter < 2.0 * expected;
+    return shows && scatter > 0.5 * expected && scatter < 2.0 * expected &&
+           kept_up <= kMostKeptUp * told;
   };
   const double length = 2.0 * kWindow + 1.0, long_length = 2.0 * kLongWindow + 1.0;
   const double sigma = std::sqrt(2.0 * noise) / length / step;
