@@ -342,8 +342,10 @@ inline constexpr double kAlmostWhite = 1.1;
 /// many of its standard errors on: chance gives it once in ten thousand.
 inline constexpr std::size_t kMemory = 8;
 inline constexpr double kClearErrors = 4.0;
-/// Lines of an octave that tell its power to a quarter, and the factor by which it may be off.
+/// Lines of an octave that tell its power to a quarter, and the factor by which it may be off; by
+/// less where that is so many of its standard errors.
 inline constexpr double kFewestOfOctave = 16.0, kOctaveOff = 2.0;
+inline constexpr double kOctaveClearlyOff = 1.5, kErrorsOfOctave = 5.0;
 /// What a line that is another one's image has of what an image has not, as a part of itself or in
 /// radians: several errors of a line of ten times the noise's own power.
 inline constexpr double kNoImage = 0.2;

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <complex>
 #include <numeric>
+#include <optional>
 
 #include "base/angle.h"
+#include "base/robust.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/spectrum.h"
 
@@ -391,8 +393,10 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
            k != told.end() && *k < 2 * from; ++k, n += 1.0)
         ratio += power[static_cast<std::size_t>(c)][*k] /
                  (white[c] * (1.0 + out.corner_hz * flicker[*k]));
-      if (n >= criteria::kFewestOfOctave &&
-          std::abs(std::log(ratio / n)) > std::log(criteria::kOctaveOff))
+      const double off = std::abs(std::log(ratio / n));
+      const bool clearly = off > std::log(criteria::kOctaveClearlyOff) &&
+                           off > criteria::kErrorsOfOctave / std::sqrt(n);
+      if (n >= criteria::kFewestOfOctave && (clearly || off > std::log(criteria::kOctaveOff)))
         return {};
     }
   // Flicker noise of the channels is seen along the radius as well: what is across only is an angle
@@ -427,6 +431,77 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
                            static_cast<double>(left.selection.columns.size()) /
                            std::max(1.0, left.from.n_train);
   return sum > criteria::kOfFit * of_fit_v2 ? out : Flicker{};
+}
+
+/// White noise along the vector and across it where the angle is the pair's own, V^2, from
+/// differences from sample to sample.
+struct Directions {
+  double along_v2, across_v2;
+  double gain_v2, gain_error_v2; ///< of the noise that lies along the vector alone
+};
+
+constexpr std::size_t kDifference = 3; ///< order of the differences: a motion is smooth over four
+
+/// Differences of what lies along and across, in order and scaled to keep white noise as it is: the
+/// motion is in those across, of which a smooth one leaves nothing, and a rough one makes more, never
+/// less. Of the channels' own noise, which may be unlike, the two get cos(2 psi) of a share: beside
+/// that what is left of along less across is a noise of the gain. Nothing where too few rows follow
+/// each other.
+std::optional<Directions> by_differences(const Observations &whole, const Model &model) {
+  constexpr std::array<double, kDifference + 1> kWeights{1.0, -3.0, 3.0, -1.0};
+  constexpr double kSquares = 20.0;  // of the weights
+  constexpr double kTogether = 2.3;  // squares of such differences are worth so many times fewer
+  constexpr double kOutlier = 36.0;  // of the median square, 5 standard deviations of noise: a jerk
+  std::vector<std::uint32_t> rows(std::min(whole.size(), criteria::kFlickerRows));
+  std::iota(rows.begin(), rows.end(), static_cast<std::uint32_t>((whole.size() - rows.size()) / 2));
+  Observations data = whole.select(rows);
+  data.coloured.reset();
+  data = at_own_angle(std::move(data), model);
+  const ResidualColumns rest = residual_columns(data, model);
+  std::vector<double> along, across, radial;
+  split(data, rest, radial, across);
+  across.clear();
+  std::vector<double> turned;
+  for (std::size_t i = kDifference; i < data.size(); ++i) {
+    if (data.time[i] - data.time[i - kDifference] > 1.5 * kDifference * data.frame_period_s)
+      continue;
+    double a = 0.0, b = 0.0;
+    for (std::size_t k = 0; k <= kDifference; ++k) {
+      a += kWeights[k] * radial[i - k];
+      b += kWeights[k] * data.alpha[i - k];
+    }
+    b *= model.periods_per_turn * model.baseline.amplitude_v;
+    along.push_back(a * a / kSquares);
+    across.push_back(b * b / kSquares);
+    turned.push_back(std::cos(2.0 * model.periods_per_turn * data.alpha[i - 1]));
+  }
+  if (static_cast<double>(along.size()) < criteria::kFewestForNoise)
+    return std::nullopt;
+  const double most_along = kOutlier * quantile(along, 0.5),
+               most_across = kOutlier * quantile(across, 0.5);
+  double n = 0.0, sum_along = 0.0, sum_across = 0.0;
+  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  double squares = 0.0;
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    if (along[i] > most_along || across[i] > most_across)
+      continue;
+    n += 1.0;
+    sum_along += along[i];
+    sum_across += across[i];
+    const Eigen::Vector2d x(1.0, turned[i]);
+    const double y = along[i] - across[i];
+    normal += x * x.transpose();
+    right += y * x;
+    squares += y * y;
+  }
+  if (n < criteria::kFewestForNoise)
+    return std::nullopt;
+  const Eigen::Matrix2d inverse = normal.inverse();
+  const Eigen::Vector2d of = inverse * right;
+  const double variance = std::max(squares - of.dot(right), 0.0) / n;
+  return Directions{sum_along / n, sum_across / n, of[0],
+                    std::sqrt(kTogether * variance * inverse(0, 0))};
 }
 
 std::string id_of(const Effect *effect) {
@@ -529,7 +604,7 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
 
 std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts, const Model &model,
                                       const NoiseSeen &seen) {
-  const auto &[stated_v, step_rad, lines_across, in_order] = seen;
+  const auto &[stated_v, step_rad, lines_across, in_order, even_clock] = seen;
   std::vector<RandomCause> out;
   const Shape shape = shape_of(left, parts, model);
   const double n = static_cast<double>(shape.along.size());
@@ -557,15 +632,32 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   const double relative_error = std::sqrt(3.0 / n);
   const double error_of_two = std::hypot(along, across) * relative_error;
   // Without a reference what lies across the vector may be the motion's, which makes it no less.
-  const bool of_gain = differ && along > across && !parts.own_angle;
-  if (of_gain && white(shape.along)) {
-    const double f = std::sqrt(along - across) / amplitude;
-    const double error = error_of_two / (2.0 * f * amplitude * amplitude);
+  struct {
+    double v2 = 0.0, error_v2 = 0.0;
+  } of_gain;
+  constexpr double kSigmas = 5.0; // e^-12 by chance, as elsewhere
+  if (!parts.own_angle) {
+    if (differ && along > across)
+      of_gain = {along - across, error_of_two};
+  } else if (in_order && in_order->frame_period_s > 0.0) {
+    if (const auto own = by_differences(*in_order, model);
+        own && own->gain_v2 > kSigmas * own->gain_error_v2 &&
+        own->along_v2 > criteria::kMoreVariance * own->across_v2)
+      of_gain = {own->gain_v2, own->gain_error_v2};
+  }
+  if (of_gain.v2 > 0.0 && white(shape.along)) {
+    const double f = std::sqrt(of_gain.v2) / amplitude;
+    const double error = of_gain.error_v2 / (2.0 * f * amplitude * amplitude);
     std::vector<std::string> others;
     if (parts.train.supply.empty())
       others.push_back(std::string(the_effect(follows_supply).info().id));
     if (const Effect *e = effect_of(Evidence::noise, "noise", Pattern::gain, Character::white))
-      out.push_back({e, {f}, {error}, others, nats_of_two(along, across, n / 2.0), 0.0});
+      out.push_back({e,
+                     {f},
+                     {error},
+                     others,
+                     nats_of_two(along, along - of_gain.v2, n / 2.0),
+                     0.0});
   }
   if (differ && across > along && parts.has_reference && white(shape.across)) {
     const Effect *jitter = effect_of(Evidence::noise, "noise", Pattern::turn, Character::dynamic);
@@ -589,7 +681,17 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   // What a reference rounds stays the same for as long as a slow shaft stays in one step: that
   // grows toward low frequency as well.
   const bool by_reference = parts.has_reference && steps_v2 < along;
-  const Flicker flicker = in_order ? flicker_of(*in_order, by_reference, model, left) : Flicker{};
+  Flicker flicker = even_clock ? flicker_of(*in_order, by_reference, model, left) : Flicker{};
+  if (flicker.corner_hz > 0.0 && of_gain.v2 > 0.0) {
+    // A noise of the gain is no noise of the channels, which the corner is against: along the vector
+    // it shows whole, in a channel half.
+    const double span = in_order->time.back() - in_order->time.front();
+    const double channels = std::max(along - of_gain.v2, criteria::kLeastMeanSquare);
+    const double higher = 1.0 + of_gain.v2 * (by_reference ? 0.5 : 1.0) / channels;
+    const double octaves = std::max(std::log(flicker.corner_hz * span), 1.0);
+    flicker.rms_v *= std::sqrt(1.0 + std::log(higher) / octaves);
+    flicker.corner_hz *= higher;
+  }
   if (flicker.corner_hz > 0.0)
     if (const Effect *e =
             effect_of(Evidence::noise, "noise", Pattern::offset, Character::process)) {
@@ -603,12 +705,13 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
     }
   // White noise shows in both directions alike; what is more along one of them has been named.
   const bool one = differ || !parts.has_reference;
-  const double white2 = of_gain                ? across
+  const double white2 = of_gain.v2 > 0.0       ? along - of_gain.v2
                         : !parts.has_reference ? along
                         : differ               ? std::min(along, across)
                                                : 0.5 * (along + across);
   const Effect *excess = effect_of(Evidence::noise, "noise", Pattern::offset, Character::white);
-  if (excess && stated_v > 0.0 && white(along > across ? shape.across : shape.along) &&
+  const bool by_across = along > across && !parts.own_angle;
+  if (excess && stated_v > 0.0 && white(by_across ? shape.across : shape.along) &&
       white2 > criteria::kMoreVariance * stated_v * stated_v) {
     const double more = std::sqrt(white2 - stated_v * stated_v);
     const double ratio = white2 / (stated_v * stated_v);

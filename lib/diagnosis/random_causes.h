@@ -40,7 +40,8 @@ struct NoiseSeen {
   double stated_v = 0.0;     ///< by the capture or by a model; 0: not
   double step_rad = 0.0;     ///< of the reference
   double lines_across = 0.0; ///< of what lies across the vector, the part that comes with the rows
-  const Observations *in_order = nullptr; ///< the whole record, where a spectrum means anything
+  const Observations *in_order = nullptr; ///< the whole record
+  bool even_clock = false;                ///< whether a spectrum of it means anything
 };
 
 /// The noise along and across the vector and over frequency.

@@ -99,7 +99,7 @@ std::vector<RandomCause> Work::read_noise() const {
                             : noise_;
   return noise_causes(unnamed_, uncoloured.parts(), named,
                       {stated, reference_step_rad(), share_of_lines_across(scene_, out_.extended),
-                       even_clock() ? &scene_.all : nullptr});
+                       &scene_.all, even_clock()});
 }
 
 void Work::name_random_causes() {
@@ -138,7 +138,7 @@ bool Work::goes_with_speed(const Anonymous &slow, double whole_v2, const Parts &
 bool Work::even_clock() const {
   const std::vector<double> &t = scene_.all.time;
   const double mean = (t.back() - t.front()) / static_cast<double>(t.size());
-  return t.size() >= criteria::kFewestForLines && !scene_.radius_only && !scene_.stops &&
+  return t.size() >= criteria::kFewestForLines && !scene_.stops &&
          mean < criteria::kUneven * scene_.all.frame_period_s;
 }
 
