@@ -347,6 +347,39 @@ FitResult fit_without_reference(Parts parts, const Model &start) {
   return best;
 }
 
+/// A model on the way to the whole one, the better the less it leaves. Where the angle is read off
+/// the pair that is along the radius alone. A part of the whole does not tell a direction of the
+/// figure from the zero angle: with hardly a weight across the vector the zero angle would follow
+/// what the part cannot be.
+Model fit_on_the_way(const Parts &parts, Model model, int most_steps) {
+  const auto left_of = [&](const Model &of) { return parts.rung(of).in_sample.residual_rms_v; };
+  if (!parts.own_angle) {
+    const Model beside = fit(parts.train, model, most_steps).model;
+    if (!parts.train.coloured)
+      return beside;
+    // What has no name may have taken in what the part does not hold yet.
+    const Uncoloured white(parts);
+    const Model alone = fit(white.parts().train, model, most_steps).model;
+    return left_of(alone) < left_of(beside) ? alone : beside;
+  }
+  Observations train = parts.train;
+  train.coloured.reset();
+  train.disturbed = Direction::none;
+  train.weight_along = 1.0;
+  double least_v = left_of(model);
+  constexpr int kPasses = 4; // each at the angle that the last one gave
+  for (int pass = 0; pass < kPasses; ++pass) {
+    train = at_own_angle(std::move(train), model);
+    Model next = fit(train, model, most_steps).model;
+    const double left_v = left_of(next);
+    if (left_v >= least_v)
+      break;
+    least_v = left_v;
+    model = std::move(next);
+  }
+  return model;
+}
+
 std::vector<std::string> ids_of(const std::vector<Rival> &rivals) {
   std::vector<std::string> out;
   for (const Rival &r : rivals)
@@ -386,13 +419,13 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
   const bool supply = found.disturbed == Direction::supply;
   parts.weigh(found.disturbed, supply ? 1.0 : found.weight_along);
   Ladder out;
-  Model step = out.baseline = fit(parts.train, without_findings(found), 6).model;
+  Model step = out.baseline = fit_on_the_way(parts, without_findings(found), 6);
   out.models.push_back(step);
   out.first = out.last = parts.rung(step);
   parts.weigh(found.disturbed, found.weight_along);
   if (found.supply_rms_fraction > 0.0) {
     if (supply)
-      step = fit(parts.train, step, 6).model;
+      step = fit_on_the_way(parts, step, 6);
     const Rung after = parts.rung(step);
     out.supply = supply_finding(parts, found.supply_rms_fraction, out.first, after);
     out.last = after;
@@ -417,7 +450,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     for (EffectInstance &earlier : step.effects)
       if (const EffectInstance *last = same_instance(model, earlier))
         earlier.values = last->values;
-    step = i + 1 == found.order.size() ? model : fit(parts.train, step, 5).model;
+    step = i + 1 == found.order.size() ? model : fit_on_the_way(parts, step, 5);
     const Rung after = parts.rung(step);
     out.models.push_back(step);
     out.findings.push_back(
