@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <complex>
 #include <unsupported/Eigen/FFT>
@@ -13,7 +14,7 @@ namespace ada {
 
 namespace {
 
-constexpr double kFewestTurns = 2.0; ///< every angle is seen twice then
+constexpr double kFewestTurns = 2.0; ///< from one end to the other: broken orders show then
 constexpr std::size_t kMostLines = 4;
 constexpr std::size_t kLongest = std::size_t{1} << 20; ///< of the transform: 16 MB
 /// A line stands this far above the median power: exp(-12 ln 2) of the lines of noise do.
@@ -29,22 +30,24 @@ double turn_of(const Residual &r, std::size_t i) {
   return radius2 > 0.0 ? (r.sin_v[i] * c - r.cos_v[i] * s) / (radius2 * r.periods) : 0.0;
 }
 
-/// Mean turn in even cells of the unwrapped angle; zeros fill up to a power of two.
+/// Mean turn in even cells of the unwrapped angle; zeros fill up to a power of two, unless the
+/// cells are those of one turn, over which the angle is folded.
 struct Cells {
   std::vector<std::complex<float>> mean;
   double turns_in_all = 0.0; ///< that the whole length stands for
 };
 
-Cells cells_of(const Residual &r, double first, double turns, double cells_a_turn) {
-  const auto used = static_cast<std::size_t>(std::ceil(turns * cells_a_turn)) + 1;
-  std::size_t size = 256;
-  while (size < 2 * used) // twice as long: lines between the bins do not get lost
+Cells cells_of(const Residual &r, double first, double turns, double cells_a_turn, bool folded) {
+  const auto used = static_cast<std::size_t>(std::ceil(turns * cells_a_turn)) + (folded ? 0 : 1);
+  std::size_t size = folded ? used : 256;
+  while (size < 2 * used && !folded) // twice as long: lines between the bins do not get lost
     size *= 2;
   Cells out{std::vector<std::complex<float>>(size), static_cast<double>(size) / cells_a_turn};
   std::vector<std::uint32_t> count(used, 0);
   for (std::size_t i = 0; i < r.alpha.size(); ++i) {
-    const auto cell =
-        std::min(used - 1, static_cast<std::size_t>((r.alpha[i] - first) / kTwoPi * cells_a_turn));
+    const double from_first = r.alpha[i] - first;
+    const double way = folded ? wrap(from_first, kTwoPi) : from_first;
+    const auto cell = std::min(used - 1, static_cast<std::size_t>(way / kTwoPi * cells_a_turn));
     out.mean[cell] += static_cast<float>(turn_of(r, i));
     ++count[cell];
   }
@@ -78,14 +81,23 @@ std::vector<double> orders_of(const Residual &r) {
   if (n < 256)
     return {};
   const auto [low, high] = std::minmax_element(r.alpha.begin(), r.alpha.end());
-  const double turns = (*high - *low) / kTwoPi;
-  double travel = 0.0;
+  double turns = (*high - *low) / kTwoPi, travel = 0.0;
   for (std::size_t i = 1; i < n; ++i)
     travel += std::abs(r.alpha[i] - r.alpha[i - 1]) / kTwoPi;
-  if (turns < kFewestTurns)
+  if (turns < 1.0)
     return {};
+  // Where no turn follows another in one sense, all are one: whole orders show.
+  const bool folded = turns < kFewestTurns;
+  if (folded)
+    turns = 1.0;
   const double most = static_cast<double>(kLongest) / (2.0 * turns + 2.0);
-  const Cells cells = cells_of(r, *low, turns, std::min(static_cast<double>(n) / travel, most));
+  double a_turn = std::min(static_cast<double>(n) / travel, most);
+  constexpr double kFewestCells = 32.0;
+  if (folded && a_turn < kFewestCells)
+    return {};
+  if (folded) // a transform of any other length may take long
+    a_turn = static_cast<double>(std::bit_floor(static_cast<std::size_t>(a_turn)));
+  const Cells cells = cells_of(r, *low, turns, a_turn, folded);
   std::vector<std::complex<float>> line;
   Eigen::FFT<float> fft;
   fft.fwd(line, cells.mean);
@@ -94,7 +106,9 @@ std::vector<double> orders_of(const Residual &r) {
   for (std::size_t k = 0; k < power.size(); ++k)
     power[k] = static_cast<double>(std::norm(line[k]));
   const double floor = kClearPower * median_of(power, 0, static_cast<std::ptrdiff_t>(power.size()));
-  const auto lobe = static_cast<std::size_t>(2.0 * cells.turns_in_all / turns) + 1;
+  // Over a whole turn a whole order is one line of the transform, and has no lobes.
+  const std::size_t lobe =
+      folded ? 1 : static_cast<std::size_t>(2.0 * cells.turns_in_all / turns) + 1;
   const auto is_line = [&](std::size_t k) {
     if (!(power[k] > floor && power[k] >= power[k - 1] && power[k] > power[k + 1]))
       return false;
@@ -111,13 +125,14 @@ std::vector<double> orders_of(const Residual &r) {
 
   std::vector<double> orders;
   for (const auto &[height, k] : peaks) {
-    const double bin = static_cast<double>(k) + top_of(power[k - 1], height, power[k + 1]);
+    const double bin =
+        static_cast<double>(k) + (folded ? 0.0 : top_of(power[k - 1], height, power[k + 1]));
     double order = bin / cells.turns_in_all;
     if (std::abs(order - std::round(order)) < 0.25 / turns) // no telling it from the whole one
       order = std::round(order);
     // A line's own side lobes come within a turn's resolution of it.
     if (std::none_of(orders.begin(), orders.end(),
-                     [&](double o) { return std::abs(o - order) < 2.0 / turns; }))
+                     [&](double o) { return std::abs(o - order) < (folded ? 0.5 : 2.0 / turns); }))
       orders.push_back(order);
     if (orders.size() == kMostLines)
       break;
