@@ -10,11 +10,12 @@ namespace ada {
 
 void TransferError::apply(Values v, Wave &w) const {
   const bool at_offset = v[1] == 1.0;
-  const double a = 1.0 / w.amplitude_v;
+  const double a = 1.0 / w.amplitude_v, size = v[0] * w.amplitude_v;
+  const bool bow = order() == 2; // asked once: the loops are the model's most frequent ones
   const auto bend = [&](double *signal, const double *offset) {
     for (std::size_t i = 0; i < w.n; ++i) {
       const double x = a * (signal[i] - (at_offset ? offset[i] : w.at.mid_shift_v));
-      signal[i] += v[0] * w.amplitude_v * (order() == 2 ? x * x : x * x * x);
+      signal[i] += size * x * x * (bow ? 1.0 : x);
     }
   };
   bend(w.s, w.offset_s);
