@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Shafts that come to rest, or that only move to and fro over a part of a turn; outputs that stop at
+// a level or break.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "diagnosis/bench.h"
+
+namespace ada::test {
+namespace {
+
+/// To a grid of the converter's steps, from nothing to the last of them.
+void convert(Capture &c, double step_v) {
+  for (auto *v : {&c.vsin_v, &c.vcos_v})
+    for (double &x : *v)
+      x = step_v * std::round(x / step_v);
+}
+
+/// A shaft that slows down until it rests: of a channel that broke before, and holds a level, the
+/// last rows tell nothing, as the other one rests as well.
+KIND(a_wire_that_breaks_is_seen_though_the_shaft_comes_to_rest) {
+  Bench bench;
+  bench.pair.noise_v = bench.within(1e-3, 4e-3);
+  const double hz = bench.within(0.3, 0.8);
+  constexpr double kWhole_s = 30.0, kBrakes_s = 26.0, kRests_s = 28.0;
+  Capture c = bench.capture(3000, 100.0, 1, [=](double t) {
+    const double slow = std::clamp(t - kBrakes_s, 0.0, kRests_s - kBrakes_s);
+    return kTwoPi * hz * (std::min(t, kRests_s) - 0.25 * slow * slow) * (kWhole_s / 30.0);
+  });
+  const auto from = static_cast<std::size_t>(bench.within(1000.0, 2000.0));
+  std::vector<double> &stands = bench.within(0.0, 1.0) < 0.5 ? c.vsin_v : c.vcos_v;
+  const double level_v = bench.within(0.0, 1.0) < 0.5 ? stands[from] : 0.0;
+  for (std::size_t i = from; i < c.size(); ++i)
+    stands[i] = level_v + 0.3 * bench.normal(bench.pair.noise_v);
+  convert(c, 5.0 / 1024.0);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "stuck-channel");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_NEAR(f->values[1], c.time_s[from], 0.1) << names(d);
+  expect_pair(d, bench.pair, 0.003);
+}
+
+/// A slow shaft whose record ends on a peak that is cut off, as every peak is.
+KIND(a_record_that_ends_on_a_cut_off_peak_has_no_broken_channel) {
+  Bench bench;
+  const double level = bench.within(0.75, 0.9);
+  // The last row lies late on the flat part of the sine.
+  const double end = 0.25 * kTwoPi + 0.8 * std::acos(level) - bench.pair.zero_rad;
+  constexpr double kTurns = 6.0;
+  Capture c = bench.capture(1200, 100.0, 1, [=](double t) {
+    return kTwoPi * kTurns * (t / 11.99 - 1.0) + end;
+  });
+  for (double &v : c.vsin_v)
+    v = std::min(v, 2.5 + level * bench.pair.amplitude_v);
+  const Diagnosis d = diagnose(c, {});
+  expect_none(d, {"stuck-channel"});
+  EXPECT_TRUE(named(d, "clipping")) << names(d);
+}
+
+/// The range of a converter of eight bits ends below the peaks of both channels.
+KIND(a_range_that_is_too_small_for_both_channels_is_found_without_a_reference) {
+  Bench bench;
+  constexpr double kStep_v = 5.0 / 256.0;
+  bench.pair.amplitude_v = bench.within(1.2, 1.5);
+  bench.pair.noise_v = bench.within(2e-3, 8e-3);
+  bench.pair.k = std::copysign(bench.within(0.05, 0.1), bench.pair.k);
+  const double level_v =
+      kStep_v * std::round((2.5 + bench.within(0.75, 0.85) * bench.pair.amplitude_v) / kStep_v);
+  Capture c = bench.capture(1000, 2000.0, 2, wandering(bench, bench.within(8.0, 20.0), 0.1, 3.0));
+  c.reference_deg.clear();
+  convert(c, kStep_v);
+  for (auto *v : {&c.vsin_v, &c.vcos_v})
+    for (double &x : *v)
+      x = std::min(x, level_v);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "clipping");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[1], level_v, 0.5 * kStep_v) << names(d);
+  const Finding *k = named(d, "amplitude-mismatch");
+  ASSERT_TRUE(k) << names(d);
+  EXPECT_NEAR(k->values[0], bench.pair.k, 4.0 * k->std_errors[0]) << names(d);
+}
+
+/// A lever that goes to and fro over less than sixty electrical degrees beside a reference, with a
+/// hysteresis and offsets that wander.
+KIND(a_short_arc_beside_a_reference_tells_the_pair_and_the_hysteresis) {
+  Bench bench;
+  constexpr int kPeriods = 5;
+  bench.pair.noise_v = bench.within(3e-4, 8e-4);
+  const double half = 0.5 * bench.within(40.0, 55.0) * kRadPerDeg / kPeriods;
+  const double hz = bench.within(0.08, 0.2), width_deg = bench.within(0.05, 0.15);
+  const auto sense = [=](double t) { return std::cos(kTwoPi * hz * t) < 0.0 ? -1.0 : 1.0; };
+  const auto shaft = [=](double t) { return half * std::sin(kTwoPi * hz * t); };
+  Capture c = bench.capture(8000, 100.0, kPeriods, [=](double t) {
+    return shaft(t) - 0.5 * width_deg * kRadPerDeg * sense(t);
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  ASSERT_NE(d.verdict, Verdict::insufficient_data) << d.reason;
+  const Finding *f = named(d, "hysteresis");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], width_deg, std::max(0.1 * width_deg, 4.0 * f->std_errors[0]));
+  for (const auto &[id, value] :
+       {std::pair<const char *, double>{"amplitude-mismatch", bench.pair.k},
+        {"quadrature-error", bench.pair.delta_rad * kDegPerRad}}) {
+    const Finding *of = named(d, id);
+    EXPECT_NEAR(of ? of->values[0] : value, value, of ? 4.0 * of->std_errors[0] : 0.0) << names(d);
+  }
+}
+
+/// As few rows of as short an arc as that do not know where the centre of the circle is.
+TEST(Arcs, an_arc_that_does_not_know_its_centre_says_so) {
+  Bench bench;
+  bench.pair.noise_v = 0.02 * bench.pair.amplitude_v;
+  Capture c = bench.capture(60, 10.0, 1, [](double t) { return 0.35 * std::sin(t); });
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_EQ(d.verdict, Verdict::insufficient_data) << names(d);
+  EXPECT_NE(d.reason.find("the centre of the pair is known to"), std::string::npos) << d.reason;
+}
+
+/// An offset that jumps while a valve goes to and fro over a small part of a turn.
+KIND(an_offset_that_steps_is_seen_on_a_part_of_a_turn) {
+  Bench bench;
+  const double half = 0.5 * bench.within(60.0, 110.0) * kRadPerDeg / 2.0;
+  const double hz = bench.within(0.1, 0.3), step_v = 10.0 * bench.pair.noise_v;
+  Capture c = bench.capture(3200, 100.0, 2,
+                            [=](double t) { return half * std::sin(kTwoPi * hz * t); });
+  const auto from = static_cast<std::size_t>(bench.within(1000.0, 2200.0));
+  for (std::size_t i = from; i < c.size(); ++i) {
+    c.vsin_v[i] += step_v;
+    c.vcos_v[i] -= 0.5 * step_v;
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "offset-step");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], c.time_s[from], 0.05) << names(d);
+  EXPECT_NEAR(f->values[1], step_v, 0.1 * step_v) << names(d);
+}
+
+/// A drive that goes from place to place and rests there, without a reference: the angle is the
+/// pair's own, and what its differences say of the noise across is no more than that along.
+std::function<double(double)> from_place_to_place(Bench &bench) {
+  std::vector<double> places{0.0};
+  for (int k = 0; k < 40; ++k)
+    places.push_back(places.back() + bench.within(0.8, 2.2));
+  return [places](double t) { // half a second each, a third of it under way
+    const double at = t / 0.5, part = std::min(3.0 * (at - std::floor(at)), 1.0);
+    const auto k = std::min(static_cast<std::size_t>(at), places.size() - 2);
+    const double smooth = part * part * (3.0 - 2.0 * part);
+    return places[k] + (places[k + 1] - places[k]) * smooth;
+  };
+}
+
+KIND(noise_of_the_gain_is_told_from_place_to_place_without_a_reference) {
+  Bench bench;
+  const double part = bench.within(1.0, 2.5) * bench.pair.noise_v / bench.pair.amplitude_v;
+  Capture c = bench.capture(10000, 500.0, 1, from_place_to_place(bench));
+  c.reference_deg.clear();
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double gain = 1.0 + bench.normal(part);
+    c.vsin_v[i] = 2.5 + gain * (c.vsin_v[i] - 2.5);
+    c.vcos_v[i] = 2.5 + gain * (c.vcos_v[i] - 2.5);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "amplitude-noise");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], part, 0.1 * part) << names(d);
+}
+
+KIND(noise_of_both_channels_is_no_noise_of_the_gain_from_place_to_place) {
+  Bench bench;
+  Capture c = bench.capture(10000, 500.0, 1, from_place_to_place(bench));
+  c.reference_deg.clear();
+  // One channel has more of it: at rest that lies along the vector, or across it.
+  for (double &v : c.vsin_v)
+    v += bench.normal(1.5 * bench.pair.noise_v);
+  expect_none(diagnose(c, {}), {"amplitude-noise", "flicker-noise"});
+}
+
+KIND(noise_that_the_capture_did_not_state_is_told_by_the_radius_alone) {
+  Bench bench;
+  Capture c = bench.capture(10000, 500.0, 1, from_place_to_place(bench));
+  c.reference_deg.clear();
+  c.meta.noise_rms_v = 0.5 * bench.pair.noise_v;
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "excess-noise");
+  ASSERT_TRUE(f) << left_of(d);
+  const double more_v = std::sqrt(0.75) * bench.pair.noise_v;
+  EXPECT_NEAR(f->values[0], more_v, 0.1 * more_v) << names(d);
+}
+
+/// A table that is read at its stops, in any order: its places are a grid, and the reference is as
+/// good as ever.
+KIND(places_of_a_table_are_no_steps_of_the_reference) {
+  Bench bench;
+  constexpr std::size_t kReadings = 17, kPlaces = 24;
+  std::vector<std::size_t> order(kPlaces);
+  std::iota(order.begin(), order.begin() + kPlaces / 2, std::size_t{0});
+  for (std::size_t k = kPlaces / 2; k < kPlaces; ++k)
+    order[k] = k;
+  std::shuffle(order.begin() + kPlaces / 2, order.end(), std::mt19937_64(fresh_seed()));
+  const auto place = [&](double t) {
+    const auto k = std::min(static_cast<std::size_t>(t * 10.0 + 0.5) / kReadings, kPlaces - 1);
+    const double half_way = order[k] < kPlaces / 2 ? 0.0 : 15.0;
+    return (30.0 * static_cast<double>(order[k] % (kPlaces / 2)) + half_way) * kRadPerDeg;
+  };
+  expect_none(diagnose(bench.capture(kReadings * kPlaces, 10.0, 2, place), {}),
+              {"reference-resolution"});
+}
+
+/// A gearbox plays, and the field errs at the third order: partial likenesses of that order take no
+/// place before it, or the play would be a delay beside them.
+KIND(a_play_is_named_beside_a_field_that_errs) {
+  Bench bench;
+  const double width = bench.within(0.15, 0.4) * kRadPerDeg;
+  const double third = bench.within(0.2, 0.6) * kRadPerDeg, hz = bench.within(0.4, 0.9);
+  const auto shaft = [=](double t) { // there and back at one speed, and at another the next time
+    const double whole = std::floor(t * 0.25), round = t * 0.25 - whole;
+    const double faster = 1.0 + 0.3 * std::fmod(whole, 3.0);
+    return kTwoPi * hz * 4.0 * faster * (round < 0.5 ? round : 1.0 - round);
+  };
+  double sensor = 0.0;
+  Capture c = bench.capture(6000, 250.0, 1, [&](double t) {
+    sensor = std::clamp(sensor, shaft(t) - 0.5 * width, shaft(t) + 0.5 * width);
+    return sensor + third * std::sin(3.0 * sensor + 1.0);
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "hysteresis");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], width * kDegPerRad, 0.1 * width * kDegPerRad) << names(d);
+  EXPECT_TRUE(named(d, "field-direction-error")) << names(d);
+}
+
+/// Of two causes that hold each a part of the radius none makes it worse on its way.
+KIND(no_cause_leaves_more_than_before_where_the_angle_is_the_pairs_own) {
+  Bench bench;
+  Capture c = bench.capture(10000, 500.0, 1, from_place_to_place(bench));
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  ASSERT_GE(d.findings.size(), 2u) << names(d);
+  for (const Finding &f : d.findings)
+    EXPECT_LE(f.after.heldout.residual_rms_v, 1.02 * f.before.heldout.residual_rms_v) << names(d);
+}
+
+} // namespace
+} // namespace ada::test
