@@ -47,12 +47,12 @@ inline constexpr double kFewSteps = 0.1, kStepsDiffer = 2.0;
 /// there it moves by all of it, a stuck one by none.
 inline constexpr double kStuckMoves = 0.25;
 
-/// Samples about reversals and changes of speed are left out only while at least this part stays.
-inline constexpr double kMostLeftOut = 0.8;
-
 /// So much more than while its peaks are cut off the other channel moves while one is stuck: from
 /// peak to peak those last equally long in the angle, but for noise at their edges.
 inline constexpr double kLongerThanCut = 1.5;
+
+/// Samples about reversals and changes of speed are left out only while at least this part stays.
+inline constexpr double kMostLeftOut = 0.8;
 
 /// Standard error of the sample clock, relative: of quartz that is good to 50 ppm, spread evenly.
 inline constexpr double kClock = 29e-6;
@@ -285,13 +285,6 @@ inline constexpr double kOfStep = 0.1;
 inline constexpr double kEntangled = 0.995, kNearlyOne = 0.999, kFarMoreNats = 1000.0;
 /// Part of the best worth from which on another candidate does about as well.
 inline constexpr double kAsWell = 0.98;
-/// What scatters by less than this above noise may be noise. An estimate: 0.44 of the power of
-/// noise may lie hidden in it, which the held-out angle is asked about as well.
-inline constexpr double kMoreThanNoise = 1.2;
-/// A rival that comes this close, in nats, cannot be rejected: odds of e^8 are 3000 to one.
-inline constexpr double kRivalNats = 8.0;
-/// What a cause leaves over of the one that yields to it: as a part of what either explains, and as
-/// a part of the noise, where what stands clear of it tells the two apart.
 
 /// A shape without a physical cause that gains so many times as much as any cause: two causes that
 /// share its work would each gain half of it.
@@ -300,6 +293,13 @@ inline constexpr double kSaysMuchMore = 2.5;
 /// Part of the highest gain from which on a first look, which is linear, does not tell which of two
 /// does better: what is clipped far, or bent far, looks that much smaller or larger than it is.
 inline constexpr double kComparable = 0.8;
+/// What scatters by less than this above noise may be noise. An estimate: 0.44 of the power of
+/// noise may lie hidden in it, which the held-out angle is asked about as well.
+inline constexpr double kMoreThanNoise = 1.2;
+/// A rival that comes this close, in nats, cannot be rejected: odds of e^8 are 3000 to one.
+inline constexpr double kRivalNats = 8.0;
+/// What a cause leaves over of the one that yields to it: as a part of what either explains, and as
+/// a part of the noise, where what stands clear of it tells the two apart.
 inline constexpr double kSlight = 0.02, kHidden = 0.5;
 /// Prior cost of a motion whose own ripple happens to look like an error of the reference, nats.
 inline constexpr double kCoincidence = 20.0;
