@@ -181,28 +181,24 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
 namespace {
 
 /// Standard error of the pair's centre, in amplitudes, where a reference tells the angle: that of
-/// the constant in a regression of each channel on it and on the cosine and the sine.
-double centre_error(const Observations &all, int periods) {
+/// the constant in a regression of each channel on it and on the cosine and the sine, as far as the
+/// noise goes.
+double centre_error(const Observations &all, const Scene &scene) {
   std::vector<std::uint32_t> some(all.size());
   std::iota(some.begin(), some.end(), 0u);
   some = thin(some, criteria::kForCircle);
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
-  Eigen::Vector2d squares = Eigen::Vector2d::Zero();
-  const Eigen::Vector2d middle(all.vsin[some.front()], all.vcos[some.front()]);
   for (const std::uint32_t i : some) {
-    const Eigen::Vector3d x(1.0, std::cos(periods * all.alpha[i]), std::sin(periods * all.alpha[i]));
-    const Eigen::Vector2d v = Eigen::Vector2d(all.vsin[i], all.vcos[i]) - middle;
+    const double psi = scene.periods * all.alpha[i];
+    const Eigen::Vector3d x(1.0, std::cos(psi), std::sin(psi));
     normal += x * x.transpose();
-    right += x * v.transpose();
-    squares += v.cwiseAbs2();
+    right += x * Eigen::RowVector2d(all.vsin[i], all.vcos[i]);
   }
   const Eigen::Matrix3d inverse = normal.inverse();
-  const Eigen::Matrix<double, 3, 2> fit = inverse * right;
-  const double left = (squares.sum() - fit.cwiseProduct(right).sum()) / 2.0;
-  const double amplitude = fit.bottomRows(2).norm() / std::numbers::sqrt2;
-  const double error =
-      std::sqrt(std::max(left, 0.0) / static_cast<double>(all.size()) * inverse(0, 0)) / amplitude;
+  const double amplitude = (inverse * right).bottomRows(2).norm() / std::numbers::sqrt2;
+  const double share = static_cast<double>(some.size()) / static_cast<double>(all.size());
+  const double error = scene.white_noise_v * std::sqrt(share * inverse(0, 0)) / amplitude;
   return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
 }
 
@@ -222,7 +218,7 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
     scene.insufficient = fmt::format("the record shows {:.0f} of 360 electrical degrees; at least "
                                      "{:.0f} are needed to tell centre and axes apart",
                                      360.0 * seen, 360.0 * least);
-  else if (const double error = scene.has_reference ? centre_error(all, scene.periods) : 0.0;
+  else if (const double error = scene.has_reference ? centre_error(all, scene) : 0.0;
            error > criteria::kCentreKnown)
     scene.insufficient = fmt::format("of {:.0f} electrical degrees and {} samples the centre of the "
                                      "pair is known to {:.2g} of its amplitude only",

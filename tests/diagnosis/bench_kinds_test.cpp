@@ -383,13 +383,19 @@ KIND(a_scan_that_is_paired_with_the_one_before_is_a_skew_of_one_period) {
 
 KIND(a_magnet_that_trembles_tells_no_angle) {
   Bench bench;
-  // Up to 40 electrical degrees in all: sixty are enough beside a reference.
-  const double rad = bench.within(0.3, 10.0) * kTwoPi / 360.0, hz = bench.within(0.3, 20.0);
-  Capture c = bench.capture(10000, 2000.0, 2,
-                            [&](double t) { return 0.7 + rad * std::sin(kTwoPi * hz * t); });
-  EXPECT_EQ(diagnose(c, {}).verdict, Verdict::insufficient_data);
+  // Up to 40 electrical degrees in all without a reference, and up to 10 beside one, of which 20
+  // may be enough.
+  double rad = bench.within(0.3, 10.0) * kTwoPi / 360.0;
+  const double hz = bench.within(0.3, 20.0);
+  const auto trembling = [&] {
+    return bench.capture(10000, 2000.0, 2,
+                         [&](double t) { return 0.7 + rad * std::sin(kTwoPi * hz * t); });
+  };
+  Capture c = trembling();
   c.reference_deg.clear();
   EXPECT_EQ(diagnose(c, {}).verdict, Verdict::insufficient_data) << rad << " rad";
+  rad *= 0.25;
+  EXPECT_EQ(diagnose(trembling(), {}).verdict, Verdict::insufficient_data) << rad << " rad";
 }
 
 /// Episodes of a contact that opens, of a converter that holds its values, or of a reference that
