@@ -308,6 +308,35 @@ std::vector<Jump> jumps_of(const Screened &look) {
   return find_jumps(look, reference_angle(look.capture), 6, 4e-6);
 }
 
+/// By how much the angle goes further from one sample to the next than its neighbours say, rad.
+double beyond_neighbours(const Screened &look, const std::vector<double> &angle, std::size_t at) {
+  const std::vector<double> &t = look.capture.time_s;
+  const auto step = [&](std::size_t i) { return angle[i] - angle[i - 1]; };
+  const auto time = [&](std::size_t i) { return t[i] - t[i - 1]; };
+  const double before = time(at - 1), after = time(at + 1);
+  if (!(before > 0.0 && after > 0.0))
+    return 0.0;
+  return step(at) - 0.5 * time(at) * (step(at - 1) / before + step(at + 1) / after);
+}
+
+/// Whether a gap between two lines lies between two samples, as a slip does. One that lies over all
+/// of the lines is a bend: where a hand turns fastest both lines are too steep.
+bool is_at_once(const Screened &look, const std::vector<double> &angle, const Jump &jump) {
+  constexpr std::size_t kNear = 2; // samples that the place may be off by
+  constexpr double kHalf = 0.5, kErrors = 4.0;
+  std::vector<double> all;
+  for (std::size_t i = 2; i + 1 < angle.size(); ++i)
+    all.push_back(std::abs(beyond_neighbours(look, angle, i)));
+  if (all.empty())
+    return false;
+  const double error = 1.4826 * quantile(std::move(all), 0.5), sense = jump.gap < 0.0 ? -1.0 : 1.0;
+  double most = 0.0;
+  for (std::size_t i = std::max<std::size_t>(2, jump.at - std::min(jump.at, kNear));
+       i <= jump.at + kNear && i + 1 < angle.size(); ++i)
+    most = std::max(most, sense * beyond_neighbours(look, angle, i));
+  return most > kHalf * std::abs(jump.gap) - kErrors * error;
+}
+
 /// Leaves out what lies about a jump, its edges that passed for spikes included.
 void mark(Screened &look, std::size_t centre, std::size_t half) {
   const std::size_t from = centre > half ? centre - half : 0;
@@ -410,7 +439,7 @@ bool screen_slip(Screened &look, const Effect &effect) {
     if (&jump != largest && std::abs(jump.gap) > 0.5 * std::abs(largest->gap))
       return false;
   // A slip turns everything after it; a step of an offset only some angles, to either side.
-  if (turns_deny(look, look.angle, *largest))
+  if (turns_deny(look, look.angle, *largest) || !is_at_once(look, look.angle, *largest))
     return false;
   look.jumps.push_back(largest->at);
   look.jump_rad.push_back(largest->gap);
