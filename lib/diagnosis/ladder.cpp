@@ -353,15 +353,8 @@ FitResult fit_without_reference(Parts parts, const Model &start) {
 /// what the part cannot be.
 Model fit_on_the_way(const Parts &parts, Model model, int most_steps) {
   const auto left_of = [&](const Model &of) { return parts.rung(of).in_sample.residual_rms_v; };
-  if (!parts.own_angle) {
-    const Model beside = fit(parts.train, model, most_steps).model;
-    if (!parts.train.coloured)
-      return beside;
-    // What has no name may have taken in what the part does not hold yet.
-    const Uncoloured white(parts);
-    const Model alone = fit(white.parts().train, model, most_steps).model;
-    return left_of(alone) < left_of(beside) ? alone : beside;
-  }
+  if (!parts.own_angle)
+    return fit(parts.train, model, most_steps).model;
   Observations train = parts.train;
   train.coloured.reset();
   train.disturbed = Direction::none;
