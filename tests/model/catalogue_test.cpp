@@ -120,8 +120,15 @@ TEST(FindOrders, FindsWholeAndBrokenOrders) {
   }
 }
 
+TEST(FindOrders, FindsWholeOrdersWhereNoTurnFollowsAnother) {
+  const Turning t(1.8, 3000, 1e-3, {20.0}, 1e-3);
+  const auto orders = find_orders(t.residual);
+  ASSERT_FALSE(orders.empty());
+  EXPECT_EQ(orders.front(), 20.0);
+}
+
 TEST(FindOrders, IsQuietWhereThereAreNoTurnsOrNoLines) {
-  EXPECT_TRUE(find_orders(Turning(1.8, 3000, 1e-3, {20.0}, 1e-2).residual).empty());
+  EXPECT_TRUE(find_orders(Turning(0.8, 3000, 1e-3, {20.0}, 1e-2).residual).empty());
   EXPECT_TRUE(find_orders(Turning(10.0, 3000, 0.0, {}, 0.0).residual).empty());
 }
 
