@@ -4,18 +4,14 @@
 #include "diagnosis/random_causes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <numeric>
-#include <optional>
 
 #include "base/angle.h"
-#include "base/robust.h"
 #include "diagnosis/along_and_across.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/flicker.h"
-#include "diagnosis/spectrum.h"
 
 namespace ada {
 
