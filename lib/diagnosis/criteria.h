@@ -18,8 +18,13 @@ inline constexpr std::size_t kFewestSamples = 12;
 /// Share of the electrical circle that must be seen: below a third an ellipse's centre and its axes
 /// are one in the data (Kanatani, Statistical Optimization, 1996, on short arcs).
 inline constexpr double kLeastCoverage = 0.33;
-/// The same beside a reference: with the angle known, centre and axes are a linear regression, which
-/// says itself how well they are known. On less than 20 degrees a vector turns by less than what
+/// The same beside a reference: with the angle known, centre and axes are a linear regression. Of
+/// 60 degrees its worst direction has 1/600 of the weight of a whole turn: 10,000 samples know it
+/// as 17 do there. A shaft that passes once is held out in arcs, of which those at the ends lie
+/// outside all others.
+inline constexpr double kLeastOfOnePass = 1.0 / 6.0;
+/// The same where it goes there and back at least twice: the regression says itself how well centre
+/// and axes are known. On less than 20 degrees a vector turns by less than what
 /// bends it may be: the worst of its directions has 1e-5 of the weight of a whole turn.
 inline constexpr double kLeastCoverageByReference = 1.0 / 18.0;
 /// Standard error of the centre, in amplitudes, up to which it is known at all: that of the angle is

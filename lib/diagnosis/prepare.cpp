@@ -210,8 +210,10 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
   const Observations &all = scene.all;
   if (!scene.insufficient.empty())
     return scene;
-  const double least =
-      scene.has_reference ? criteria::kLeastCoverageByReference : criteria::kLeastCoverage;
+  const bool comes_again = scene.rounds(1.0) >= criteria::kFewestTurnsToRepeat;
+  const double least = !scene.has_reference ? criteria::kLeastCoverage
+                       : comes_again        ? criteria::kLeastCoverageByReference
+                                            : criteria::kLeastOfOnePass;
   const double seen = share_of_circle(all.alpha, scene.periods);
   if (seen < least)
     scene.insufficient = fmt::format("the record shows {:.0f} of 360 electrical degrees; at least "

@@ -120,7 +120,7 @@ KIND(a_short_arc_beside_a_reference_tells_the_pair_and_the_hysteresis) {
 TEST(Arcs, an_arc_that_does_not_know_its_centre_says_so) {
   Bench bench;
   bench.pair.noise_v = 0.02 * bench.pair.amplitude_v;
-  Capture c = bench.capture(60, 10.0, 1, [](double t) { return 0.35 * std::sin(t); });
+  Capture c = bench.capture(60, 10.0, 1, [](double t) { return 0.35 * std::sin(4.0 * t); });
   const Diagnosis d = diagnose(c, {});
   EXPECT_EQ(d.verdict, Verdict::insufficient_data) << names(d);
   EXPECT_NE(d.reason.find("the centre of the pair is known to"), std::string::npos) << d.reason;
