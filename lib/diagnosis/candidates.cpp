@@ -225,7 +225,8 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
         added[static_cast<std::size_t>(k)] = y[k] * scale[here + k] * size;
     if (!v.linear && y[0] < 0.0)
       continue;
-    Candidate candidate{v.effect, model, gain, added.size(), v.effect->invisible(residual).empty(), {}};
+    Candidate candidate{v.effect, model, gain, added.size(), v.effect->invisible(residual).empty(),
+                        {}};
     candidate.start.effects.push_back({v.effect, v.values, {}});
     x.insert(x.end(), added.begin(), added.end());
     candidate.start = with_coordinates(candidate.start, x);
@@ -242,7 +243,8 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
     better->others.emplace_back(candidate.gain, std::move(candidate.start));
   }
   for (Candidate &c : out) {
-    std::erase_if(c.others, [&](const auto &o) { return o.first < criteria::kComparable * c.gain; });
+    std::erase_if(c.others,
+                  [&](const auto &o) { return o.first < criteria::kComparable * c.gain; });
     std::stable_sort(c.others.begin(), c.others.end(),
                      [](const auto &a, const auto &b) { return a.first > b.first; });
     if (std::ssize(c.others) > kMostOthers)

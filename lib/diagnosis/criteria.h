@@ -27,8 +27,8 @@ inline constexpr double kLeastOfOnePass = 1.0 / 6.0;
 /// and axes are known. On less than 20 degrees a vector turns by less than what
 /// bends it may be: the worst of its directions has 1e-5 of the weight of a whole turn.
 inline constexpr double kLeastCoverageByReference = 1.0 / 18.0;
-/// Standard error of the centre, in amplitudes, up to which it is known at all: that of the angle is
-/// a degree by then.
+/// Standard error of the centre, in amplitudes, up to which it is known at all: that of the angle
+/// is a degree by then.
 inline constexpr double kCentreKnown = 0.02;
 /// Of the samples may lie in episodes that are not the sensor's. An estimate: with more of them it
 /// is no longer plain which of the two states is the sensor's own.

@@ -25,7 +25,8 @@ constexpr double kAbsentLevel = std::numeric_limits<double>::quiet_NaN();
 /// Below this what comes with time cannot be told from what comes with the angle.
 constexpr double kFewestRounds = criteria::kFewestTurnsToRepeat;
 
-/// How often the shaft comes round, whatever its sense: by a turn, or to and fro over a part of one.
+/// How often the shaft comes round, whatever its sense: by a turn, or to and fro over a part of
+/// one.
 double rounds_of(const Residual &r) {
   double speed = 0.0;
   for (double w : r.omega)

@@ -221,9 +221,10 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
                                      360.0 * seen, 360.0 * least);
   else if (const double error = scene.has_reference ? centre_error(all, scene) : 0.0;
            error > criteria::kCentreKnown)
-    scene.insufficient = fmt::format("of {:.0f} electrical degrees and {} samples the centre of the "
-                                     "pair is known to {:.2g} of its amplitude only",
-                                     360.0 * seen, all.size(), error);
+    scene.insufficient =
+        fmt::format("of {:.0f} electrical degrees and {} samples the centre of the "
+                    "pair is known to {:.2g} of its amplitude only",
+                    360.0 * seen, all.size(), error);
   else if (on_one_line(all, scene.white_noise_v))
     scene.insufficient =
         "the shaft turns and the vector does not: VSIN and VCOS move along one line";

@@ -326,12 +326,8 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
     if (parts.train.supply.empty())
       others.push_back(std::string(the_effect(follows_supply).info().id));
     if (const Effect *e = effect_of(Evidence::noise, "noise", Pattern::gain, Character::white))
-      out.push_back({e,
-                     {f},
-                     {error},
-                     others,
-                     nats_of_two(along, along - of_gain.v2, n / 2.0),
-                     0.0});
+      out.push_back(
+          {e, {f}, {error}, others, nats_of_two(along, along - of_gain.v2, n / 2.0), 0.0});
   }
   if (differ && across > along && parts.has_reference && white(shape.across)) {
     const Effect *jitter = effect_of(Evidence::noise, "noise", Pattern::turn, Character::dynamic);
@@ -357,8 +353,8 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   const bool by_reference = parts.has_reference && steps_v2 < along;
   Flicker flicker = even_clock ? flicker_of(*in_order, by_reference, model, left) : Flicker{};
   if (flicker.corner_hz > 0.0 && of_gain.v2 > 0.0) {
-    // A noise of the gain is no noise of the channels, which the corner is against: along the vector
-    // it shows whole, in a channel half.
+    // A noise of the gain is no noise of the channels, which the corner is against: along the
+    // vector it shows whole, in a channel half.
     const double span = in_order->time.back() - in_order->time.front();
     const double channels = std::max(along - of_gain.v2, criteria::kLeastMeanSquare);
     const double higher = 1.0 + of_gain.v2 * (by_reference ? 0.5 : 1.0) / channels;

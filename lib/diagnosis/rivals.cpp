@@ -167,7 +167,8 @@ bool Search::blame_reference(State &now) const {
       highest = std::max(highest, c.gain);
     for (const Candidate &c : list) {
       const EffectInstance &e = c.start.effects.back();
-      if (c.gain < criteria::kComparable * highest || !(e.effect->reference_ripple(e.values).order > 0.0) ||
+      if (c.gain < criteria::kComparable * highest ||
+          !(e.effect->reference_ripple(e.values).order > 0.0) ||
           side_evidence(data_, c.start) <= side)
         continue;
       model.effects[k] = e;

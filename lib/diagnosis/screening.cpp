@@ -409,8 +409,8 @@ bool screen_stuck(Screened &look, const Effect &effect) {
     if (least < step_v || bulk({values + first, n - first}).width() > criteria::kStuckMoves * least)
       continue;
     // The record may end on a peak that is cut off, as all before it are.
-    if (width < criteria::kLongerThanCut *
-                    most_moved_within({values, first}, {others, first}, held, band))
+    if (width <
+        criteria::kLongerThanCut * most_moved_within({values, first}, {others, first}, held, band))
       continue;
     std::fill(look.usable.begin() + static_cast<std::ptrdiff_t>(first), look.usable.end(), char{0});
     const double step = median_step(c.time_s);

@@ -140,15 +140,15 @@ bool Search::forward(State &now) {
   // A signature waits for the physical causes, unless it says much more than the best of them: of
   // what that leaves, others take the parts that look like them. Without a reference the angle is
   // the pair's own, and what the pair is off by looks like harmonics.
+  const bool may_come = signatures_ || data_.scene->has_reference;
   double most_physical = 0.0;
-  const std::vector<Candidate> &list = candidates_beside(now.fit.model, true);
+  const std::vector<Candidate> &list = candidates_beside(now.fit.model, may_come);
   for (const Candidate &c : list)
     if (c.visible && !c.effect->info().signature)
       most_physical = std::max(most_physical, c.gain);
   for (const Candidate &c : list) {
-    const bool waits =
-        !data_.scene->has_reference || c.gain < criteria::kSaysMuchMore * most_physical;
-    if (!c.visible || (!signatures_ && c.effect->info().signature && waits))
+    if (!c.visible || (!signatures_ && c.effect->info().signature &&
+                       c.gain < criteria::kSaysMuchMore * most_physical))
       continue;
     // What stands beside the pair may ask for a cause that the pair alone hardly shows.
     const bool asked_for = unexplained && leaks(c.start.effects.back());

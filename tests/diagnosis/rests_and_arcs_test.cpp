@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// Shafts that come to rest, or that only move to and fro over a part of a turn; outputs that stop at
-// a level or break.
+// Shafts that come to rest, or that only move to and fro over a part of a turn; outputs that stop
+// at a level or break.
 
 #include <algorithm>
 #include <cmath>
@@ -54,9 +54,8 @@ KIND(a_record_that_ends_on_a_cut_off_peak_has_no_broken_channel) {
   // The last row lies late on the flat part of the sine.
   const double end = 0.25 * kTwoPi + 0.8 * std::acos(level) - bench.pair.zero_rad;
   constexpr double kTurns = 6.0;
-  Capture c = bench.capture(1200, 100.0, 1, [=](double t) {
-    return kTwoPi * kTurns * (t / 11.99 - 1.0) + end;
-  });
+  Capture c = bench.capture(1200, 100.0, 1,
+                            [=](double t) { return kTwoPi * kTurns * (t / 11.99 - 1.0) + end; });
   for (double &v : c.vsin_v)
     v = std::min(v, 2.5 + level * bench.pair.amplitude_v);
   const Diagnosis d = diagnose(c, {});
@@ -131,8 +130,8 @@ KIND(an_offset_that_steps_is_seen_on_a_part_of_a_turn) {
   Bench bench;
   const double half = 0.5 * bench.within(60.0, 110.0) * kRadPerDeg / 2.0;
   const double hz = bench.within(0.1, 0.3), step_v = 10.0 * bench.pair.noise_v;
-  Capture c = bench.capture(3200, 100.0, 2,
-                            [=](double t) { return half * std::sin(kTwoPi * hz * t); });
+  Capture c =
+      bench.capture(3200, 100.0, 2, [=](double t) { return half * std::sin(kTwoPi * hz * t); });
   const auto from = static_cast<std::size_t>(bench.within(1000.0, 2200.0));
   for (std::size_t i = from; i < c.size(); ++i) {
     c.vsin_v[i] += step_v;

@@ -189,8 +189,8 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
     else
       for (auto kind : {Modulation::angle_cos, Modulation::angle_sin})
         out.add(Axis::angle, n / step, p, {kind, n});
-  // Offsets; gain and angle; mismatch and quadrature. On a short arc they are hardly apart, and each
-  // would seem as large as the sum of all is small: there the offsets stand for all.
+  // Offsets; gain and angle; mismatch and quadrature. On a short arc they are hardly apart, and
+  // each would seem as large as the sum of all is small: there the offsets stand for all.
   std::vector<int> pair{0};
   if (scene.seen_turns * p >= criteria::kPairOfArc)
     pair.insert(pair.end(), {p, -p});
