@@ -53,9 +53,10 @@ KIND(a_record_that_ends_on_a_cut_off_peak_has_no_broken_channel) {
   const double level = bench.within(0.75, 0.9);
   // The last row lies late on the flat part of the sine.
   const double end = 0.25 * kTwoPi + 0.8 * std::acos(level) - bench.pair.zero_rad;
-  constexpr double kTurns = 6.0;
-  Capture c = bench.capture(1200, 100.0, 1,
-                            [=](double t) { return kTwoPi * kTurns * (t / 11.99 - 1.0) + end; });
+  constexpr double kTurns =
+      3.0; // slow enough that a peak takes more rows than a channel is watched
+  Capture c = bench.capture(2400, 100.0, 1,
+                            [=](double t) { return kTwoPi * kTurns * (t / 23.99 - 1.0) + end; });
   for (double &v : c.vsin_v)
     v = std::min(v, 2.5 + level * bench.pair.amplitude_v);
   const Diagnosis d = diagnose(c, {});
@@ -213,6 +214,33 @@ KIND(places_of_a_table_are_no_steps_of_the_reference) {
   };
   expect_none(diagnose(bench.capture(kReadings * kPlaces, 10.0, 2, place), {}),
               {"reference-resolution"});
+}
+
+/// A hand cranks, twice as fast about two places of the turn as between them, and once in a while
+/// in a hurry: where it is fastest, straight lines before and after are both too steep, and meet
+/// with a gap that lies between no two samples.
+void a_hand_in_a_hurry() {
+  Bench bench;
+  constexpr std::size_t kRows = 3300;
+  const double dead = bench.within(0.3, 0.45), hurries_s = bench.within(10.0, 20.0);
+  const double lasts_s = bench.within(0.5, 0.9), fastest = kTwoPi * bench.within(0.9, 1.3);
+  std::vector<double> angle{0.0};
+  for (std::size_t i = 1; i < kRows; ++i) {
+    const double t = 0.01 * static_cast<double>(i), part = (t - hurries_s) / lasts_s;
+    const double mean = kTwoPi * 0.15 + fastest * std::exp(-part * part);
+    angle.push_back(angle.back() + 0.01 * mean * (1.0 + dead * std::cos(2.0 * angle.back())));
+  }
+  Capture c = bench.capture(kRows, 100.0, 1, [&](double t) {
+    return angle[std::min(kRows - 1, static_cast<std::size_t>(t * 100.0 + 0.5))];
+  });
+  c.reference_deg.clear();
+  expect_none(diagnose(c, {}), {"angle-slip"});
+}
+
+/// One in three of them has its fastest place where that shows.
+KIND(a_hand_at_its_fastest_is_no_slip) {
+  for (int k = 0; k < 5; ++k)
+    a_hand_in_a_hurry();
 }
 
 /// A gearbox plays, and the field errs at the third order: partial likenesses of that order take no
