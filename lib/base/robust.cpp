@@ -160,7 +160,9 @@ std::vector<std::size_t> standing_out(std::span<const double> x, double threshol
   return places;
 }
 
-double converter_step(const std::vector<double> &values) {
+namespace {
+
+template <class T> double step_of(std::span<const T> values) {
   constexpr std::size_t kLookedAt = 20000;
   constexpr double kNone = 1e-8; ///< V, rounding of the record
   std::vector<double> sorted(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(std::min(
@@ -174,6 +176,15 @@ double converter_step(const std::vector<double> &values) {
       step = gap;
   }
   return step;
+}
+
+} // namespace
+
+double converter_step(std::span<const double> values) {
+  return step_of(values);
+}
+double converter_step(std::span<const float> values) {
+  return step_of(values);
 }
 
 } // namespace ada

@@ -13,8 +13,8 @@ namespace ada {
 
 /// Quantile q in [0, 1]; takes its own copy. 0 for an empty vector; what is no number does not
 /// count.
-inline double quantile(std::vector<double> v, double q) {
-  std::erase_if(v, [](double x) { return std::isnan(x); });
+template <class T> double quantile(std::vector<T> v, double q) {
+  std::erase_if(v, [](T x) { return std::isnan(x); });
   if (v.empty())
     return 0.0;
   const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(v.size() - 1));
@@ -103,6 +103,7 @@ inline double median_step(std::span<const double> time) {
 }
 
 /// The step of the converter as its values show it, in their unit; 0 when they show none.
-double converter_step(const std::vector<double> &values);
+double converter_step(std::span<const double> values);
+double converter_step(std::span<const float> values);
 
 } // namespace ada

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/angle.h"
+#include "base/pick.h"
 #include "base/robust.h"
 #include "conversion/sample_status.h"
 #include "motion/kinematics.h"
@@ -65,10 +66,12 @@ struct Columns {
   Derivatives of_supply{{}, {}};
   TemperatureOverTime temperature;
   Kinematics motion;
+  std::vector<float> vtemp, omega; ///< as the conditions take them
   /// `supply_fraction`: rms of the supply that the model was fitted with; 0: it does not matter.
   /// `level_v`: where that supply counts from; nothing: from its mean here.
   Columns(const Capture &capture, double supply_fraction, std::optional<double> level_v)
-      : supply(capture, level_v), temperature(capture, supply) {
+      : supply(capture, level_v), temperature(capture, supply),
+        vtemp(as_floats(temperature.vtemp_v)) {
     if (supply_fraction == 0.0)
       supply.unit.clear();
     for (float &x : supply.unit)
@@ -80,16 +83,16 @@ struct Columns {
     return {.n = c.size(),
             .time = c.time_s.data(),
             .alpha = nullptr,
-            .omega = data(motion.omega),
+            .omega = data(omega),
             .accel = data(motion.accel),
             .direction = data(motion.direction),
             .travel = data(motion.travel),
-            .temp = data(temperature.vtemp_v),
+            .temp = data(vtemp),
             .temp_rate = data(temperature.rate),
             .supply = data(supply.unit),
             .supply_rate = data(of_supply.rate),
             .supply_bend = data(of_supply.bend),
-            .vtemp_scan = data(temperature.vtemp_v),
+            .vtemp_scan = data(vtemp),
             .frame_period_s = period_s,
             .mid_shift_v = supply.mid_shift_v};
   }
@@ -123,6 +126,7 @@ AngleSolver::AngleSolver(const Model &model)
 void AngleSolver::find_sense() {
   // Over one period at rest: what bends the curve on the way averages out.
   std::array<double, 64> a, s, c, zero{};
+  std::array<float, 64> at_rest{};
   std::array<signed char, 64> one;
   one.fill(1);
   const double step = kTwoPi / static_cast<double>(a.size());
@@ -131,7 +135,7 @@ void AngleSolver::find_sense() {
   forward_.evaluate({.n = a.size(),
                      .time = zero.data(),
                      .alpha = a.data(),
-                     .omega = zero.data(),
+                     .omega = at_rest.data(),
                      .direction = one.data()},
                     s.data(), c.data());
   double travel = 0.0;
@@ -165,7 +169,8 @@ void AngleSolver::start(std::span<const double> vsin, std::span<const double> vc
 void AngleSolver::solve(const Conditions &at, std::span<const double> vsin,
                         std::span<const double> vcos, std::span<double> alpha,
                         std::span<double> radius) const {
-  std::array<double, kWaveBlock> s0, c0, s1, c1, moved, zeros{};
+  std::array<double, kWaveBlock> s0, c0, s1, c1, moved;
+  std::array<float, kWaveBlock> at_rest{};
   std::array<signed char, kWaveBlock> ones;
   ones.fill(1);
   for (std::size_t first = 0; first < at.n; first += kWaveBlock) {
@@ -174,7 +179,7 @@ void AngleSolver::solve(const Conditions &at, std::span<const double> vsin,
     here.alpha = alpha.data();
     here = here.slice(first, n);
     if (!here.omega)
-      here.omega = zeros.data();
+      here.omega = at_rest.data();
     if (!here.direction)
       here.direction = ones.data();
     double longest = kTwoPi;
@@ -235,6 +240,7 @@ void AngleSolver::capture(const Capture &capture, std::span<ada4571_angle> out) 
     solve(x.view(capture, frame), capture.vsin_v, capture.vcos_v, a, radius);
     if (needs_motion(model_)) { // once more with the speed of the corrected angle
       x.motion = differentiate(capture.time_s, a, 10);
+      x.omega = as_floats(x.motion.omega);
       solve(x.view(capture, frame), capture.vsin_v, capture.vcos_v, a, radius);
     }
     return a;
@@ -295,17 +301,18 @@ void AngleSolver::frames(std::span<const Frame> frames, std::span<ada4571_angle>
     const float rate = 0.0f;
     const auto travel = static_cast<float>(stream_.sense * (alpha - stream_.turned));
     const bool has_temp = std::isfinite(f.vtemp_v);
+    const float vtemp = as_float(f.vtemp_v), omega = as_float(stream_.omega);
     Conditions at{.n = 1,
                   .time = &f.time_s,
                   .alpha = nullptr,
-                  .omega = &stream_.omega,
+                  .omega = &omega,
                   .accel = nullptr,
                   .direction = &stream_.sense,
                   .travel = &travel,
-                  .temp = has_temp ? &f.vtemp_v : nullptr,
+                  .temp = has_temp ? &vtemp : nullptr,
                   .temp_rate = has_temp ? &rate : nullptr,
                   .supply = supply_fraction_ != 0.0 ? &supply : nullptr,
-                  .vtemp_scan = has_temp ? &f.vtemp_v : nullptr,
+                  .vtemp_scan = has_temp ? &vtemp : nullptr,
                   .frame_period_s = dt,
                   .mid_shift_v = mid_shift_v};
     solve(at, {&f.vsin_v, 1}, {&f.vcos_v, 1}, {&alpha, 1}, {&radius, 1});

@@ -66,9 +66,11 @@ public:
           std::vector<double> &radius) const {
     const std::size_t n = alpha.size();
     const std::vector<double> zeros(n);
+    const std::vector<float> at_rest(n);
     std::vector<double> s(n), c(n);
-    forward_.evaluate({.n = n, .time = zeros.data(), .alpha = alpha.data(), .omega = zeros.data()},
-                      s.data(), c.data());
+    forward_.evaluate(
+        {.n = n, .time = zeros.data(), .alpha = alpha.data(), .omega = at_rest.data()}, s.data(),
+        c.data());
     for (std::size_t i = 0; i < n; ++i) {
       const double y = inverse_.sine(s[i], c[i]), x = inverse_.cosine(s[i], c[i]);
       angle[i] = std::atan2(y, x) / periods_;

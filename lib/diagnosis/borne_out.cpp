@@ -18,7 +18,7 @@ namespace ada {
 namespace {
 
 /// Both channels of each sample in one vector.
-Eigen::VectorXd stacked(const std::vector<double> &sin, const std::vector<double> &cos) {
+template <class T> Eigen::VectorXd stacked(const std::vector<T> &sin, const std::vector<T> &cos) {
   Eigen::VectorXd out(static_cast<Eigen::Index>(2 * sin.size()));
   for (std::size_t i = 0; i < sin.size(); ++i) {
     out[static_cast<Eigen::Index>(2 * i)] = sin[i];

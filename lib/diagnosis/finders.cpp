@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/angle.h"
+#include "base/pick.h"
 #include "base/robust.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/spectrum.h"
@@ -318,22 +319,16 @@ std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, Skip ski
   if (rounds_of(r) < (r.several_speeds ? kFewestRounds : criteria::kFewestUnits))
     return {};
   const double resolution = 1.0 / span;
-  std::vector<double> power;
-  double bin = 0.0;
-  {
-    const Spectrum spectrum = spectrum_over_time(r.time, r.sample_period_s, [&](std::size_t i) {
-      return std::complex(r.cos_v[i], r.sin_v[i]);
-    });
-    bin = spectrum.bin_hz;
-    const auto &line = spectrum.line;
-    power.resize(line.size() / 2);
-    for (std::size_t k = 1; k < power.size(); ++k)
-      power[k] = std::norm(line[k]) + std::norm(line[line.size() - k]);
-  }
+  PowerOverTime spectrum;
+  for (const std::span<const double> channel : {r.sin_v, r.cos_v})
+    add_power_over_time(
+        r.time, r.sample_period_s, [&](std::size_t i) { return channel[i]; }, spectrum);
+  const double bin = spectrum.bin_hz;
+  const std::vector<float> &power = spectrum.power;
   // Every so manieth line tells the median of many: an odd stride meets no comb of lines.
   constexpr std::size_t kEnough = 8192;
-  std::vector<double> some;
-  for (std::size_t k = 0; k < power.size(); k += (power.size() / kEnough) | 1)
+  std::vector<float> some;
+  for (std::size_t k = 1; k < power.size(); k += (power.size() / kEnough) | 1)
     some.push_back(power[k]);
   const double floor = quantile(std::move(some), 0.5);
   std::vector<std::pair<double, std::size_t>> peaks;
@@ -483,8 +478,9 @@ std::vector<std::vector<double>> find_clipping(const Residual &r) {
   // Of a sine that stops at 90 to 97 % of its peak about a tenth lies on the stop: the level is
   // seen at its middle. The channel with the higher peak says it for both.
   const auto quantiles = [&](double at) {
-    return std::array{quantile({r.read_sin_v.begin(), r.read_sin_v.end()}, at),
-                      quantile({r.read_cos_v.begin(), r.read_cos_v.end()}, at)};
+    return std::array<double, 2>{
+        quantile(std::vector(r.read_sin_v.begin(), r.read_sin_v.end()), at),
+        quantile(std::vector(r.read_cos_v.begin(), r.read_cos_v.end()), at)};
   };
   const std::array low = quantiles(0.04), high = quantiles(0.96);
   std::vector<std::vector<double>> out;
@@ -505,7 +501,8 @@ void find_spikes(std::span<const double> residual, double threshold, double floo
 }
 
 double slowest_speed(const Residual &r) {
-  return r.slowest.get([&] { return r.has_reference ? 0.0 : slowest_of_range(r.omega); });
+  return r.slowest.get(
+      [&] { return r.has_reference ? 0.0 : slowest_of_range(as_doubles(r.omega)); });
 }
 
 } // namespace ada

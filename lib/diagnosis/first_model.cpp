@@ -43,7 +43,7 @@ Model first_model(const Scene &scene, const Model *given) {
     if (f.effect->info().correctable && !turned)
       model.effects.insert(model.effects.begin(), {f.effect, f.values, f.std_errors});
 
-  const auto span_of = [](const std::vector<double> &v) {
+  const auto span_of = [](const std::vector<float> &v) {
     return std::pair(quantile(v, 0.005), quantile(v, 0.995));
   };
   const auto [slow, shigh] = span_of(scene.all.vsin);

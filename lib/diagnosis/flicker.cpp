@@ -95,12 +95,11 @@ Lines lines_of(const Observations &data, ResidualColumns rest, int periods, bool
   for (int channel = 0; channel < 2; ++channel) {
     const auto &v = channel == 0 ? rest.sin : rest.cos;
     out.mean_square_v2[static_cast<std::size_t>(channel)] = mean_square(v);
-    const Spectrum s = spectrum_over_time(data.time, data.frame_period_s,
-                                          [&](std::size_t i) { return std::complex(v[i], 0.0); });
+    PowerOverTime s;
+    add_power_over_time(
+        data.time, data.frame_period_s, [&](std::size_t i) { return v[i]; }, s);
     out.bin_hz = s.bin_hz;
-    for (std::size_t k = 0; k < s.line.size() / 2; ++k)
-      out.power[static_cast<std::size_t>(channel)].push_back(
-          std::norm(std::complex<double>(s.line[k])));
+    out.power[static_cast<std::size_t>(channel)].assign(s.power.begin(), s.power.end());
   }
   const double span = data.time.back() - data.time.front();
   std::size_t stride = 1;
@@ -110,7 +109,7 @@ Lines lines_of(const Observations &data, ResidualColumns rest, int periods, bool
   constexpr std::size_t kSpeeds = 100; // that stand for all
   std::vector<double> turning, twice_turning;
   for (std::size_t i = 0; i < data.size(); i += std::max<std::size_t>(1, data.size() / kSpeeds))
-    turning.push_back(periods * std::abs(data.omega[i]) / kTwoPi);
+    turning.push_back(periods * std::abs(static_cast<double>(data.omega[i])) / kTwoPi);
   if (radial)
     for (double f : std::exchange(turning, {}))
       twice_turning.push_back(2.0 * f);

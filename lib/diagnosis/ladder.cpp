@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/pick.h"
 #include "base/robust.h"
 #include "diagnosis/admission.h"
 #include "diagnosis/borne_out.h"
@@ -249,8 +250,8 @@ Observations without_drift(const Observations &data, const Model &model) {
     // A gain: it changes what turns in proportion.
     const double s = r.model_sin[i] - out.centre_sin_v, c = r.model_cos[i] - out.centre_cos_v;
     const double part = slow[i] / std::sqrt(std::max(s * s + c * c, 1e-12));
-    out.vsin[i] -= part * s;
-    out.vcos[i] -= part * c;
+    out.vsin[i] -= as_float(part * s);
+    out.vcos[i] -= as_float(part * c);
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/angle.h"
+#include "base/pick.h"
 #include "base/robust.h"
 #include "conversion/angle_solver.h"
 #include "diagnosis/fit.h"
@@ -26,10 +27,10 @@ std::vector<double> corrected_angle(const Screened &look, const Model &known,
   const Kinematics rough = differentiate(c.time_s, look.angle, 8);
   Observations every;
   every.time = time_with_losses(look, median_step(c.time_s));
-  every.vsin = c.vsin_v;
-  every.vcos = c.vcos_v;
+  every.vsin = as_floats(c.vsin_v);
+  every.vcos = as_floats(c.vcos_v);
   every.alpha = rough.alpha;
-  every.omega = rough.omega;
+  every.omega = as_floats(rough.omega);
   every.accel.assign(c.size(), 0.0f);
   every.direction = rough.direction;
   every.temp = surroundings.temp;

@@ -111,7 +111,7 @@ void describe_temperature(const Capture &capture, Scene &scene) {
     scene.why_no_temperature = "no VTEMP channel";
     return;
   }
-  const std::vector<double> &temp = scene.all.temp;
+  const std::vector<float> &temp = scene.all.temp;
   scene.vtemp_mean_v = std::accumulate(capture.vtemp_v.begin(), capture.vtemp_v.end(), 0.0) /
                        static_cast<double>(capture.size());
   if (quantile(temp, 0.98) - quantile(temp, 0.02) < kLeastTemperatureV)

@@ -30,12 +30,13 @@ enum class Direction { none, supply, motion, radius };
 
 /// Columns of one length, in time order.
 struct Observations {
-  std::vector<double> time, vsin, vcos;
-  std::vector<double> alpha, omega;
-  std::vector<float> accel; ///< floats where they do: a long capture has no memory to spare
+  std::vector<double> time, alpha;
+  /// Floats where they do: a long capture has no memory to spare. Of a pair they keep 24 bits, as
+  /// much as any converter gives.
+  std::vector<float> vsin, vcos, omega, accel;
   std::vector<signed char> direction;
   std::vector<float> travel; ///< empty without a reference
-  std::vector<double> temp;  ///< empty without VTEMP, and so is its rate
+  std::vector<float> temp;   ///< empty without VTEMP, and so is its rate
   std::vector<float> temp_rate;
   std::vector<float> supply, supply_rate, supply_bend; ///< empty without VDD
   double frame_period_s = 0.0;

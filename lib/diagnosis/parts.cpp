@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/angle.h"
+#include "base/pick.h"
 #include "conversion/angle_solver.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
@@ -40,7 +41,7 @@ void take_out_what_no_file_corrects(const Observations &data, const Model &model
 double angle_error(const Observations &data, const Model &model) {
   const AngleSolver solver(model);
   Conditions at = data.conditions();
-  std::vector<double> vsin = data.vsin, vcos = data.vcos;
+  std::vector<double> vsin = as_doubles(data.vsin), vcos = as_doubles(data.vcos);
   take_out_what_no_file_corrects(data, model, vsin, vcos);
   std::vector<double> alpha = data.alpha, radius(data.size()), magnet(data.size());
   ForwardModel(model, AlphaIs::reference).magnet_angle(at, magnet.data());

@@ -89,7 +89,7 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
     all.mid_shift_v = supply.mid_shift_v;
     all.supply = std::move(supply.unit);
     scene.supply_rms = supply.rms;
-    all.temp = std::move(temperature.vtemp_v);
+    all.temp = as_floats(temperature.vtemp_v);
     all.temp_rate = std::move(temperature.rate);
     all.vtemp_on_vcos = temperature.on_vcos;
     all.vtemp_on_vcos_error = temperature.on_vcos_error;
@@ -140,10 +140,10 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   all.centre_sin_v = look.centre_sin_v;
   all.centre_cos_v = look.centre_cos_v;
   all.time = time_with_losses(look, all.frame_period_s);
-  all.vsin = capture.vsin_v;
-  all.vcos = capture.vcos_v;
+  all.vsin = as_floats(capture.vsin_v);
+  all.vcos = as_floats(capture.vcos_v);
   all.alpha = std::move(motion.alpha);
-  all.omega = std::move(motion.omega);
+  all.omega = as_floats(motion.omega);
   all.accel = std::move(motion.accel);
   all.direction = std::move(motion.direction);
   if (scene.has_reference)

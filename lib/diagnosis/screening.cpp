@@ -393,7 +393,7 @@ bool screen_stuck(Screened &look, const Effect &effect) {
     // As far back as it holds what it holds at the end. Of noise below 0.74 steps, rms, half of the
     // readings are the same step, and its median deviation is nothing.
     constexpr double kUnseen = 0.74;
-    const double held = quantile({last.begin(), last.end()}, 0.5);
+    const double held = quantile(std::vector(last.begin(), last.end()), 0.5);
     const double band = std::max(8.0 * std::max(spread, kUnseen * step_v), 1e-4 * whole);
     std::size_t first = n;
     while (first > 0 && std::abs(values[first - 1] - held) <= band)

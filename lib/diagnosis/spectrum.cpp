@@ -11,27 +11,58 @@
 
 namespace ada {
 
+namespace {
+
+/// Values on an even grid, zeros between them; empty when the times span nothing.
+template <class T> struct Grid {
+  std::vector<T> at;
+  double bin_hz = 0.0;
+  template <class Value>
+  Grid(std::span<const double> time, double sample_period_s, const Value &value) {
+    constexpr std::size_t kFewest = 256, kMost = std::size_t{1} << 21;
+    const double span = time.size() > 1 ? time.back() - time.front() : 0.0;
+    if (!(sample_period_s > 0.0) || !(span > 0.0))
+      return;
+    std::size_t size = kFewest;
+    while (static_cast<double>(size) * sample_period_s < span && size < kMost)
+      size *= 2;
+    const double step = std::max(sample_period_s, span / static_cast<double>(size - 1));
+    bin_hz = 1.0 / (static_cast<double>(size) * step);
+    at.resize(size);
+    for (std::size_t i = 0; i < time.size(); ++i) {
+      const auto k = static_cast<std::size_t>(std::lround((time[i] - time.front()) / step));
+      if (k < size)
+        at[k] = T(value(i));
+    }
+  }
+};
+
+} // namespace
+
 Spectrum spectrum_over_time(std::span<const double> time, double sample_period_s,
                             const std::function<std::complex<double>(std::size_t)> &value) {
-  constexpr std::size_t kFewest = 256, kMost = std::size_t{1} << 21;
-  const double span = time.size() > 1 ? time.back() - time.front() : 0.0;
-  if (!(sample_period_s > 0.0) || !(span > 0.0))
-    return {};
-  std::size_t size = kFewest;
-  while (static_cast<double>(size) * sample_period_s < span && size < kMost)
-    size *= 2;
-  const double grid = std::max(sample_period_s, span / static_cast<double>(size - 1));
-  std::vector<std::complex<float>> in(size);
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    const auto k = static_cast<std::size_t>(std::lround((time[i] - time.front()) / grid));
-    if (k < size)
-      in[k] = std::complex<float>(value(i));
+  const Grid<std::complex<float>> in(time, sample_period_s, value);
+  Spectrum out{{}, in.bin_hz};
+  if (!in.at.empty()) {
+    Eigen::FFT<float> fft;
+    fft.fwd(out.line, in.at);
   }
-  Spectrum out;
-  out.bin_hz = 1.0 / (static_cast<double>(size) * grid);
-  Eigen::FFT<float> fft;
-  fft.fwd(out.line, in);
   return out;
+}
+
+void add_power_over_time(std::span<const double> time, double sample_period_s,
+                         const std::function<double(std::size_t)> &value, PowerOverTime &out) {
+  const Grid<float> in(time, sample_period_s, value);
+  out.bin_hz = in.bin_hz;
+  if (in.at.empty())
+    return;
+  std::vector<std::complex<float>> line;
+  Eigen::FFT<float> fft;
+  fft.SetFlag(Eigen::FFT<float>::HalfSpectrum);
+  fft.fwd(line, in.at);
+  out.power.resize(in.at.size() / 2);
+  for (std::size_t k = 0; k < out.power.size(); ++k)
+    out.power[k] += std::norm(line[k]);
 }
 
 std::vector<RowLine> standing_lines(std::span<const double> row, double fewest_periods,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// Spectrum of a pair of residuals over time, on an even grid.
+// Spectra of residuals over time, on an even grid.
 #pragma once
 
 #include <complex>
@@ -23,6 +23,15 @@ struct Spectrum {
 /// widen no line that stands clear of the others. Empty when the times span nothing.
 Spectrum spectrum_over_time(std::span<const double> time, double sample_period_s,
                             const std::function<std::complex<double>(std::size_t)> &value);
+
+/// Power of one channel: |.|^2 of each line from 0 to below half of the grid's rate, to which
+/// `power` adds. Half of the memory that a pair takes.
+struct PowerOverTime {
+  std::vector<float> power;
+  double bin_hz = 0.0;
+};
+void add_power_over_time(std::span<const double> time, double sample_period_s,
+                         const std::function<double(std::size_t)> &value, PowerOverTime &out);
 
 /// A line of a row of values, at one of its own frequencies.
 struct RowLine {

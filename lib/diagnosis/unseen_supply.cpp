@@ -164,12 +164,13 @@ Swing swing_at(const Radius &r, const std::vector<double> &time, const Shapes &s
 /// The frequency at which a supply that swings would explain most of the radius, Hz; 0: none.
 double frequency_of(const Capture &c, const Radius &r, const std::vector<double> &supply) {
   constexpr std::size_t kSlow = 20; ///< lines that are no swing but what is slow
-  const Spectrum spectrum = spectrum_over_time(c.time_s, median_step(c.time_s), [&](std::size_t i) {
-    return std::complex(r.off[i] * supply[i]);
-  });
+  PowerOverTime spectrum;
+  add_power_over_time(
+      c.time_s, median_step(c.time_s), [&](std::size_t i) { return r.off[i] * supply[i]; },
+      spectrum);
   std::size_t peak = 0;
-  for (std::size_t k = kSlow; k < spectrum.line.size() / 2; ++k)
-    if (peak == 0 || std::norm(spectrum.line[k]) > std::norm(spectrum.line[peak]))
+  for (std::size_t k = kSlow; k < spectrum.power.size(); ++k)
+    if (peak == 0 || spectrum.power[k] > spectrum.power[peak])
       peak = k;
   double best = static_cast<double>(peak) * spectrum.bin_hz, most = 0.0;
   for (double reach = spectrum.bin_hz; peak > 0 && reach > 1e-3 * spectrum.bin_hz; reach *= 0.25) {

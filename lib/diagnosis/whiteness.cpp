@@ -173,16 +173,16 @@ BinTest test_bins(const std::vector<double> &component, const std::vector<int> &
   return {(chi2 - used) / std::sqrt(2.0 * used), sigma * std::sqrt(std::max(0.0, chi2 - used) / n)};
 }
 
-std::vector<int> bins_of(const std::vector<double> &key, int bins) {
-  std::vector<double> sorted = key;
+template <class T> std::vector<int> bins_of(const std::vector<T> &key, int bins) {
+  std::vector<T> sorted = key;
   std::sort(sorted.begin(), sorted.end());
-  std::vector<double> edges;
+  std::vector<T> edges;
   for (int b = 1; b < bins; ++b)
     edges.push_back(
         sorted[sorted.size() * static_cast<std::size_t>(b) / static_cast<std::size_t>(bins)]);
   std::vector<int> out;
   out.reserve(key.size());
-  for (double x : key)
+  for (T x : key)
     out.push_back(
         static_cast<int>(std::upper_bound(edges.begin(), edges.end(), x) - edges.begin()));
   return out;
@@ -251,7 +251,7 @@ void report_levels(const Observations &data, const ResidualColumns &residual,
   for (const Structure &s : out)
     if (s.along == "angle")
       known = std::max(known, kFiner * s.rms_v);
-  const auto look = [&](const std::vector<double> &level, const std::vector<double> &measured,
+  const auto look = [&](const std::vector<double> &level, std::span<const float> measured,
                         const std::vector<double> &component, const char *name) {
     const auto [low, high] = std::minmax_element(level.begin(), level.end());
     const double span = *high - *low, step = converter_step(measured);

@@ -220,7 +220,7 @@ private:
 
   /// The outputs before something is taken out of them that may not be there.
   struct Outputs {
-    std::array<std::array<std::vector<double>, 2>, 3> pairs;
+    std::array<std::array<std::vector<float>, 2>, 3> pairs;
     explicit Outputs(Work &of) {
       for (std::size_t k = 0; k < pairs.size(); ++k)
         pairs[k] = {of.all_data()[k]->vsin, of.all_data()[k]->vcos};

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <utility>
 
+#include "base/pick.h"
 #include "diagnosis/conditions/gains.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/few_rows.h"
@@ -186,8 +187,8 @@ bool Work::take_out_courses(Anonymous slow, const std::vector<RandomCause> &proc
     if (judge_ && data == &parts_.heldout)
       continue;
     ResidualColumns pair, turning;
-    pair.sin = data->vsin;
-    pair.cos = data->vcos;
+    pair.sin = as_doubles(data->vsin);
+    pair.cos = as_doubles(data->vcos);
     subtract(unnamed_.basis, offsets, *data, pair);
     turning.sin.assign(data->size(), 0.0);
     turning.cos = turning.sin;
@@ -199,8 +200,8 @@ bool Work::take_out_courses(Anonymous slow, const std::vector<RandomCause> &proc
       const double more = std::hypot(turning.sin[i], turning.cos[i]);
       const double sign = s * turning.sin[i] + c * turning.cos[i] > 0.0 ? -1.0 : 1.0;
       const double by = std::max(1.0 + sign * more / b.amplitude_v, criteria::kLeastGain);
-      data->vsin[i] = sin_v + s / by;
-      data->vcos[i] = cos_v + c / by;
+      data->vsin[i] = as_float(sin_v + s / by);
+      data->vcos[i] = as_float(cos_v + c / by);
     }
   }
   if (before_v2 - left_v2(parts_, out_.extended) < criteria::kOfCourse * goes_on_v2) {

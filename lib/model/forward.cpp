@@ -143,7 +143,7 @@ void ForwardModel::add_remainder(Wave &w) const {
   add_fourier_pair(x, w.n, remainder_, w.s, w.c);
 }
 
-void ForwardModel::motion(Wave &w, double *shaft, double *speed) const {
+void ForwardModel::motion(Wave &w, double *shaft, float *speed) const {
   std::copy(w.at.alpha, w.at.alpha + w.n, shaft);
   for (const Step &step : reference_)
     step.effect->shaft_from_reference(step.values, w.at, {shaft, w.n});
@@ -158,7 +158,7 @@ void ForwardModel::motion(Wave &w, double *shaft, double *speed) const {
       step.effect->shaft_from_reference(step.values, w.at, {moved, w.n});
     if (w.at.omega != nullptr)
       for (std::size_t i = 0; i < w.n; ++i)
-        speed[i] = w.at.omega[i] * (moved[i] - shaft[i]) / kLittle;
+        speed[i] = static_cast<float>(w.at.omega[i] * (moved[i] - shaft[i]) / kLittle);
     w.at.omega = w.at.omega != nullptr ? speed : nullptr;
     w.at.alpha = shaft;
   }
@@ -169,7 +169,8 @@ void ForwardModel::motion(Wave &w, double *shaft, double *speed) const {
 
 void ForwardModel::magnet_angle(const Conditions &at, double *alpha) const {
   Wave w;
-  double shaft[kWaveBlock], speed[kWaveBlock];
+  double shaft[kWaveBlock];
+  float speed[kWaveBlock];
   for (std::size_t first = 0; first < at.n; first += kWaveBlock) {
     w.n = std::min(kWaveBlock, at.n - first);
     w.at = at.slice(first, w.n);

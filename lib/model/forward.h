@@ -45,7 +45,8 @@ private:
 
   /// The motion of one block, in arrays that have to live as long as the wave.
   struct Motion {
-    double shaft[kWaveBlock], speed[kWaveBlock];
+    double shaft[kWaveBlock];
+    float speed[kWaveBlock];
   };
 
   /// A sum of delayed copies of the signals.
@@ -55,7 +56,7 @@ private:
   };
 
   Wave wave() const;
-  void motion(Wave &w, double *shaft, double *speed) const;
+  void motion(Wave &w, double *shaft, float *speed) const;
   void begin(const Conditions &at, Wave &w, Motion &m) const;
   void leave_magnet(Wave &w, double delay_s, const double *shaft) const;
   void act(const Step &step, Wave &w) const;

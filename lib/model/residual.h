@@ -50,11 +50,12 @@ public:
   double amplitude_v = 1.0, noise_v = 0.0, supply_v = 5.0;
   double centre_sin_v = 2.5, centre_cos_v = 2.5; ///< middle of the circle
   double sample_period_s = 0.0;
-  std::span<const double> time, omega;
+  std::span<const double> time;
+  std::span<const float> omega;
   std::span<const double> sin_v, cos_v;             ///< residual
   std::span<const double> model_sin_v, model_cos_v; ///< absolute volts of the model so far
   /// Absolute volts as they were read: the residual above may be weighed, and is then not the rest.
-  std::span<const double> read_sin_v, read_cos_v;
+  std::span<const float> read_sin_v, read_cos_v;
   std::span<const double> alpha;                    ///< mechanical angle, rad
   AskedOften<std::vector<double>> orders;           ///< of find_orders
   AskedOften<double> slowest;                       ///< of slowest_speed

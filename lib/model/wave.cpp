@@ -35,9 +35,10 @@ void multiply(std::size_t n, const double *x, const double *y, double *re, doubl
 Conditions Conditions::slice(std::size_t first, std::size_t count) const {
   Conditions out = *this;
   out.n = count;
-  for (const double **p : {&out.time, &out.alpha, &out.omega, &out.temp, &out.vtemp_scan})
+  for (const double **p : {&out.time, &out.alpha})
     advance(*p, first);
-  for (const float **p : {&out.supply, &out.supply_rate, &out.supply_bend})
+  for (const float **p :
+       {&out.omega, &out.temp, &out.vtemp_scan, &out.supply, &out.supply_rate, &out.supply_bend})
     advance(*p, first);
   advance(out.accel, first);
   advance(out.direction, first);

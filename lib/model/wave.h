@@ -16,16 +16,16 @@ struct Conditions {
   std::size_t n = 0;
   const double *time = nullptr;           ///< s
   const double *alpha = nullptr;          ///< true mechanical angle of the shaft, rad
-  const double *omega = nullptr;          ///< d alpha/dt, rad/s
+  const float *omega = nullptr;           ///< d alpha/dt, rad/s
   const float *accel = nullptr;           ///< d omega/dt, rad/s^2, optional
   const signed char *direction = nullptr; ///< -1 or +1, the sense of the last motion
   const float *travel = nullptr;          ///< rad, since it last turned back; nullptr: long ago
-  const double *temp = nullptr;           ///< VTEMP, V, free of noise; optional
+  const float *temp = nullptr;            ///< VTEMP, V, free of noise; optional
   const float *temp_rate = nullptr;       ///< d VTEMP/dt, V/s; optional
   const float *supply = nullptr;          ///< (VDD/mean - 1) scaled to an rms of 1; optional
   const float *supply_rate = nullptr;     ///< its first derivative, 1/s; optional
   const float *supply_bend = nullptr;     ///< its second derivative, 1/s^2; optional
-  const double *vtemp_scan = nullptr; ///< VTEMP as converted before VSIN, V; nullptr: not scanned
+  const float *vtemp_scan = nullptr; ///< VTEMP as converted before VSIN, V; nullptr: not scanned
   double frame_period_s = 0.0;
   /// How far the recorded supply, on average, moves mid-supply from where the model has it, V.
   double mid_shift_v = 0.0;

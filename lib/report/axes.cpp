@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "base/angle.h"
+#include "base/pick.h"
 #include "diagnosis/fit.h"
 
 namespace ada {
@@ -69,7 +70,8 @@ PlotAxes plot_axes(const Scene &scene, const Observations &data, double start_s,
   else
     out.missing.push_back("speed (one speed only)");
   if (scene.why_no_temperature.empty())
-    out.all.push_back(axis_of("temperature", "VTEMP, V", data.temp, bins_for(n, 30), true));
+    out.all.push_back(
+        axis_of("temperature", "VTEMP, V", as_doubles(data.temp), bins_for(n, 30), true));
   else
     out.missing.push_back("temperature (" + scene.why_no_temperature + ")");
   if (data.supply.empty())

@@ -58,7 +58,7 @@ std::string fact(const std::string &name, const std::string &value) {
              : "<tr><th scope=\"row\">" + name + "</th><td>" + html_escape(value) + "</td></tr>\n";
 }
 
-std::string range(const std::vector<double> &column, double scale, const char *unit) {
+template <class T> std::string range(const std::vector<T> &column, double scale, const char *unit) {
   if (column.empty())
     return {};
   const auto [low_at, high_at] = std::minmax_element(column.begin(), column.end());

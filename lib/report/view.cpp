@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "base/angle.h"
+#include "base/pick.h"
 #include "conversion/angle_solver.h"
 #include "diagnosis/fit.h"
 
@@ -56,8 +57,8 @@ Stretch stretch_of(const Scene &scene, const Diagnosis &d) {
   for (std::size_t i = 0; i < some.size(); ++i)
     out.key.push_back(out.over_angle ? wrap(some.alpha[i], kTwoPi) * kDegPerRad
                                      : some.time[i] - all.time.front());
-  out.vsin = some.vsin;
-  out.vcos = some.vcos;
+  out.vsin = as_doubles(some.vsin);
+  out.vcos = as_doubles(some.vcos);
   out.base_sin = base.model_sin;
   out.base_cos = base.model_cos;
   out.extended_sin = extended.model_sin;
@@ -131,12 +132,13 @@ RemainderView remainder_view(const Observations &data, const Model &model, const
 /// Angle of the sensor under a model minus the reference.
 std::vector<Bin> angle_error(const Observations &data, const Model &model, int periods) {
   const AngleSolver solver(model);
+  const std::vector<double> vsin = as_doubles(data.vsin), vcos = as_doubles(data.vcos);
   std::vector<double> alpha = data.alpha, radius(data.size()), error(data.size()), key;
   const double period = kTwoPi / periods;
-  solver.start(data.vsin, data.vcos, alpha);
+  solver.start(vsin, vcos, alpha);
   for (std::size_t i = 0; i < alpha.size(); ++i)
     alpha[i] += period * std::round((data.alpha[i] - alpha[i]) / period);
-  solver.solve(data.conditions(), data.vsin, data.vcos, alpha, radius);
+  solver.solve(data.conditions(), vsin, vcos, alpha, radius);
   for (std::size_t i = 0; i < alpha.size(); ++i) {
     error[i] = wrap_centred(alpha[i] - data.alpha[i], period) * kDegPerRad;
     key.push_back(wrap(data.alpha[i], kTwoPi) * kDegPerRad);

@@ -25,8 +25,8 @@ double value_of(const Model &model, std::string_view id, double fallback) {
 } // namespace
 
 struct Generator::Columns {
-  std::vector<double> time, alpha, omega, temp;
-  std::vector<float> accel, travel, rate, supply, supply_rate, supply_bend;
+  std::vector<double> time, alpha;
+  std::vector<float> omega, temp, accel, travel, rate, supply, supply_rate, supply_bend;
   std::vector<signed char> direction;
   explicit Columns(std::size_t n)
       : time(n), alpha(n), omega(n), temp(n), accel(n), travel(n), rate(n), supply(n),
@@ -72,9 +72,9 @@ void Generator::conditions(std::size_t count, Columns &x) {
     const double t = static_cast<double>(index_ + i) * period;
     x.time[i] = t;
     x.alpha[i] = start_angle_ + speed_.integral(t);
-    x.omega[i] = speed_.value(t);
+    x.omega[i] = static_cast<float>(speed_.value(t));
     x.accel[i] = static_cast<float>(speed_.slope(t));
-    x.direction[i] = x.omega[i] < 0.0 ? -1 : 1;
+    x.direction[i] = x.omega[i] < 0.0f ? -1 : 1;
     if (x.direction[i] != sense_ && index_ + i > 0)
       turned_ = i > 0 ? x.alpha[i - 1] : x.alpha[i];
     sense_ = x.direction[i];
@@ -84,7 +84,7 @@ void Generator::conditions(std::size_t count, Columns &x) {
       vtemp_ = bridge;
     x.rate[i] = static_cast<float>(lag_s_ > 0.0 ? (bridge - vtemp_) / lag_s_
                                                 : volts * temperature_.slope(t));
-    x.temp[i] = vtemp_;
+    x.temp[i] = static_cast<float>(vtemp_);
     if (lag_s_ > 0.0)
       vtemp_ += (bridge - vtemp_) * -std::expm1(-period / lag_s_);
     // Unit rms: a slow wander and a mains ripple.

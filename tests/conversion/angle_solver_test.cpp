@@ -40,8 +40,8 @@ Capture steady(const Model &model, double mid_shift_v, double start, std::vector
   Capture c;
   c.meta.supply_v = model.supply_v;
   c.meta.periods_per_turn = model.periods_per_turn;
-  const std::vector<double> omega(kSamples, kOmega), temp(kSamples, 1.5);
-  const std::vector<float> rate(kSamples, 0.0f);
+  const std::vector<float> omega(kSamples, static_cast<float>(kOmega)), temp(kSamples, 1.5f),
+      rate(kSamples, 0.0f);
   const std::vector<signed char> direction(kSamples, 1);
   for (std::size_t i = 0; i < kSamples; ++i) {
     c.time_s.push_back(static_cast<double>(i) * kPeriodS);
@@ -49,7 +49,7 @@ Capture steady(const Model &model, double mid_shift_v, double start, std::vector
   }
   c.vsin_v.resize(kSamples);
   c.vcos_v.resize(kSamples);
-  c.vtemp_v = temp;
+  c.vtemp_v.assign(kSamples, 1.5);
   const Conditions at{.n = kSamples,
                       .time = c.time_s.data(),
                       .alpha = alpha.data(),

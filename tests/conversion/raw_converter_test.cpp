@@ -237,10 +237,11 @@ struct Simulated {
     for (int i = 0; i < 3001; ++i)
       alpha.push_back(turn(rng));
     const std::vector<double> zeros(alpha.size());
+    const std::vector<float> at_rest(alpha.size());
     sin_v.resize(alpha.size());
     cos_v.resize(alpha.size());
     ForwardModel(model).evaluate(
-        {.n = alpha.size(), .time = zeros.data(), .alpha = alpha.data(), .omega = zeros.data()},
+        {.n = alpha.size(), .time = zeros.data(), .alpha = alpha.data(), .omega = at_rest.data()},
         sin_v.data(), cos_v.data());
   }
 };

@@ -51,11 +51,11 @@ inline Capture pair_of(const Model &model, const ShaftMotion &shaft, double rate
     c.time_s.push_back(static_cast<double>(i) / rate_hz);
   c.vsin_v.resize(n);
   c.vcos_v.resize(n);
-  const std::vector<float> accel(n, 0.0f);
+  const std::vector<float> omega(shaft.omega.begin(), shaft.omega.end()), accel(n, 0.0f);
   const Conditions at{.n = n,
                       .time = c.time_s.data(),
                       .alpha = shaft.alpha.data(),
-                      .omega = shaft.omega.data(),
+                      .omega = omega.data(),
                       .accel = accel.data(),
                       .direction = shaft.direction.data(),
                       .frame_period_s = 1.0 / rate_hz};

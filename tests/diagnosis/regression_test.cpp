@@ -50,7 +50,7 @@ Data random_data(std::size_t n, std::mt19937_64 &rng) {
   for (std::size_t i = 0; i < n; ++i) {
     o.time.push_back(1e-3 * static_cast<double>(i));
     for (auto *column : {&o.vsin, &o.vcos, &o.omega, &o.temp})
-      column->push_back(normal(rng));
+      column->push_back(static_cast<float>(normal(rng)));
     o.alpha.push_back(turn(rng));
     o.supply.push_back(static_cast<float>(normal(rng)));
     o.direction.push_back(normal(rng) > 0.0 ? 1 : -1);

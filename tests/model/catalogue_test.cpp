@@ -74,7 +74,8 @@ TEST(Catalogue, PhysicalOrderIsTheStagesOrderForWhatTheForwardModelRuns) {
 
 /// A residual that is a turn of the pair alone.
 struct Turning {
-  std::vector<double> time, omega, sin_v, cos_v, model_sin_v, model_cos_v, alpha;
+  std::vector<float> omega;
+  std::vector<double> time, sin_v, cos_v, model_sin_v, model_cos_v, alpha;
   Residual residual;
   Turning(double turns, std::size_t n, double noise_rad, const std::vector<double> &orders,
           double size_rad) {
@@ -86,7 +87,7 @@ struct Turning {
       for (const double order : orders)
         error += size_rad * std::sin(order * a + 1.0);
       time.push_back(static_cast<double>(i) * 1e-3);
-      omega.push_back(kTwoPi * turns / static_cast<double>(n) * 1e3);
+      omega.push_back(static_cast<float>(kTwoPi * turns / static_cast<double>(n) * 1e3));
       alpha.push_back(a);
       model_sin_v.push_back(2.5 + 1.4 * std::sin(2 * a));
       model_cos_v.push_back(2.5 + 1.4 * std::cos(2 * a));

@@ -67,7 +67,8 @@ TEST(FilteredSupply, reaches_the_converter_as_the_filter_lets_it) {
                         std::string("low-pass-rolloff:corner_hz=").append(std::to_string(corner))));
   const std::size_t n = ripple.time.size();
   const double alpha = std::uniform_real_distribution<>(0.0, kTwoPi)(rng);
-  const std::vector<double> angle(n, alpha), omega(n, 0.0);
+  const std::vector<double> angle(n, alpha);
+  const std::vector<float> omega(n, 0.0f);
   const std::vector<signed char> direction(n, 1);
   std::vector<double> sin(n), cos(n);
   const Conditions at{.n = n,

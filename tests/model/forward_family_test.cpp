@@ -17,8 +17,8 @@ namespace ada::test {
 namespace {
 
 struct Samples {
-  std::vector<double> time, alpha, omega, temp, scan;
-  std::vector<float> accel, supply, supply_rate, supply_bend, temp_rate, travel;
+  std::vector<double> time, alpha;
+  std::vector<float> omega, temp, scan, accel, supply, supply_rate, supply_bend, temp_rate, travel;
   std::vector<signed char> direction;
   Conditions at;
 };
@@ -29,10 +29,8 @@ Samples random_samples(std::size_t n, std::mt19937_64 &rng) {
   for (std::size_t i = 0; i < n; ++i) {
     out.time.push_back(1e-4 * static_cast<double>(i));
     out.alpha.push_back(0.01 * static_cast<double>(i) + 0.1 * normal(rng));
-    for (auto *column : {&out.omega, &out.temp, &out.scan})
-      column->push_back(normal(rng));
-    for (auto *column :
-         {&out.accel, &out.supply, &out.supply_rate, &out.supply_bend, &out.temp_rate, &out.travel})
+    for (auto *column : {&out.omega, &out.temp, &out.scan, &out.accel, &out.supply,
+                         &out.supply_rate, &out.supply_bend, &out.temp_rate, &out.travel})
       column->push_back(static_cast<float>(normal(rng)));
     out.direction.push_back(normal(rng) > 0.0 ? 1 : -1);
   }

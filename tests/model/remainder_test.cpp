@@ -35,7 +35,7 @@ protected:
       time_.push_back(1e-4 * static_cast<double>(i));
       alpha_.push_back(kTwoPi * turns(rng_));
     }
-    omega_.assign(kSamples, 20.0);
+    omega_.assign(kSamples, 20.0f);
     model_.periods_per_turn = 1 + static_cast<int>(rng_() % 3);
     model_.baseline = {1.2, 0.03, -0.02, 77.0};
   }
@@ -64,7 +64,8 @@ protected:
 
   std::mt19937_64 rng_{fresh_seed()};
   Model model_;
-  std::vector<double> time_, alpha_, omega_;
+  std::vector<double> time_, alpha_;
+  std::vector<float> omega_;
 };
 
 /// The angle itself is rounded to 40 turns * 2^-53 * 2 = 6e-14 rad, order 256 of psi multiplies

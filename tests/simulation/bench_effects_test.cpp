@@ -77,12 +77,13 @@ std::vector<double> shaft_behind(const Pair &p, double acceleration) {
   for (double &a : angle) // the error must not put the beginning into another turn
     a += turn;
   const std::size_t n = angle.size();
-  std::vector<double> alpha(n), omega(n), out(n);
-  std::vector<float> accel(n, static_cast<float>(acceleration));
+  std::vector<double> alpha(n), out(n);
+  std::vector<float> omega(n), accel(n, static_cast<float>(acceleration));
   for (std::size_t i = 0; i < n; ++i)
     alpha[i] = angle[i] * kRadPerDeg;
   for (std::size_t i = 1; i + 1 < n; ++i)
-    omega[i] = (alpha[i + 1] - alpha[i - 1]) / (p.with.time_s[i + 1] - p.with.time_s[i - 1]);
+    omega[i] = static_cast<float>((alpha[i + 1] - alpha[i - 1]) /
+                                  (p.with.time_s[i + 1] - p.with.time_s[i - 1]));
   omega[0] = omega[1];
   omega[n - 1] = omega[n - 2];
   const Conditions at{.n = n,

@@ -8,6 +8,7 @@
 
 #include <Eigen/Dense>
 
+#include "base/pick.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/first_model.h"
@@ -59,10 +60,10 @@ const RecordGains::Own &RecordGains::at(double time_s) const {
   return own_[static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, next - starts_s_.begin() - 1))];
 }
 
-void RecordGains::take_out(double time_s, double &vsin_v, double &vcos_v) const {
+void RecordGains::take_out(double time_s, float &vsin_v, float &vcos_v) const {
   const Own &own = at(time_s);
-  vsin_v = own.sin_v + (vsin_v - own.sin_v) / own.gain;
-  vcos_v = own.cos_v + (vcos_v - own.cos_v) / own.gain;
+  vsin_v = as_float(own.sin_v + (vsin_v - own.sin_v) / own.gain);
+  vcos_v = as_float(own.cos_v + (vcos_v - own.cos_v) / own.gain);
 }
 
 void RecordGains::estimate(const Observations &data, const Model &model) {

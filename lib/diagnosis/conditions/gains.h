@@ -29,7 +29,7 @@ public:
   RandomCause as_cause(double nats, double moved_v2) const;
 
   /// Gives a sample the length that the model has.
-  void take_out(double time_s, double &vsin_v, double &vcos_v) const;
+  void take_out(double time_s, float &vsin_v, float &vcos_v) const;
 
 private:
   struct Own {

@@ -59,10 +59,12 @@ bool on_one_line(const Observations &data, double noise_v) {
   // A shaft that turns by a radian from sample to sample passes for noise, and leaves 0.2 or more.
   constexpr double kLong = 0.1, kOfNoise = 4.0; // the latter of its variance
   const double n = static_cast<double>(data.size());
-  const Eigen::Map<const Eigen::ArrayXd> s(data.vsin.data(),
-                                           static_cast<Eigen::Index>(data.size()));
-  const Eigen::Map<const Eigen::ArrayXd> c(data.vcos.data(),
-                                           static_cast<Eigen::Index>(data.size()));
+  const auto column = [](const std::vector<float> &v) {
+    return Eigen::Map<const Eigen::ArrayXf>(v.data(), static_cast<Eigen::Index>(v.size()))
+        .cast<double>()
+        .eval();
+  };
+  const Eigen::ArrayXd s = column(data.vsin), c = column(data.vcos);
   const Eigen::ArrayXd x = s - s.mean(), y = c - c.mean();
   Eigen::Matrix2d covariance;
   covariance << (x * x).sum() / n, (x * y).sum() / n, (x * y).sum() / n, (y * y).sum() / n;

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/angle.h"
+#include "base/pick.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
@@ -60,7 +61,7 @@ void take_surroundings(const Capture &joined, Scene &scene, std::optional<double
   all.supply = picked(supply.unit, scene.index);
   all.supply_rate = picked(of_supply.rate, scene.index);
   all.supply_bend = picked(of_supply.bend, scene.index);
-  all.temp = picked(temperature.vtemp_v, scene.index);
+  all.temp = as_floats(picked(temperature.vtemp_v, scene.index));
   all.temp_rate = picked(temperature.rate, scene.index);
   all.vtemp_on_vcos = temperature.on_vcos;
   all.vtemp_on_vcos_error = temperature.on_vcos_error;

@@ -36,7 +36,7 @@ public:
       return;
     double turned_c[kWaveBlock], turned_s[kWaveBlock];
     for (std::size_t i = 0; i < w.n; ++i)
-      turned_s[i] = w.at.omega ? w.periods * w.at.omega[i] * w.at.frame_period_s : 0.0;
+      turned_s[i] = w.at.omega ? w.periods * (w.at.omega[i] * w.at.frame_period_s) : 0.0;
     sincos_of(turned_s, w.n, turned_s, turned_c);
     for (std::size_t i = 0; i < w.n; ++i) {
       // The pair one frame ago: turned back by the step of psi. What is kept of VCOS has itself kept
