@@ -23,6 +23,14 @@ double mean_of(const std::vector<double> &v) {
   return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
 }
 
+double rms_about_mean(const std::vector<double> &v) {
+  const double mean = mean_of(v);
+  double sum = 0.0;
+  for (double x : v)
+    sum += (x - mean) * (x - mean);
+  return std::sqrt(sum / static_cast<double>(v.size()));
+}
+
 /// Samples on either side of a jump; a piece of a record is longer.
 constexpr std::size_t kBeside = 4;
 
@@ -81,12 +89,32 @@ std::vector<double> slow_knots(const Capture &capture, std::size_t pieces) {
   return knots;
 }
 
-/// Pieces with which a spline beside a term follows VTEMP: twice as many as long as rows that it
-/// was not fitted to, every other one, come nearer to it. What a hundredth of their mean square
-/// hides is a tenth of the noise of one reading.
-template <class Term>
+/// VTEMP as a spline in so many pieces, fitted to these rows, and beside it, where asked for, a
+/// part of VCOS about its mean.
+struct Beside {
+  CubicSpline spline;
+  double slope = 0.0;
+  Beside(const Capture &capture, const std::vector<double> &vtemp_v, std::size_t pieces,
+         std::span<const char> rows, bool of_vcos)
+      : spline(slow_knots(capture, pieces)), mean_(mean_of(capture.vcos_v)) {
+    spline.fit(capture.time_s, vtemp_v, rows, of_vcos ? 1 : 0,
+               [&](std::size_t i, double *term) { *term = capture.vcos_v[i] - mean_; });
+    if (of_vcos)
+      slope = spline.term_coefficients()[0];
+  }
+  double at(const Capture &capture, std::size_t i) const {
+    return spline.value(capture.time_s[i]) + slope * (capture.vcos_v[i] - mean_);
+  }
+
+private:
+  double mean_;
+};
+
+/// Pieces with which the spline follows VTEMP: twice as many as long as rows that it was not fitted
+/// to, every other one, come nearer to it. What a hundredth of their mean square hides is a tenth
+/// of the noise of one reading.
 std::size_t pieces_for(const Capture &capture, const std::vector<double> &vtemp_v, std::size_t few,
-                       std::size_t most, Term term) {
+                       std::size_t most, bool of_vcos) {
   constexpr double kFalls = 0.99;
   constexpr std::size_t kLookedAt = 40000; // rows: a hundred to each of 400 pieces
   const std::size_t n = capture.size(), every = n / kLookedAt + 1;
@@ -95,15 +123,10 @@ std::size_t pieces_for(const Capture &capture, const std::vector<double> &vtemp_
   for (std::size_t i = 0; i < n; i += 2 * every)
     fitted[i] = 1;
   const auto left = [&](std::size_t pieces) {
-    CubicSpline spline(slow_knots(capture, pieces));
-    spline.fit(capture.time_s, vtemp_v, fitted, 1,
-               [&](std::size_t i, double *out) { *out = term(i); });
-    const double times = spline.term_coefficients()[0];
+    const Beside fit(capture, vtemp_v, pieces, fitted, of_vcos);
     double sum = 0.0;
-    for (std::size_t i = every; i < n; i += 2 * every) {
-      const double off = vtemp_v[i] - spline.value(capture.time_s[i]) - times * term(i);
-      sum += off * off;
-    }
+    for (std::size_t i = every; i < n; i += 2 * every)
+      sum += std::pow(vtemp_v[i] - fit.at(capture, i), 2);
     return sum;
   };
   std::size_t pieces = few;
@@ -140,6 +163,79 @@ std::size_t swings(const std::vector<double> &v, double mean) {
     side = now;
   }
   return crossings / 2;
+}
+
+/// What VTEMP keeps of VCOS, by what both change from one row to the next. A multiplexer hands it
+/// on at once, and a temperature moves by less than that, however slow the shaft is and whatever
+/// makes both go to and fro together, as the sun does.
+struct Leak {
+  double slope = 0.0, error = 0.0; ///< error 0: not measured
+};
+
+Leak leak_by_differences(const Capture &capture, const std::vector<double> &vtemp_v) {
+  constexpr double kNext = 1.5; // steps of the clock: beyond that, rows are missing
+  const double longest = kNext * median_step(capture.time_s);
+  const auto each = [&](auto act) {
+    for (std::size_t i = 1; i < vtemp_v.size(); ++i)
+      if (capture.time_s[i] - capture.time_s[i - 1] <= longest)
+        act(capture.vcos_v[i] - capture.vcos_v[i - 1], vtemp_v[i] - vtemp_v[i - 1]);
+  };
+  double xx = 0.0, xy = 0.0, of_error = 0.0;
+  each([&](double x, double y) {
+    xx += x * x;
+    xy += x * y;
+  });
+  if (!(xx > 0.0))
+    return {};
+  const double slope = xy / xx;
+  // Where the shaft moves more the difference may scatter more (H. White, Econometrica 48, 1980).
+  each([&](double x, double y) { of_error += std::pow(x * (y - slope * x), 2); });
+  return {slope, std::sqrt(of_error) / xx};
+}
+
+/// The temperature in VTEMP, what VTEMP keeps of VCOS beside it, and what neither accounts for.
+struct Followed {
+  CubicSpline temperature;
+  Leak leak;
+  std::vector<double> left;
+};
+
+/// A slow shaft would pass for a temperature: both are fitted jointly, and only what of VCOS no
+/// temperature could follow measures it.
+Followed follow(const Capture &capture, const std::vector<double> &vtemp_v, std::size_t few,
+                std::size_t most, bool of_vcos) {
+  const std::size_t pieces = pieces_for(capture, vtemp_v, few, most, of_vcos);
+  CubicSpline of_cosine(slow_knots(capture, pieces));
+  of_cosine.fit(capture.time_s, capture.vcos_v, {}, 0, {});
+  const double mean_cos = mean_of(capture.vcos_v);
+  double all = 0.0, fast = 0.0;
+  for (std::size_t i = 0; i < capture.size(); ++i) {
+    all += std::pow(capture.vcos_v[i] - mean_cos, 2);
+    fast += std::pow(capture.vcos_v[i] - of_cosine.value(capture.time_s[i]), 2);
+  }
+  constexpr double kEnough = 0.01;
+  const bool measured = of_vcos && fast > kEnough * all;
+  const Beside fit(capture, vtemp_v, pieces, {}, measured);
+  Followed out{fit.spline, {}, {}};
+  double rest = 0.0;
+  for (std::size_t i = 0; i < capture.size(); ++i) {
+    out.left.push_back(vtemp_v[i] - fit.at(capture, i));
+    rest += out.left[i] * out.left[i] / static_cast<double>(capture.size());
+  }
+  if (measured)
+    out.leak = {fit.slope, std::sqrt(rest / fast)};
+  return out;
+}
+
+/// Whether neighbouring values have something in common, as what is slow has and noise has not.
+bool goes_on(const std::vector<double> &x) {
+  constexpr double kErrors = 4.0;
+  double squares = 0.0, next = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    squares += x[i] * x[i];
+    next += i > 0 ? x[i] * x[i - 1] : 0.0;
+  }
+  return next > kErrors / std::sqrt(static_cast<double>(x.size())) * squares;
 }
 
 /// VTEMP as it would be at the mean supply.
@@ -217,54 +313,42 @@ Derivatives::Derivatives(const std::vector<double> &time_s, const std::vector<fl
 TemperatureOverTime::TemperatureOverTime(const Capture &capture, const SupplyOverTime &supply) {
   if (!capture.has_vtemp())
     return;
-  const auto &time = capture.time_s;
   const std::size_t n = capture.size();
   if (n < kFewestSamples) {
     vtemp_v = capture.vtemp_v;
     rate.assign(n, 0.0f);
     return;
   }
-  const double mean_cos = mean_of(capture.vcos_v);
   vtemp_v = vtemp_of_temperature(capture, supply);
-  const auto cosine = [&](std::size_t i) { return capture.vcos_v[i] - mean_cos; };
+  const double mean_cos = mean_of(capture.vcos_v);
   // Not so fine that it could follow the shaft.
   const std::size_t slower = std::max<std::size_t>(4, swings(capture.vcos_v, mean_cos) / 2);
-  const std::size_t few = std::min(std::clamp<std::size_t>(n / kRowsOfPiece, 4, 100), slower);
-  const std::size_t pieces = pieces_for(capture, vtemp_v, few, slower, cosine);
-  const CubicSpline smooth(slow_knots(capture, pieces));
-
-  // What VTEMP keeps of VCOS, jointly with the temperature: a slow shaft would pass for one. Only
-  // what of VCOS no temperature could follow measures it.
-  CubicSpline of_cosine = smooth;
-  of_cosine.fit(time, capture.vcos_v, {}, 0, {});
-  double all = 0.0, fast = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double left = capture.vcos_v[i] - of_cosine.value(time[i]);
-    all += cosine(i) * cosine(i);
-    fast += left * left;
+  const std::size_t wanted = std::clamp<std::size_t>(n / kRowsOfPiece, 4, 100);
+  Followed found = follow(capture, vtemp_v, std::min(wanted, slower), slower, true);
+  if (slower < wanted && goes_on(found.left)) {
+    // A shaft as slow as the temperature, which the spline may not follow: only single rows tell
+    // the two apart. Where they tell what VCOS brings to within a twentieth of what VTEMP does, the
+    // rest is the temperature.
+    constexpr double kTold = 0.05;
+    const Leak leak = leak_by_differences(capture, vtemp_v);
+    if (leak.error > 0.0 &&
+        leak.error * rms_about_mean(capture.vcos_v) < kTold * rms_about_mean(vtemp_v)) {
+      for (std::size_t i = 0; i < n; ++i)
+        vtemp_v[i] -= leak.slope * (capture.vcos_v[i] - mean_cos);
+      found = follow(capture, vtemp_v, wanted, n / kFewestOfPiece, false);
+    }
+    found.leak = leak;
   }
-  constexpr double kEnough = 0.01;
-  const bool measured = fast > kEnough * all;
-  CubicSpline spline = smooth;
-  if (measured)
-    spline.fit(time, vtemp_v, {}, 1, [&](std::size_t i, double *term) { *term = cosine(i); });
-  else
-    spline.fit(time, vtemp_v, {}, 0, {});
-  const double leak = measured ? spline.term_coefficients()[0] : 0.0;
   rate.resize(n);
-  double rest = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
-    const double temperature = spline.value(time[i]);
-    const double left = vtemp_v[i] - temperature - leak * cosine(i);
-    rest += left * left / static_cast<double>(n);
-    vtemp_v[i] = temperature;
-    rate[i] = static_cast<float>(spline.slope(time[i]));
+    vtemp_v[i] = found.temperature.value(capture.time_s[i]);
+    rate[i] = static_cast<float>(found.temperature.slope(capture.time_s[i]));
   }
-  if (!measured)
-    return;
-  on_vcos = leak;
   // The floor: a spline cannot be trusted beyond what the converter resolves.
-  on_vcos_error = std::max(std::sqrt(rest / fast), 2e-5);
+  constexpr double kResolved = 2e-5;
+  on_vcos = found.leak.slope;
+  if (found.leak.error > 0.0)
+    on_vcos_error = std::max(found.leak.error, kResolved);
 }
 
 } // namespace ada
