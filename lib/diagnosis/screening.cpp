@@ -17,6 +17,7 @@
 #include "base/fourier.h"
 #include "base/robust.h"
 #include "calibration/ellipse_fit.h"
+#include "diagnosis/conditions/over_supply.h"
 #include "diagnosis/criteria.h"
 #include "motion/followed_gaps.h"
 
@@ -83,18 +84,9 @@ void unwrap_believed(Screened &look) {
 void rough_angle(Screened &look) {
   const Capture &c = look.capture;
   Polar best = polar(c.vsin_v, c.vcos_v, look.usable);
-  if (c.has_vdd()) {
-    double mean = 0.0;
-    for (double v : c.vdd_v)
-      mean += v / static_cast<double>(c.size());
-    std::vector<double> vsin(c.size()), vcos(c.size());
-    for (std::size_t i = 0; i < c.size(); ++i) {
-      const double ratio = c.vdd_v[i] > 0.5 * mean ? mean / c.vdd_v[i] : 1.0;
-      vsin[i] = c.vsin_v[i] * ratio;
-      vcos[i] = c.vcos_v[i] * ratio;
-    }
-    Polar ratiometric = polar(vsin, vcos, look.usable);
-    if (ratiometric.radius_spread < 0.9 * best.radius_spread)
+  if (const auto ratio = over_supply(c)) {
+    Polar ratiometric = polar(ratio->sin_v, ratio->cos_v, look.usable);
+    if (ratiometric.radius_spread < kFollowsSupply * best.radius_spread)
       best = std::move(ratiometric);
   }
   look.centre_sin_v = range_of(c.vsin_v, look.usable).middle;

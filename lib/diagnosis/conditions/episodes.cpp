@@ -17,6 +17,7 @@
 #include "base/robust.h"
 #include "calibration/ellipse_fit.h"
 #include "conversion/ellipse.h"
+#include "diagnosis/conditions/over_supply.h"
 #include "diagnosis/criteria.h"
 #include "health/criteria.h"
 
@@ -29,14 +30,19 @@ constexpr double kOffCurve = 8.0; ///< robust standard deviations, as a spike is
 /// many places.
 constexpr std::size_t kMostCompared = 1000;
 
+struct Pair {
+  std::span<const double> sin_v, cos_v;
+};
+
 /// The ellipse that the bulk of the samples draws.
-std::optional<EllipseParameters> curve_of(const Capture &c, std::span<const char> usable) {
+std::optional<EllipseParameters> curve_of(const Pair &pair, std::span<const char> usable) {
   constexpr std::size_t kMost = 20000;
   std::vector<double> vsin, vcos;
-  for (std::size_t i = 0; i < c.size(); i += c.size() / kMost + 1)
+  const std::size_t n = pair.sin_v.size();
+  for (std::size_t i = 0; i < n; i += n / kMost + 1)
     if (usable[i]) {
-      vsin.push_back(c.vsin_v[i]);
-      vcos.push_back(c.vcos_v[i]);
+      vsin.push_back(pair.sin_v[i]);
+      vcos.push_back(pair.cos_v[i]);
     }
   try {
     return fit_ellipse(vsin, vcos).value;
@@ -50,13 +56,14 @@ struct Off {
   std::vector<double> psi, along, across;
 };
 
-Off off_curve(const Capture &c, const EllipseParameters &curve, std::span<const char> usable) {
+Off off_curve(const Capture &c, const Pair &pair, const EllipseParameters &curve,
+              std::span<const char> usable) {
   const EllipseInverse inverse = invert(curve);
   const std::size_t n = c.size();
   Off out{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
   for (std::size_t i = 0; i < n; ++i) {
-    const double sine = inverse.sine(c.vsin_v[i], c.vcos_v[i]);
-    const double cosine = inverse.cosine(c.vsin_v[i], c.vcos_v[i]);
+    const double sine = inverse.sine(pair.sin_v[i], pair.cos_v[i]);
+    const double cosine = inverse.cosine(pair.sin_v[i], pair.cos_v[i]);
     if (!usable[i] || !std::isfinite(sine) || !std::isfinite(cosine))
       continue;
     out.psi[i] = std::atan2(sine, cosine);
@@ -284,10 +291,22 @@ Episodes &Episodes::operator+=(const Episodes &more) {
 
 Episodes leave_out_episodes(const Capture &capture, std::span<char> usable) {
   const std::size_t n = capture.size();
-  const std::optional<EllipseParameters> curve = curve_of(capture, usable);
+  const Pair read{capture.vsin_v, capture.vcos_v};
+  std::optional<EllipseParameters> curve = curve_of(read, usable);
   if (!curve)
     return {};
-  const Off off = off_curve(capture, *curve, usable);
+  Off off = off_curve(capture, read, *curve, usable);
+  // A supply that is recorded and moves both outputs leaves the curve for nobody's fault.
+  if (const auto ratio = over_supply(capture)) {
+    const Pair followed{ratio->sin_v, ratio->cos_v};
+    if (const auto other = curve_of(followed, usable)) {
+      Off of_ratio = off_curve(capture, followed, *other, usable);
+      if (robust_spread(of_ratio.along) < kFollowsSupply * robust_spread(off.along)) {
+        curve = other;
+        off = std::move(of_ratio);
+      }
+    }
+  }
   std::vector<Row> apart;
   if (capture.has_reference())
     apart = rows_of(off.across, robust_spread(off.across));
