@@ -47,6 +47,9 @@ inline constexpr double kStaleByChance = 4.0;
 /// Steps of a held reference: all but this part of the smallest and of the largest differ by this
 /// much where the speed does; those of one line by no more than two to one.
 inline constexpr double kFewSteps = 0.1, kStepsDiffer = 2.0;
+/// Step of the pair from row to row while the reference is held, over that where it changes: one of
+/// a shaft that turns, next to nothing of one that stands while it is read.
+inline constexpr double kGoesOn = 0.5;
 
 /// Of what a channel that lives moves at least, at its peak while the other passes its middle:
 /// there it moves by all of it, a stuck one by none.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -76,8 +77,115 @@ double median_of(const std::vector<double> &power, std::ptrdiff_t from, std::ptr
   return *middle;
 }
 
+/// Where a shaft that stands while it is read stood, and what was left there: means of each stop.
+struct StopMeans {
+  std::vector<double> alpha, time;
+  std::vector<double> cos, sin;       ///< direction of the vector
+  std::vector<double> left_c, left_s; ///< V
+};
+
+/// Empty where the shaft moves.
+StopMeans stop_means(const Residual &r) {
+  // Between stops it moves by far more than it seems to at rest.
+  constexpr double kOfLongest = 0.02;
+  double longest = 0.0;
+  for (std::size_t i = 0; i < r.alpha.size(); ++i) {
+    if (r.omega[i] != 0.0f)
+      return {};
+    longest = std::max(longest, i > 0 ? std::abs(r.alpha[i] - r.alpha[i - 1]) : 0.0);
+  }
+  StopMeans out;
+  double count = 0.0;
+  for (std::size_t i = 0; i < r.alpha.size(); ++i) {
+    if (i == 0 || std::abs(r.alpha[i] - r.alpha[i - 1]) > kOfLongest * longest) {
+      for (auto *v : {&out.alpha, &out.time, &out.cos, &out.sin, &out.left_c, &out.left_s})
+        v->push_back(0.0);
+      count = 0.0;
+    }
+    count += 1.0;
+    const double s = r.model_sin_v[i] - 0.5 * r.supply_v, c = r.model_cos_v[i] - 0.5 * r.supply_v;
+    const double radius = std::max(std::hypot(s, c), 1e-12);
+    const auto add = [&](std::vector<double> &to, double v) {
+      to.back() += (v - to.back()) / count;
+    };
+    add(out.alpha, r.alpha[i]);
+    add(out.time, r.time[i]);
+    add(out.cos, c / radius);
+    add(out.sin, s / radius);
+    add(out.left_c, r.cos_v[i]);
+    add(out.left_s, r.sin_v[i]);
+  }
+  return out;
+}
+
+/// Whole orders by which the vector turns from stop to stop, beside offsets that go slowly with the
+/// time: the likeliest, where as much by chance is one in a thousand (of so many places and orders,
+/// white among the places). Places in even steps do not tell an order from what it is short of
+/// their number: the lowest of them is taken.
+std::vector<double> orders_at_stops(const StopMeans &stops) {
+  constexpr int kHighest = 128;
+  constexpr double kChance = 1e-3;
+  constexpr Eigen::Index kStopsOfWave = 8; ///< for each half wave of the time
+  const auto n = static_cast<Eigen::Index>(stops.alpha.size());
+  std::vector<double> places;
+  for (double a : stops.alpha)
+    places.push_back(wrap(a, kTwoPi));
+  std::sort(places.begin(), places.end());
+  constexpr double kApart = 1e-3; // rad: stops that come again stand closer than that
+  double different = 1.0;
+  for (std::size_t i = 1; i < places.size(); ++i)
+    different += places[i] - places[i - 1] > kApart ? 1.0 : 0.0;
+  const Eigen::Index waves = n / kStopsOfWave;
+  Eigen::MatrixXd slow = Eigen::MatrixXd::Zero(2 * n, 2 * (waves + 1));
+  Eigen::VectorXd left(2 * n);
+  const double from = stops.time.front(),
+               span = std::max(stops.time.back() - stops.time.front(), 1e-12);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    for (Eigen::Index k = 0; k <= waves; ++k)
+      slow(i, k) = slow(n + i, waves + 1 + k) =
+          std::cos(kPi * static_cast<double>(k) * (stops.time[at] - from) / span);
+    left[i] = stops.left_c[at];
+    left[n + i] = stops.left_s[at];
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(slow);
+  const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(2 * n, slow.cols());
+  const auto without_slow = [&](Eigen::MatrixXd m) {
+    m -= basis * (basis.transpose() * m).eval();
+    return m;
+  };
+  const Eigen::VectorXd rest = without_slow(left);
+  double most = 0.0;
+  int best = 0;
+  for (int order = 1; order <= kHighest; ++order) {
+    Eigen::MatrixXd turn(2 * n, 2);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double c = std::cos(order * stops.alpha[at]), s = std::sin(order * stops.alpha[at]);
+      turn.row(i) << -stops.sin[at] * c, -stops.sin[at] * s;
+      turn.row(n + i) << stops.cos[at] * c, stops.cos[at] * s;
+    }
+    turn = without_slow(std::move(turn));
+    const Eigen::Vector2d by = turn.transpose() * rest;
+    const double explained =
+        by.dot((turn.transpose() * turn).eval().completeOrthogonalDecomposition().solve(by));
+    if (explained > (1.0 + 1e-6) * most) {
+      most = explained;
+      best = order;
+    }
+  }
+  const double share = most / std::max(rest.squaredNorm(), 1e-300);
+  if (best == 0 ||
+      kHighest * std::pow(std::max(0.0, 1.0 - share), 0.5 * (different - 3.0)) > kChance)
+    return {};
+  return {static_cast<double>(best)};
+}
+
 std::vector<double> orders_of(const Residual &r) {
   const std::size_t n = r.alpha.size();
+  constexpr std::size_t kFewestStops = 12;
+  if (const StopMeans stops = stop_means(r); stops.alpha.size() >= kFewestStops)
+    return orders_at_stops(stops);
   if (n < 256)
     return {};
   const auto [low, high] = std::minmax_element(r.alpha.begin(), r.alpha.end());

@@ -68,6 +68,19 @@ bool steps_differ(const Capture &c, const std::vector<std::size_t> &first) {
          criteria::kStepsDiffer * quantile(steps, criteria::kFewSteps);
 }
 
+/// Whether the pair goes on while the reference is held, from row to row as far as where the
+/// reference changes. Of a shaft that stands while it is read both stand.
+bool pair_goes_on(const Capture &c, const std::vector<std::size_t> &first) {
+  std::vector<char> fresh(c.size(), 0);
+  for (std::size_t i : first)
+    fresh[i] = 1;
+  std::vector<double> within, between;
+  for (std::size_t i = 1; i < c.size(); ++i)
+    (fresh[i] ? between : within)
+        .push_back(std::hypot(c.vsin_v[i] - c.vsin_v[i - 1], c.vcos_v[i] - c.vcos_v[i - 1]));
+  return quantile(std::move(within), 0.5) > criteria::kGoesOn * quantile(std::move(between), 0.5);
+}
+
 bool held(const Capture &capture, const std::vector<std::size_t> &first) {
   return first.size() >= criteria::kFewestHeld &&
          static_cast<double>(capture.size()) >=
@@ -111,7 +124,8 @@ std::optional<FreshReadings> fresh_readings(const Capture &capture) {
   if (!capture.has_reference())
     return std::nullopt;
   const std::vector<std::size_t> of_reference = first_rows(capture, {&capture.reference_deg});
-  if (!held(capture, of_reference) || !steps_differ(capture, of_reference))
+  if (!held(capture, of_reference) || !steps_differ(capture, of_reference) ||
+      !pair_goes_on(capture, of_reference))
     return std::nullopt;
   FreshReadings out = only(capture, of_reference);
   out.of_reference = true;
