@@ -67,6 +67,9 @@ Diagnosis Work::run() {
     return out_;
   }
   search_causes();
+  // A supply that was guessed is asked for first: not taken then, it is not there.
+  if (guesses_supply() && !has(found_.fit.model, follows_supply))
+    return out_;
   if (free_vtemp())
     search_causes();
   if (scene_.has_reference)
@@ -152,8 +155,12 @@ bool Work::names_what_the_motion_follows() const {
   });
 }
 
+bool Work::guesses_supply() const {
+  return freed_ && freed_->has_vdd() && !given_.has_vdd();
+}
+
 bool Work::guessed_in_vain() const {
-  return freed_ && freed_->has_vdd() && !given_.has_vdd() && !has(out_.extended, follows_supply);
+  return guesses_supply() && !has(out_.extended, follows_supply);
 }
 
 void Work::weigh(Direction disturbed, double weight_along) {

@@ -105,6 +105,8 @@ private:
   void name_dead_channel();
 
   bool given(const Effect *effect) const;
+  /// Whether the capture is worked on with a supply that was read off the radius.
+  bool guesses_supply() const;
 
   /// What the first look found, before any fit.
   std::vector<Finding> screened_findings();
