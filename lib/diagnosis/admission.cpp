@@ -9,6 +9,8 @@
 #include <numeric>
 #include <optional>
 
+#include "base/angle.h"
+#include "diagnosis/along_and_across.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/conditions/gains.h"
 #include "diagnosis/conditions/reference_zero.h"
@@ -375,12 +377,30 @@ bool Search::helps_everywhere(const State &with, const State &less) const {
   return worse < criteria::kMostHarm * better;
 }
 
-/// What nobody knows of the residual, V rms of a channel.
+/// What nobody knows of the residual, V rms of a channel: all but what is white. That differs
+/// between neighbours in time as well as between neighbours in the turn as two independent values
+/// do, however much it is: a reference or a sampling instant that scatters is known for noise.
 double Search::unknown_v(const State &now) const {
-  const double rss = white_sum_of_squares(data_.train, now.fit.model);
+  const ResidualColumns left = residuals_alone(data_.train, now.fit.model);
+  const double all_v2 = 0.5 * (mean_square(left.sin) + mean_square(left.cos));
+  const auto between = [&](auto at) {
+    double sum = 0.0;
+    for (std::size_t i = 1; i < left.sin.size(); ++i)
+      sum += std::pow(left.sin[at(i)] - left.sin[at(i - 1)], 2) +
+             std::pow(left.cos[at(i)] - left.cos[at(i - 1)], 2);
+    return 0.25 * sum / static_cast<double>(std::max<std::size_t>(1, left.sin.size() - 1));
+  };
+  if (by_place_.empty()) {
+    by_place_.resize(data_.train.size());
+    std::iota(by_place_.begin(), by_place_.end(), 0u);
+    const auto place = [&](std::uint32_t i) { return wrap(data_.train.alpha[i], kTwoPi); };
+    std::sort(by_place_.begin(), by_place_.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
+  }
+  const double white_v2 = std::min(between([](std::size_t i) { return i; }),
+                                   between([&](std::size_t i) { return by_place_[i]; }));
   const double noise = std::max(noise_v_, data_.scene->white_noise_v);
-  return std::sqrt(
-      std::max(0.0, rss / (2.0 * static_cast<double>(data_.train.size())) - noise * noise));
+  return std::sqrt(std::max(0.0, all_v2 - std::max(noise * noise, white_v2)));
 }
 
 /// What an effect moves beyond what repeats with the electrical angle, V rms of a channel.

@@ -93,6 +93,7 @@ const std::vector<Candidate> &Search::candidates_beside(const Model &model, bool
 }
 
 void Search::forget() const {
+  by_place_.clear();
   known_fits_.clear();
   known_candidates_.clear();
 }

@@ -162,6 +162,8 @@ private:
   std::map<std::pair<double, std::size_t>, std::vector<Rival>> known_rivals_;
   /// Fits made so far to the data as they are weighed now, and the ways to go on from them:
   /// forward, backward and sideways ask for many of them again.
+  mutable std::vector<std::uint32_t>
+      by_place_; ///< the training samples, by their place in the turn
   mutable std::map<Start, State> known_fits_;
   mutable std::map<std::pair<Start, bool>, std::vector<Candidate>> known_candidates_;
 };
