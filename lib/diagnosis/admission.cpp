@@ -380,7 +380,16 @@ bool Search::helps_everywhere(const State &with, const State &less) const {
 /// What nobody knows of the residual, V rms of a channel: all but what is white. That differs
 /// between neighbours in time as well as between neighbours in the turn as two independent values
 /// do, however much it is: a reference or a sampling instant that scatters is known for noise.
+/// Without a reference a motion that was followed badly may look like that as well.
 double Search::unknown_v(const State &now) const {
+  const double noise = std::max(noise_v_, data_.scene->white_noise_v);
+  const auto beyond = [](double all_v2, double known_v2) {
+    return std::sqrt(std::max(0.0, all_v2 - known_v2));
+  };
+  if (!data_.scene->has_reference)
+    return beyond(white_sum_of_squares(data_.train, now.fit.model) /
+                      (2.0 * static_cast<double>(data_.train.size())),
+                  noise * noise);
   const ResidualColumns left = residuals_alone(data_.train, now.fit.model);
   const double all_v2 = 0.5 * (mean_square(left.sin) + mean_square(left.cos));
   const auto between = [&](auto at) {
@@ -399,8 +408,7 @@ double Search::unknown_v(const State &now) const {
   }
   const double white_v2 = std::min(between([](std::size_t i) { return i; }),
                                    between([&](std::size_t i) { return by_place_[i]; }));
-  const double noise = std::max(noise_v_, data_.scene->white_noise_v);
-  return std::sqrt(std::max(0.0, all_v2 - std::max(noise * noise, white_v2)));
+  return beyond(all_v2, std::max(noise * noise, white_v2));
 }
 
 /// What an effect moves beyond what repeats with the electrical angle, V rms of a channel.

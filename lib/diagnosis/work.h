@@ -286,6 +286,8 @@ private:
 
   /// Step of the reference, rad; 0: none was seen.
   double reference_step_rad() const;
+  /// Steps of the reference that the first look did not tell, once everything else is modelled.
+  void look_for_reference_steps();
 
   /// What the named model leaves of the axes, where held-out data confirm it and it is worth a
   /// word.

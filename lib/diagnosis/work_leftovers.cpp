@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/angle.h"
+#include "diagnosis/along_and_across.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/describe.h"
 
@@ -157,6 +158,30 @@ double Work::reference_step_rad() const {
   for (const ScreenFinding &f : scene_.screened)
     step = std::max(step, f.effect->reference_step_rad(f.values));
   return step;
+}
+
+void Work::look_for_reference_steps() {
+  if (!scene_.has_reference || reference_step_rad() > 0.0)
+    return;
+  const Observations &data = scene_.all;
+  const ResidualColumns rest = residual_columns(data, out_.extended);
+  std::vector<double> along, across, reference_deg;
+  split(data, rest, along, across);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const double radius =
+        std::hypot(rest.model_sin[i] - data.centre_sin_v, rest.model_cos[i] - data.centre_cos_v);
+    across[i] /= std::max(radius, 1e-12) * scene_.periods;
+    reference_deg.push_back(worked_on().reference_deg[scene_.index[i]]);
+  }
+  const double noise_rad =
+      std::sqrt(mean_square(along)) / (out_.extended.baseline.amplitude_v * scene_.periods);
+  const double step = counted_step(reference_deg, across, noise_rad);
+  if (!(step > 0.0))
+    return;
+  for (const Effect *effect : catalogue())
+    if (effect->info().parameters.size() == 1 &&
+        effect->reference_step_rad(std::vector{step}) > 0.0)
+      scene_.screened.push_back({effect, {step}, {0.0}, {}, {}});
 }
 
 void Work::note_unnamed() {

@@ -106,6 +106,7 @@ std::vector<RandomCause> Work::read_noise() const {
 void Work::name_random_causes() {
   // A converter's steps are no noise.
   const bool reads_noise = !supply_is_inferred() && scene_.coarse_step_v <= 0.0;
+  look_for_reference_steps();
   const std::vector<double> &t = scene_.all.time;
   const auto noise_now = [&] { return reads_noise ? read_noise() : std::vector<RandomCause>{}; };
   std::vector<RandomCause> noise = noise_now();

@@ -154,4 +154,27 @@ double find_reference_step(const Screened &look) {
   return steps ? step * kDegPerRad : 0.0;
 }
 
+double counted_step(std::span<const double> reference_deg, std::span<const double> off_rad,
+                    double noise_rad) {
+  constexpr std::size_t kEnough = 100; // of normal values as wide, eight are farther off
+  constexpr double kOutside = 0.02, kErrors = 3.0;
+  constexpr double kUneven = 0.7; // a variance of a hundred even values is known to 9 %
+  const std::size_t n = reference_deg.size();
+  if (n < kEnough || off_rad.size() != n)
+    return 0.0;
+  const double step = grid_of({reference_deg.begin(), reference_deg.end()}) * kRadPerDeg;
+  const double of_steps = step * step / 12.0, noise = noise_rad * noise_rad;
+  if (!(of_steps > kAddsToNoise * noise))
+    return 0.0;
+  double squares = 0.0, outside = 0.0;
+  for (const double off : off_rad) {
+    squares += off * off / static_cast<double>(n);
+    outside += std::abs(off) > 0.5 * step + kErrors * noise_rad ? 1.0 : 0.0;
+  }
+  const double share = (squares - noise) / of_steps;
+  return share > kUneven && share < 1.0 / kUneven && outside <= kOutside * static_cast<double>(n)
+             ? step * kDegPerRad
+             : 0.0;
+}
+
 } // namespace ada

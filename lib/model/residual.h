@@ -123,6 +123,11 @@ bool screen_losses(Screened &look, const Effect &effect);
 /// Width of the steps in which the reference moves, degrees; 0 where it does not, or where they are
 /// too fine to matter.
 double find_reference_step(const Screened &look);
+/// The same where the shaft turns too unevenly for its differences to tell, from what is left of
+/// the angle, mechanical rad, once the sensor and the reference are modelled: on a grid a count is
+/// anywhere within half a step of where the shaft is, and nowhere else. `noise_rad`: of the pair.
+double counted_step(std::span<const double> reference_deg, std::span<const double> off_rad,
+                    double noise_rad);
 bool screen_slip(Screened &look, const Effect &effect); ///< only where there is no reference
 
 /// Places of isolated outliers: residuals that stand out of their neighbours by more than
