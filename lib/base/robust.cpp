@@ -150,6 +150,23 @@ std::vector<std::size_t> beyond_median(std::span<const double> x, double limit) 
   return places;
 }
 
+double spread_but_for_rare(std::span<const double> x) {
+  if (x.empty())
+    return 0.0;
+  std::vector<double> off(x.begin(), x.end());
+  const double middle = quantile(off, 0.5);
+  for (double &v : off)
+    v = std::abs(v - middle);
+  const std::size_t kept = x.size() - x.size() / kRareSample;
+  const auto end = off.begin() + static_cast<std::ptrdiff_t>(kept);
+  if (end != off.end())
+    std::nth_element(off.begin(), end, off.end());
+  double sum = 0.0;
+  for (auto v = off.begin(); v != end; ++v)
+    sum += *v * *v;
+  return std::sqrt(sum / static_cast<double>(kept));
+}
+
 std::vector<std::size_t> standing_out(std::span<const double> x, double threshold, double floor) {
   constexpr std::size_t kFewest = 20;
   if (x.size() < kFewest)

@@ -72,6 +72,10 @@ inline double noise_between(std::span<const double> x, std::span<const char> usa
 /// One in so many samples that stand out is still rare.
 inline constexpr std::size_t kRareSample = 60;
 
+/// Rms about the median of all but the farthest: of those one in kRareSample may be spikes, and
+/// what happens now and then for a while is still in it.
+double spread_but_for_rare(std::span<const double> x);
+
 /// What stands out of differences leaves a gap below itself: twice what one in kRareSample of them
 /// exceeds. Of normal noise that is 4.8 sigmas, below any limit that noise sets; of structure, or
 /// of noise with heavy tails, the few that are largest are no more than the end of many.

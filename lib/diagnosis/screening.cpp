@@ -46,7 +46,7 @@ Range range_of(const std::vector<double> &v, const std::vector<char> &usable) {
 /// The pair as angle and radius, each channel scaled to its range.
 struct Polar {
   std::vector<double> angle;
-  double radius_spread; ///< relative, robust
+  double radius_spread; ///< relative, but for spikes
 };
 
 Polar polar(const std::vector<double> &vsin, const std::vector<double> &vcos,
@@ -60,7 +60,7 @@ Polar polar(const std::vector<double> &vsin, const std::vector<double> &vcos,
     if (usable[i])
       radius.push_back(std::hypot(s, c));
   }
-  out.radius_spread = radius.empty() ? 0.0 : robust_spread(radius);
+  out.radius_spread = spread_but_for_rare(radius);
   return out;
 }
 
@@ -84,10 +84,13 @@ void unwrap_believed(Screened &look) {
 void rough_angle(Screened &look) {
   const Capture &c = look.capture;
   Polar best = polar(c.vsin_v, c.vcos_v, look.usable);
-  if (const auto ratio = over_supply(c)) {
+  if (auto ratio = over_supply(c)) {
     Polar ratiometric = polar(ratio->sin_v, ratio->cos_v, look.usable);
-    if (ratiometric.radius_spread < kFollowsSupply * best.radius_spread)
+    if (ratiometric.radius_spread < kFollowsSupply * best.radius_spread) {
       best = std::move(ratiometric);
+      look.steady_sin_v = std::move(ratio->sin_v);
+      look.steady_cos_v = std::move(ratio->cos_v);
+    }
   }
   look.centre_sin_v = range_of(c.vsin_v, look.usable).middle;
   look.centre_cos_v = range_of(c.vcos_v, look.usable).middle;
@@ -96,13 +99,14 @@ void rough_angle(Screened &look) {
 }
 
 /// The curve that the pair draws, where one is seen: an ellipse, or on a short arc a circle.
-std::optional<EllipseParameters> curve_of(const Capture &c) {
+std::optional<EllipseParameters> curve_of(const Screened &look) {
+  const std::vector<double> &vsin = look.turning_sin_v(), &vcos = look.turning_cos_v();
   try {
-    return fit_ellipse(c.vsin_v, c.vcos_v).value;
+    return fit_ellipse(vsin, vcos).value;
   } catch (const Error &) {
   }
   try {
-    const EllipseFit circle = fit_ellipse(c.vsin_v, c.vcos_v, {.circle = true});
+    const EllipseFit circle = fit_ellipse(vsin, vcos, {.circle = true});
     if (circle.coverage_deg < 360.0 * criteria::kLeastCoverage)
       return circle.value;
   } catch (const Error &) {
@@ -114,7 +118,7 @@ std::optional<EllipseParameters> curve_of(const Capture &c) {
 /// centre. Left as it is where no curve is seen.
 void angle_of_curve(Screened &look) {
   const Capture &c = look.capture;
-  const std::optional<EllipseParameters> e = curve_of(c);
+  const std::optional<EllipseParameters> e = curve_of(look);
   if (!e || !(e->amplitude_v > 0.0) || std::abs(e->k) > 1.5)
     return;
   look.centre_sin_v = e->centre_sin_v;
@@ -123,8 +127,8 @@ void angle_of_curve(Screened &look) {
     return;
   const EllipseInverse inverse = invert(*e);
   for (std::size_t i = 0; i < c.size(); ++i)
-    look.angle[i] = std::atan2(inverse.sine(c.vsin_v[i], c.vcos_v[i]),
-                               inverse.cosine(c.vsin_v[i], c.vcos_v[i]));
+    look.angle[i] = std::atan2(inverse.sine(look.turning_sin_v()[i], look.turning_cos_v()[i]),
+                               inverse.cosine(look.turning_sin_v()[i], look.turning_cos_v()[i]));
   unwrap_believed(look);
 }
 

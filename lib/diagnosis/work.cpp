@@ -50,7 +50,7 @@ void Work::read_by_radius(Scene &scene, const Model &model) const {
                  scene.spiked_index.end(), std::back_inserter(rows));
   const double mid_v = 0.5 * model.supply_v;
   scene.own_jumps = own_jumps(worked_on(), rows, mid_v + model.baseline.offset_sin_v,
-                              mid_v + model.baseline.offset_cos_v);
+                              mid_v + model.baseline.offset_cos_v, has(model, follows_supply));
 }
 
 Diagnosis Work::run() {

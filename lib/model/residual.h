@@ -101,6 +101,14 @@ struct Screened {
   const Capture &capture;
   std::vector<char> usable = {};  ///< 0: a fit must not use this sample
   std::vector<double> angle = {}; ///< unwrapped mechanical angle from the pair itself, rad
+  /// The pair at the mean supply, V, where one is recorded that moves the outputs; otherwise empty.
+  std::vector<double> steady_sin_v = {}, steady_cos_v = {};
+  const std::vector<double> &turning_sin_v() const {
+    return steady_sin_v.empty() ? capture.vsin_v : steady_sin_v;
+  }
+  const std::vector<double> &turning_cos_v() const {
+    return steady_cos_v.empty() ? capture.vcos_v : steady_cos_v;
+  }
   double centre_sin_v = 2.5, centre_cos_v = 2.5; ///< middle of the circle
   std::vector<std::size_t> jumps = {};     ///< first sample after each jump of the angle over time
   std::vector<double> jump_rad = {};       ///< mechanical, beyond what the speed explains

@@ -301,7 +301,7 @@ Episodes leave_out_episodes(const Capture &capture, std::span<char> usable) {
     const Pair followed{ratio->sin_v, ratio->cos_v};
     if (const auto other = curve_of(followed, usable)) {
       Off of_ratio = off_curve(capture, followed, *other, usable);
-      if (robust_spread(of_ratio.along) < kFollowsSupply * robust_spread(off.along)) {
+      if (spread_but_for_rare(of_ratio.along) < kFollowsSupply * spread_but_for_rare(off.along)) {
         curve = other;
         off = std::move(of_ratio);
       }

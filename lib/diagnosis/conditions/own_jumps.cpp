@@ -10,6 +10,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/conditions/over_supply.h"
 #include "diagnosis/criteria.h"
 #include "motion/kinematics.h"
 
@@ -60,11 +61,14 @@ OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
 }
 
 OwnJumps own_jumps(const Capture &capture, std::span<const std::uint32_t> rows, double centre_sin_v,
-                   double centre_cos_v) {
+                   double centre_cos_v, bool at_one_supply) {
+  const std::optional<PairOfChannels> steady = at_one_supply ? over_supply(capture) : std::nullopt;
+  const std::vector<double> &vsin = steady ? steady->sin_v : capture.vsin_v,
+                            &vcos = steady ? steady->cos_v : capture.vcos_v;
   std::vector<double> time, angle;
   for (std::uint32_t i : rows) {
     time.push_back(capture.time_s[i]);
-    angle.push_back(std::atan2(capture.vsin_v[i] - centre_sin_v, capture.vcos_v[i] - centre_cos_v));
+    angle.push_back(std::atan2(vsin[i] - centre_sin_v, vcos[i] - centre_cos_v));
   }
   unwrap(angle, kTwoPi);
   for (double &a : angle)

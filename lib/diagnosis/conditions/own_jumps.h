@@ -51,8 +51,9 @@ struct OwnJumps {
 OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
                    std::span<const char> spared = {});
 
-/// The same of the pair as it was read, about its centre, at some rows of the capture.
+/// The same of the pair as it was read, about its centre, at some rows of the capture; with the
+/// recorded supply divided out where the outputs follow it.
 OwnJumps own_jumps(const Capture &capture, std::span<const std::uint32_t> rows, double centre_sin_v,
-                   double centre_cos_v);
+                   double centre_cos_v, bool at_one_supply);
 
 } // namespace ada

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// What surrounds the sensor and goes with the shaft, or looks like it: a day that warms, a battery
+// that sags, a table that stops, a reference that scatters or counts.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "diagnosis/bench.h"
+#include "diagnosis/conditions/held_rows.h"
+
+namespace ada::test {
+namespace {
+
+/// A tracker follows the sun, and its temperature does so as well: VTEMP goes with VCOS every day,
+/// and is no multiplexer's memory.
+KIND(a_temperature_that_goes_with_the_shaft_is_a_temperature) {
+  Bench bench;
+  constexpr double kDay_s = 86400.0, kEach_s = 60.0;
+  const double days = bench.within(4.0, 6.0), from = bench.within(-0.4, 0.4);
+  const double way = bench.within(1.8, 2.6), late = bench.within(0.5, 1.2);
+  Capture c =
+      bench.capture(static_cast<std::size_t>(days * kDay_s / kEach_s), 1.0 / kEach_s, 2,
+                    [=](double t) { return from - 0.5 * way * std::cos(kTwoPi * t / kDay_s); });
+  const double sin_v = bench.within(8e-3, 2e-2), cos_v = -bench.within(4e-3, 2e-2);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double t = c.time_s[i];
+    const double warm = 0.1 * std::sin(kTwoPi * t / kDay_s - late) +
+                        0.02 * std::sin(kTwoPi * t / (3.7 * kDay_s)) + 0.03 * t / (days * kDay_s);
+    c.vtemp_v.push_back(1.5 + warm + bench.normal(1e-3));
+    c.vsin_v[i] += sin_v * warm;
+    c.vcos_v[i] += cos_v * warm;
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *drift = named(d, "offset-temperature-drift");
+  ASSERT_TRUE(drift) << left_of(d);
+  EXPECT_NEAR(drift->values[0], sin_v, 4.0 * drift->std_errors[0] + 1e-4) << names(d);
+  EXPECT_NEAR(drift->values[1], cos_v, 4.0 * drift->std_errors[1] + 1e-4) << names(d);
+  expect_none(d, {"multiplexer-memory"});
+}
+
+/// A battery that sags for a second under load moves both outputs, and VDD says so.
+KIND(a_supply_that_sags_is_no_episode_of_the_pair) {
+  Bench bench;
+  Capture c = bench.capture(8000, 200.0, 2, wandering(bench, bench.within(0.3, 0.8), 0.6, 0.11));
+  c.reference_deg.clear();
+  double sags_s = 3.0, load_s = 0.0, depth = 0.0;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double t = c.time_s[i];
+    if (t > sags_s + load_s) {
+      sags_s = t + bench.within(3.0, 8.0);
+      load_s = bench.within(0.5, 1.2);
+      depth = bench.within(0.03, 0.06);
+    }
+    const double rise = std::clamp((t - sags_s) / 0.05, 0.0, 1.0);
+    const double ratio = 1.0 - depth * rise;
+    c.vdd_v.push_back(5.0 * ratio + bench.normal(2e-4));
+    c.vsin_v[i] *= ratio;
+    c.vcos_v[i] *= ratio;
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_TRUE(named(d, "supply-variation")) << left_of(d);
+  for (const Structure &s : d.structure)
+    EXPECT_EQ(s.description.find("leaves its curve"), std::string::npos) << s.description;
+  EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
+}
+
+/// Stops in uneven steps of a table whose worm errs once a tooth, while the offsets wander.
+Capture table(Bench &bench, int order, double error_rad) {
+  constexpr std::size_t kPlaces = 34, kReadings = 6;
+  std::vector<double> place{0.0};
+  while (place.size() < kPlaces)
+    place.push_back(place.back() + bench.within(0.3, 1.7) * kTwoPi / kPlaces);
+  std::vector<double> way;
+  for (int pass = 0; pass < 3; ++pass)
+    for (std::size_t k = 0; k < kPlaces; ++k)
+      way.push_back(place[pass == 1 ? kPlaces - 1 - k : k]);
+  const double phase = bench.within(0.0, kTwoPi), slow = bench.within(1.0, 2.0);
+  Capture c = bench.capture(way.size() * kReadings, 1.0, 1, [&](double t) {
+    const double a = way[std::min(way.size() - 1, static_cast<std::size_t>(t / kReadings + 1e-6))];
+    return a + error_rad * std::sin(order * a + phase);
+  });
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c.reference_deg[i] = wrap(way[i / kReadings] * kDegPerRad, 360.0);
+    const double part = c.time_s[i] / c.time_s.back();
+    c.vsin_v[i] += 2e-3 * std::sin(kTwoPi * slow * part);
+  }
+  return c;
+}
+
+KIND(a_table_shows_an_order_above_what_its_readings_follow_closely) {
+  Bench bench;
+  const int order = bench.within(0.0, 1.0) < 0.5 ? 24 : 40;
+  const Capture c = table(bench, order, bench.within(0.1, 0.2) * kRadPerDeg);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "field-direction-error");
+  f = f ? f : named(d, "reference-harmonic");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_EQ(f->values[0], order) << names(d);
+  expect_pair(d, bench.pair, 0.002);
+}
+
+TEST(Readings, a_table_that_stops_at_uneven_places_is_no_held_reference) {
+  for (int draw = 0; draw < 20; ++draw) {
+    Bench bench;
+    EXPECT_FALSE(fresh_readings(table(bench, 24, 0.0)));
+  }
+}
+
+/// The sampling instants scatter, so that the noise across the vector is several times that of the
+/// channels: it hides no line of the reference.
+KIND(a_clock_that_scatters_hides_no_line_of_the_reference) {
+  Bench bench;
+  constexpr int kOrder = 20;
+  const double rate_hz = 1000.0, hz = bench.within(2.0, 3.0), way = bench.within(4.0, 6.0);
+  const double slow = kTwoPi * hz / (2.0 * way); // strokes of some turns to and fro
+  const auto angle = [=](double t) { return kTwoPi * 0.5 * way * std::sin(slow * t); };
+  Capture c = bench.capture(6000, rate_hz, 1, angle);
+  const double e = bench.within(0.05, 0.08) * kRadPerDeg, phase = bench.within(0.0, kTwoPi);
+  const double jitter_s = 3.0 * bench.pair.noise_v / bench.pair.amplitude_v / (kTwoPi * hz);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double then = angle(c.time_s[i] + bench.normal(jitter_s));
+    c.reference_deg[i] = wrap((then + e * std::sin(kOrder * then + phase)) * kDegPerRad, 360.0);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "reference-harmonic");
+  f = f ? f : named(d, "field-direction-error");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_EQ(f->values[0], kOrder) << names(d);
+  expect_pair(d, bench.pair, 0.002);
+}
+
+/// A few rows by hand, over which the speed changes all the time, beside an encoder of few lines.
+KIND(a_counter_of_few_lines_is_told_in_a_hundred_and_thirty_six_rows_by_hand) {
+  Bench bench;
+  const double step_deg = bench.within(0.0, 1.0) < 0.5 ? 2.0 : 3.0;
+  const double fast = bench.within(3.0, 5.0), slow = bench.within(0.15, 0.25);
+  Capture c = bench.capture(136, 10.0, 1, [=](double t) {
+    return fast / slow * (1.0 - std::cos(slow * kTwoPi * t / 2.0)) / 2.0;
+  });
+  for (double &r : c.reference_deg)
+    r = wrap(step_deg * std::round(r / step_deg), 360.0);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "reference-resolution");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], step_deg, 0.01) << names(d);
+  expect_none(d, {"angle-noise", "timing-jitter"});
+}
+
+} // namespace
+} // namespace ada::test
