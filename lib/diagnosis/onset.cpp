@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "base/angle.h"
 #include "base/robust.h"
@@ -111,30 +114,33 @@ bool goes_with_the_speed(std::vector<Sight> before, std::vector<Sight> after) {
   return speed < step * (1.0 + 2.0 * kNoWorse / n);
 }
 
-} // namespace
+/// What the samples of a part of the record, in time order, say of an effect that begins.
+class Beginning {
+public:
+  Beginning(const Scene &scene, const Model &model, std::size_t effect, Observations part)
+      : near_(std::move(part)), reference_(scene.has_reference),
+        moment_(model.effects[effect].values[0]) {
+    if (!reference_)
+      near_ = at_own_angle(std::move(near_), model);
+    Model always = model;
+    always.effects[effect].values[0] = std::numeric_limits<double>::lowest();
+    without_ = residual_columns(near_, model.without(effect));
+    with_ = residual_columns(near_, always);
+    const auto later = std::lower_bound(near_.time.begin(), near_.time.end(), moment_);
+    middle = static_cast<std::size_t>(later - near_.time.begin());
+  }
 
-bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) {
-  constexpr std::size_t kFewest = 8;
-  constexpr double kSure = 0.15, kWhole = 0.5;
-  const double moment = model.effects[effect].values[0];
-  Observations near = scene.all.select(samples_near(scene, moment, kReach));
-  if (!scene.has_reference)
-    near = at_own_angle(std::move(near), model);
-  const Model less = model.without(effect);
-  Model always = model;
-  always.effects[effect].values[0] = std::numeric_limits<double>::lowest();
-  const ResidualColumns without = residual_columns(near, less);
-  const ResidualColumns with = residual_columns(near, always);
-  const auto later = std::lower_bound(near.time.begin(), near.time.end(), moment);
-  const auto middle = static_cast<std::size_t>(later - near.time.begin());
-  if (middle == near.size())
-    return true;
-  const auto sight = [&](std::size_t k) {
-    Sight out{{without.sin[k] - with.sin[k], without.cos[k] - with.cos[k]},
-              {without.sin[k], without.cos[k]},
-              near.omega[k]};
-    if (!scene.has_reference) { // only the radius tells
-      const double s = near.vsin[k] - near.centre_sin_v, c = near.vcos[k] - near.centre_cos_v;
+  std::size_t middle; ///< the first sample of those after the moment
+
+  std::size_t size() const { return near_.size(); }
+  double alpha(std::size_t k) const { return near_.alpha[k]; }
+
+  Sight at(std::size_t k) const {
+    Sight out{{without_.sin[k] - with_.sin[k], without_.cos[k] - with_.cos[k]},
+              {without_.sin[k], without_.cos[k]},
+              near_.omega[k]};
+    if (!reference_) { // only the radius tells
+      const double s = near_.vsin[k] - near_.centre_sin_v, c = near_.vcos[k] - near_.centre_cos_v;
       const double inverse = 1.0 / std::max(std::hypot(s, c), 1e-12);
       for (double *v : {out.effect, out.seen}) {
         v[0] = (v[0] * s + v[1] * c) * inverse;
@@ -142,30 +148,58 @@ bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) 
       }
     }
     return out;
-  };
+  }
+
+private:
+  Observations near_;
+  bool reference_;
+  double moment_;
+  ResidualColumns without_, with_;
+};
+
+} // namespace
+
+bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) {
+  constexpr std::size_t kFewest = 8, kEnough = 4000;
+  constexpr double kSure = 0.15, kWhole = 0.5;
+  const double moment = model.effects[effect].values[0];
+  const Beginning near(scene, model, effect, scene.all.select(samples_near(scene, moment, kReach)));
+  if (near.middle == near.size())
+    return true;
   // Where rough motion was left out, the turns are those beside it: a few readings between the
   // moment and such a stretch are not a turn.
   const auto beside = [&](std::size_t first, bool on) {
     std::vector<Sight> out;
     std::size_t of = first;
     for (std::size_t k = first; k < near.size(); on ? ++k : --k) { // below 0: beyond the size
-      if (std::abs(near.alpha[k] - near.alpha[of]) > kTwoPi) {
+      if (std::abs(near.alpha(k) - near.alpha(of)) > kTwoPi) {
         if (out.size() >= kFewest)
           break;
         of = k;
       }
-      out.push_back(sight(k));
+      out.push_back(near.at(k));
     }
     return out;
   };
-  std::vector<Sight> before = beside(middle - 1, false), after = beside(middle, true);
+  std::vector<Sight> before = beside(near.middle - 1, false), after = beside(near.middle, true);
   if (before.size() < kFewest || after.size() < kFewest)
     return true;
   const Side first = look_at(before), second = look_at(after);
   if (first.variance + second.variance > kSure * kSure)
     return true;
-  return second.part - first.part > kWhole &&
-         !goes_with_the_speed(std::move(before), std::move(after));
+  if (!(second.part - first.part > kWhole))
+    return false;
+  if (!goes_with_the_speed(std::move(before), std::move(after)))
+    return true;
+  // Where the speed changes at that moment the turns beside it do not tell the two apart. In the
+  // whole record an offset that follows the speed comes again with each speed.
+  std::vector<std::uint32_t> all(scene.all.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const Beginning whole(scene, model, effect, scene.all.select(thin(all, kEnough, 100)));
+  std::vector<Sight> sooner, later;
+  for (std::size_t k = 0; k < whole.size(); ++k)
+    (k < whole.middle ? sooner : later).push_back(whole.at(k));
+  return !goes_with_the_speed(std::move(sooner), std::move(later));
 }
 
 } // namespace ada
