@@ -293,6 +293,10 @@ inline constexpr double kOfStep = 0.1;
 inline constexpr double kEntangled = 0.995, kNearlyOne = 0.999, kFarMoreNats = 1000.0;
 /// Part of the best worth from which on another candidate does about as well.
 inline constexpr double kAsWell = 0.98;
+/// A candidate whose gain, before its numbers are fitted, is less than this part of one that was
+/// accepted does not go first: fitted it would have to gain five times as much. Its turn comes with
+/// what the first one leaves.
+inline constexpr double kFarLess = 0.2;
 
 /// A shape without a physical cause that gains so many times as much as any cause: two causes that
 /// share its work would each gain half of it.

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "base/angle.h"
@@ -142,7 +143,7 @@ bool Search::forward(State &now) {
   // what that leaves, others take the parts that look like them. Without a reference the angle is
   // the pair's own, and what the pair is off by looks like harmonics.
   const bool may_come = signatures_ || data_.scene->has_reference;
-  double most_physical = 0.0;
+  double most_physical = 0.0, accepted = 0.0;
   const std::vector<Candidate> &list = candidates_beside(now.fit.model, may_come);
   for (const Candidate &c : list)
     if (c.visible && !c.effect->info().signature)
@@ -150,6 +151,8 @@ bool Search::forward(State &now) {
   for (const Candidate &c : list) {
     if (!c.visible || (!signatures_ && c.effect->info().signature &&
                        c.gain < criteria::kSaysMuchMore * most_physical))
+      continue;
+    if (c.gain < criteria::kFarLess * accepted) // it would not be the one that goes first
       continue;
     // What stands beside the pair may ask for a cause that the pair alone hardly shows.
     const bool asked_for = unexplained && leaks(c.start.effects.back());
@@ -185,6 +188,7 @@ bool Search::forward(State &now) {
     if (size < least_of_noise(*c.effect) * noise_v_ ||
         !beyond_doubt(size, state.fit.model, last, allowance) || !helps_everywhere(state, now))
       continue;
+    accepted = std::max(accepted, c.gain);
     options.push_back({std::move(state), c.effect, worth});
   }
   if (options.empty())
@@ -411,6 +415,19 @@ void Search::colour(const Discrepancy &discrepancy) {
   forget();
 }
 
+namespace {
+
+/// In an order that does not depend on how they were found.
+std::vector<const Effect *> causes_of(const Model &model) {
+  std::vector<const Effect *> out;
+  for (const EffectInstance &e : model.effects)
+    out.push_back(e.effect);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+} // namespace
+
 SearchResult Search::run_against(const Discrepancy &discrepancy, const Unnamed &unnamed,
                                  const Model &found) {
   measure_discrepancy();
@@ -420,9 +437,12 @@ SearchResult Search::run_against(const Discrepancy &discrepancy, const Unnamed &
   signatures_ = true;
   unnamed_ = unnamed;
   State now = evaluate(with_expected(found), 12);
+  std::set<std::vector<const Effect *>> been; // from the same causes the search goes the same way
   for (int round = 0; round < 3; ++round) {
     progress("comparing with what has no name");
     const bool dropped = backward(now);
+    if (!been.insert(causes_of(now.fit.model)).second)
+      break;
     const std::size_t before = now.fit.model.effects.size();
     climb(now);
     const bool swapped = sideways(now);

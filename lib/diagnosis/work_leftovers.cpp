@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -163,7 +164,11 @@ double Work::reference_step_rad() const {
 void Work::look_for_reference_steps() {
   if (!scene_.has_reference || reference_step_rad() > 0.0)
     return;
-  const Observations &data = scene_.all;
+  constexpr std::size_t kEnough = 4000; // for how the counts are spread
+  std::vector<std::uint32_t> some(scene_.all.size());
+  std::iota(some.begin(), some.end(), 0u);
+  some = thin(some, kEnough, 100);
+  const Observations data = scene_.all.select(some);
   const ResidualColumns rest = residual_columns(data, out_.extended);
   std::vector<double> along, across, reference_deg;
   split(data, rest, along, across);
@@ -171,7 +176,7 @@ void Work::look_for_reference_steps() {
     const double radius =
         std::hypot(rest.model_sin[i] - data.centre_sin_v, rest.model_cos[i] - data.centre_cos_v);
     across[i] /= std::max(radius, 1e-12) * scene_.periods;
-    reference_deg.push_back(worked_on().reference_deg[scene_.index[i]]);
+    reference_deg.push_back(worked_on().reference_deg[scene_.index[some[i]]]);
   }
   const double noise_rad =
       std::sqrt(mean_square(along)) / (out_.extended.baseline.amplitude_v * scene_.periods);

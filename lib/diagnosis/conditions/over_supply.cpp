@@ -3,6 +3,7 @@
 
 #include "diagnosis/conditions/over_supply.h"
 
+#include <cmath>
 #include <numeric>
 
 namespace ada {
@@ -13,6 +14,13 @@ std::optional<PairOfChannels> over_supply(const Capture &capture) {
   const std::size_t n = capture.size();
   const double mean =
       std::accumulate(capture.vdd_v.begin(), capture.vdd_v.end(), 0.0) / static_cast<double>(n);
+  // A supply that moves by less than that moves the outputs by a quarter of a millivolt.
+  constexpr double kSteady = 1e-4;
+  double squares = 0.0;
+  for (const double v : capture.vdd_v)
+    squares += std::pow(v / mean - 1.0, 2) / static_cast<double>(n);
+  if (!(squares > kSteady * kSteady))
+    return std::nullopt;
   PairOfChannels out{std::vector<double>(n), std::vector<double>(n)};
   for (std::size_t i = 0; i < n; ++i) {
     const double ratio = capture.vdd_v[i] > 0.5 * mean ? mean / capture.vdd_v[i] : 1.0;
