@@ -417,11 +417,19 @@ void Search::colour(const Discrepancy &discrepancy) {
 
 namespace {
 
-/// In an order that does not depend on how they were found.
-std::vector<const Effect *> causes_of(const Model &model) {
-  std::vector<const Effect *> out;
-  for (const EffectInstance &e : model.effects)
-    out.push_back(e.effect);
+using Cause = std::pair<const Effect *, std::vector<double>>;
+
+/// With what was chosen of each, an order or a channel, in an order that does not depend on how
+/// they were found.
+std::vector<Cause> causes_of(const Model &model) {
+  std::vector<Cause> out;
+  for (const EffectInstance &e : model.effects) {
+    out.emplace_back(e.effect, std::vector<double>{});
+    const auto parameters = e.effect->info().parameters;
+    for (std::size_t k = 0; k < parameters.size(); ++k)
+      if (parameters[k].role == Role::chosen)
+        out.back().second.push_back(std::isfinite(e.values[k]) ? e.values[k] : -1.0);
+  }
   std::sort(out.begin(), out.end());
   return out;
 }
@@ -437,7 +445,7 @@ SearchResult Search::run_against(const Discrepancy &discrepancy, const Unnamed &
   signatures_ = true;
   unnamed_ = unnamed;
   State now = evaluate(with_expected(found), 12);
-  std::set<std::vector<const Effect *>> been; // from the same causes the search goes the same way
+  std::set<std::vector<Cause>> been; // from the same causes the search goes much the same way
   for (int round = 0; round < 3; ++round) {
     progress("comparing with what has no name");
     const bool dropped = backward(now);

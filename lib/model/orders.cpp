@@ -3,12 +3,14 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <complex>
 #include <unsupported/Eigen/FFT>
 
 #include "base/angle.h"
+#include "base/robust.h"
 #include "model/residual.h"
 
 namespace ada {
@@ -84,20 +86,26 @@ struct StopMeans {
   std::vector<double> left_c, left_s; ///< V
 };
 
-/// Empty where the shaft moves.
+/// Of at most so many stops, the first of the record. Empty where the shaft moves.
 StopMeans stop_means(const Residual &r) {
-  // Between stops it moves by far more than it seems to at rest.
-  constexpr double kOfLongest = 0.02;
-  double longest = 0.0;
+  constexpr std::size_t kMost = 2000;
+  // It moves by far more than it seems to at rest, as it is from more than half of the readings to
+  // the next.
+  constexpr double kAtRest = 0.4, kFarMore = 8.0, kExact = 1e-6; // rad: a reference without noise
+  std::vector<double> moves;
   for (std::size_t i = 0; i < r.alpha.size(); ++i) {
     if (r.omega[i] != 0.0f)
       return {};
-    longest = std::max(longest, i > 0 ? std::abs(r.alpha[i] - r.alpha[i - 1]) : 0.0);
+    if (i > 0)
+      moves.push_back(std::abs(r.alpha[i] - r.alpha[i - 1]));
   }
+  const double least = std::max(kFarMore * quantile(std::move(moves), kAtRest), kExact);
   StopMeans out;
   double count = 0.0;
   for (std::size_t i = 0; i < r.alpha.size(); ++i) {
-    if (i == 0 || std::abs(r.alpha[i] - r.alpha[i - 1]) > kOfLongest * longest) {
+    if (i == 0 || std::abs(r.alpha[i] - r.alpha[i - 1]) > least) {
+      if (out.alpha.size() == kMost)
+        break;
       for (auto *v : {&out.alpha, &out.time, &out.cos, &out.sin, &out.left_c, &out.left_s})
         v->push_back(0.0);
       count = 0.0;
@@ -121,11 +129,11 @@ StopMeans stop_means(const Residual &r) {
 /// Whole orders by which the vector turns from stop to stop, beside offsets that go slowly with the
 /// time: the likeliest, where as much by chance is one in a thousand (of so many places and orders,
 /// white among the places). Places in even steps do not tell an order from what it is short of
-/// their number: the lowest of them is taken.
+/// their number: the lowest of those that do as well to three nats is taken.
 std::vector<double> orders_at_stops(const StopMeans &stops) {
   constexpr int kHighest = 128;
   constexpr double kChance = 1e-3;
-  constexpr Eigen::Index kStopsOfWave = 8; ///< for each half wave of the time
+  constexpr Eigen::Index kStopsOfWave = 8, kMostWaves = 24; ///< half waves of the time
   const auto n = static_cast<Eigen::Index>(stops.alpha.size());
   std::vector<double> places;
   for (double a : stops.alpha)
@@ -135,7 +143,7 @@ std::vector<double> orders_at_stops(const StopMeans &stops) {
   double different = 1.0;
   for (std::size_t i = 1; i < places.size(); ++i)
     different += places[i] - places[i - 1] > kApart ? 1.0 : 0.0;
-  const Eigen::Index waves = n / kStopsOfWave;
+  const Eigen::Index waves = std::min(n / kStopsOfWave, kMostWaves);
   Eigen::MatrixXd slow = Eigen::MatrixXd::Zero(2 * n, 2 * (waves + 1));
   Eigen::VectorXd left(2 * n);
   const double from = stops.time.front(),
@@ -155,8 +163,7 @@ std::vector<double> orders_at_stops(const StopMeans &stops) {
     return m;
   };
   const Eigen::VectorXd rest = without_slow(left);
-  double most = 0.0;
-  int best = 0;
+  std::array<double, kHighest + 1> explained{};
   for (int order = 1; order <= kHighest; ++order) {
     Eigen::MatrixXd turn(2 * n, 2);
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -167,15 +174,17 @@ std::vector<double> orders_at_stops(const StopMeans &stops) {
     }
     turn = without_slow(std::move(turn));
     const Eigen::Vector2d by = turn.transpose() * rest;
-    const double explained =
+    explained[static_cast<std::size_t>(order)] =
         by.dot((turn.transpose() * turn).eval().completeOrthogonalDecomposition().solve(by));
-    if (explained > (1.0 + 1e-6) * most) {
-      most = explained;
-      best = order;
-    }
   }
-  const double share = most / std::max(rest.squaredNorm(), 1e-300);
-  if (best == 0 ||
+  constexpr double kAlike = 3.0; // nats
+  const double most = *std::max_element(explained.begin(), explained.end());
+  const double all = std::max(rest.squaredNorm(), 1e-300), share = most / all;
+  const double alike = kAlike * 2.0 * (all - most) / static_cast<double>(2 * n);
+  const auto best = std::find_if(explained.begin() + 1, explained.end(),
+                                 [&](double e) { return e >= most - alike; }) -
+                    explained.begin();
+  if (!(most > 0.0) ||
       kHighest * std::pow(std::max(0.0, 1.0 - share), 0.5 * (different - 3.0)) > kChance)
     return {};
   return {static_cast<double>(best)};

@@ -159,12 +159,13 @@ double counted_step(std::span<const double> reference_deg, std::span<const doubl
   constexpr std::size_t kEnough = 100; // of normal values as wide, eight are farther off
   constexpr double kOutside = 0.02, kErrors = 3.0;
   constexpr double kUneven = 0.7; // a variance of a hundred even values is known to 9 %
+  constexpr double kFine = 1.0 / 15; // of a step; more noise than that hides where the counts end
   const std::size_t n = reference_deg.size();
   if (n < kEnough || off_rad.size() != n)
     return 0.0;
   const double step = grid_of({reference_deg.begin(), reference_deg.end()}) * kRadPerDeg;
   const double of_steps = step * step / 12.0, noise = noise_rad * noise_rad;
-  if (!(of_steps > kAddsToNoise * noise))
+  if (!(noise_rad < kFine * step))
     return 0.0;
   double squares = 0.0, outside = 0.0;
   for (const double off : off_rad) {

@@ -23,14 +23,6 @@ double mean_of(const std::vector<double> &v) {
   return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
 }
 
-double rms_about_mean(const std::vector<double> &v) {
-  const double mean = mean_of(v);
-  double sum = 0.0;
-  for (double x : v)
-    sum += (x - mean) * (x - mean);
-  return std::sqrt(sum / static_cast<double>(v.size()));
-}
-
 /// Samples on either side of a jump; a piece of a record is longer.
 constexpr std::size_t kBeside = 4;
 
@@ -114,7 +106,7 @@ private:
 /// to, every other one, come nearer to it. What a hundredth of their mean square hides is a tenth
 /// of the noise of one reading.
 std::size_t pieces_for(const Capture &capture, const std::vector<double> &vtemp_v, std::size_t few,
-                       std::size_t most, bool of_vcos) {
+                       std::size_t most) {
   constexpr double kFalls = 0.99;
   constexpr std::size_t kLookedAt = 40000; // rows: a hundred to each of 400 pieces
   const std::size_t n = capture.size(), every = n / kLookedAt + 1;
@@ -123,7 +115,7 @@ std::size_t pieces_for(const Capture &capture, const std::vector<double> &vtemp_
   for (std::size_t i = 0; i < n; i += 2 * every)
     fitted[i] = 1;
   const auto left = [&](std::size_t pieces) {
-    const Beside fit(capture, vtemp_v, pieces, fitted, of_vcos);
+    const Beside fit(capture, vtemp_v, pieces, fitted, true);
     double sum = 0.0;
     for (std::size_t i = every; i < n; i += 2 * every)
       sum += std::pow(vtemp_v[i] - fit.at(capture, i), 2);
@@ -165,33 +157,10 @@ std::size_t swings(const std::vector<double> &v, double mean) {
   return crossings / 2;
 }
 
-/// What VTEMP keeps of VCOS, by what both change from one row to the next. A multiplexer hands it
-/// on at once, and a temperature moves by less than that, however slow the shaft is and whatever
-/// makes both go to and fro together, as the sun does.
+/// What VTEMP keeps of VCOS.
 struct Leak {
   double slope = 0.0, error = 0.0; ///< error 0: not measured
 };
-
-Leak leak_by_differences(const Capture &capture, const std::vector<double> &vtemp_v) {
-  constexpr double kNext = 1.5; // steps of the clock: beyond that, rows are missing
-  const double longest = kNext * median_step(capture.time_s);
-  const auto each = [&](auto act) {
-    for (std::size_t i = 1; i < vtemp_v.size(); ++i)
-      if (capture.time_s[i] - capture.time_s[i - 1] <= longest)
-        act(capture.vcos_v[i] - capture.vcos_v[i - 1], vtemp_v[i] - vtemp_v[i - 1]);
-  };
-  double xx = 0.0, xy = 0.0, of_error = 0.0;
-  each([&](double x, double y) {
-    xx += x * x;
-    xy += x * y;
-  });
-  if (!(xx > 0.0))
-    return {};
-  const double slope = xy / xx;
-  // Where the shaft moves more the difference may scatter more (H. White, Econometrica 48, 1980).
-  each([&](double x, double y) { of_error += std::pow(x * (y - slope * x), 2); });
-  return {slope, std::sqrt(of_error) / xx};
-}
 
 /// The temperature in VTEMP, what VTEMP keeps of VCOS beside it, and what neither accounts for.
 struct Followed {
@@ -203,8 +172,8 @@ struct Followed {
 /// A slow shaft would pass for a temperature: both are fitted jointly, and only what of VCOS no
 /// temperature could follow measures it.
 Followed follow(const Capture &capture, const std::vector<double> &vtemp_v, std::size_t few,
-                std::size_t most, bool of_vcos) {
-  const std::size_t pieces = pieces_for(capture, vtemp_v, few, most, of_vcos);
+                std::size_t most) {
+  const std::size_t pieces = pieces_for(capture, vtemp_v, few, most);
   CubicSpline of_cosine(slow_knots(capture, pieces));
   of_cosine.fit(capture.time_s, capture.vcos_v, {}, 0, {});
   const double mean_cos = mean_of(capture.vcos_v);
@@ -214,7 +183,7 @@ Followed follow(const Capture &capture, const std::vector<double> &vtemp_v, std:
     fast += std::pow(capture.vcos_v[i] - of_cosine.value(capture.time_s[i]), 2);
   }
   constexpr double kEnough = 0.01;
-  const bool measured = of_vcos && fast > kEnough * all;
+  const bool measured = fast > kEnough * all;
   const Beside fit(capture, vtemp_v, pieces, {}, measured);
   Followed out{fit.spline, {}, {}};
   double rest = 0.0;
@@ -324,21 +293,12 @@ TemperatureOverTime::TemperatureOverTime(const Capture &capture, const SupplyOve
   // Not so fine that it could follow the shaft.
   const std::size_t slower = std::max<std::size_t>(4, swings(capture.vcos_v, mean_cos) / 2);
   const std::size_t wanted = std::clamp<std::size_t>(n / kRowsOfPiece, 4, 100);
-  Followed found = follow(capture, vtemp_v, std::min(wanted, slower), slower, true);
-  if (slower < wanted && goes_on(found.left)) {
-    // A shaft as slow as the temperature, which the spline may not follow: only single rows tell
-    // the two apart. Where they tell what VCOS brings to within a twentieth of what VTEMP does, the
-    // rest is the temperature.
-    constexpr double kTold = 0.05;
-    const Leak leak = leak_by_differences(capture, vtemp_v);
-    if (leak.error > 0.0 &&
-        leak.error * rms_about_mean(capture.vcos_v) < kTold * rms_about_mean(vtemp_v)) {
-      for (std::size_t i = 0; i < n; ++i)
-        vtemp_v[i] -= leak.slope * (capture.vcos_v[i] - mean_cos);
-      found = follow(capture, vtemp_v, wanted, n / kFewestOfPiece, false);
-    }
-    found.leak = leak;
-  }
+  Followed found = follow(capture, vtemp_v, std::min(wanted, slower), slower);
+  // Where a spline slower than the shaft leaves more than noise, VTEMP moves as fast as the shaft
+  // does, and maybe with it, as both go with the sun: then the spline may be as fine as rows
+  // confirm, and only what is faster still of VCOS tells what VTEMP keeps of it, if anything is.
+  if (slower < wanted && goes_on(found.left))
+    found = follow(capture, vtemp_v, wanted, n / kFewestOfPiece);
   rate.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     vtemp_v[i] = found.temperature.value(capture.time_s[i]);

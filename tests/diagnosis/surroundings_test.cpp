@@ -11,6 +11,7 @@
 
 #include "diagnosis/bench.h"
 #include "diagnosis/conditions/held_rows.h"
+#include "motion/surroundings.h"
 
 namespace ada::test {
 namespace {
@@ -20,8 +21,8 @@ namespace {
 KIND(a_temperature_that_goes_with_the_shaft_is_a_temperature) {
   Bench bench;
   constexpr double kDay_s = 86400.0, kEach_s = 60.0;
-  const double days = bench.within(4.0, 6.0), from = bench.within(-0.4, 0.4);
-  const double way = bench.within(1.8, 2.6), late = bench.within(0.5, 1.2);
+  const double days = bench.within(4.0, 6.0), from = bench.within(-0.8, 0.8);
+  const double way = bench.within(1.6, 2.6), late = bench.within(0.5, 1.2);
   Capture c =
       bench.capture(static_cast<std::size_t>(days * kDay_s / kEach_s), 1.0 / kEach_s, 2,
                     [=](double t) { return from - 0.5 * way * std::cos(kTwoPi * t / kDay_s); });
@@ -34,6 +35,8 @@ KIND(a_temperature_that_goes_with_the_shaft_is_a_temperature) {
     c.vsin_v[i] += sin_v * warm;
     c.vcos_v[i] += cos_v * warm;
   }
+  const TemperatureOverTime temperature(c, SupplyOverTime(c));
+  EXPECT_LE(std::abs(temperature.on_vcos), 4.0 * temperature.on_vcos_error);
   const Diagnosis d = diagnose(c, {});
   const Finding *drift = named(d, "offset-temperature-drift");
   ASSERT_TRUE(drift) << left_of(d);

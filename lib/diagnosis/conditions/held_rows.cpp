@@ -74,11 +74,16 @@ bool pair_goes_on(const Capture &c, const std::vector<std::size_t> &first) {
   std::vector<char> fresh(c.size(), 0);
   for (std::size_t i : first)
     fresh[i] = 1;
-  std::vector<double> within, between;
-  for (std::size_t i = 1; i < c.size(); ++i)
-    (fresh[i] ? between : within)
-        .push_back(std::hypot(c.vsin_v[i] - c.vsin_v[i - 1], c.vcos_v[i] - c.vcos_v[i - 1]));
-  return quantile(std::move(within), 0.5) > criteria::kGoesOn * quantile(std::move(between), 0.5);
+  struct {
+    double way = 0.0, rows = 0.0;
+    double mean() const { return way / std::max(rows, 1.0); }
+  } within, between;
+  for (std::size_t i = 1; i < c.size(); ++i) {
+    auto &of = fresh[i] ? between : within;
+    of.way += std::hypot(c.vsin_v[i] - c.vsin_v[i - 1], c.vcos_v[i] - c.vcos_v[i - 1]);
+    of.rows += 1.0;
+  }
+  return within.mean() >= criteria::kGoesOn * between.mean();
 }
 
 bool held(const Capture &capture, const std::vector<std::size_t> &first) {

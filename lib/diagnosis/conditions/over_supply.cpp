@@ -14,6 +14,8 @@ std::optional<PairOfChannels> over_supply(const Capture &capture) {
   const std::size_t n = capture.size();
   const double mean =
       std::accumulate(capture.vdd_v.begin(), capture.vdd_v.end(), 0.0) / static_cast<double>(n);
+  if (!(mean > 0.0))
+    return std::nullopt;
   // A supply that moves by less than that moves the outputs by a quarter of a millivolt.
   constexpr double kSteady = 1e-4;
   double squares = 0.0;
