@@ -380,13 +380,14 @@ bool Search::helps_everywhere(const State &with, const State &less) const {
 /// What nobody knows of the residual, V rms of a channel: all but what is white. That differs
 /// between neighbours in time as well as between neighbours in the turn as two independent values
 /// do, however much it is: a reference or a sampling instant that scatters is known for noise.
-/// Without a reference a motion that was followed badly may look like that as well.
+/// Without a reference a motion that was followed badly may look like that as well, and what a
+/// reference rounds to steps does: its lines are at any order.
 double Search::unknown_v(const State &now) const {
   const double noise = std::max(noise_v_, data_.scene->white_noise_v);
   const auto beyond = [](double all_v2, double known_v2) {
     return std::sqrt(std::max(0.0, all_v2 - known_v2));
   };
-  if (!data_.scene->has_reference)
+  if (!data_.scene->has_reference || reference_step_rad(data_.scene->screened) > 0.0)
     return beyond(white_sum_of_squares(data_.train, now.fit.model) /
                       (2.0 * static_cast<double>(data_.train.size())),
                   noise * noise);

@@ -106,6 +106,13 @@ void Observations::keep(const std::vector<std::uint32_t> &indices) {
   for_each_column(*this, [&](auto &column, auto) { column = pick(column, indices); });
 }
 
+double reference_step_rad(const std::vector<ScreenFinding> &screened) {
+  double step = 0.0;
+  for (const ScreenFinding &f : screened)
+    step = std::max(step, f.effect->reference_step_rad(f.values));
+  return step;
+}
+
 void describe_temperature(const Capture &capture, Scene &scene) {
   if (!capture.has_vtemp()) {
     scene.why_no_temperature = "no VTEMP channel";

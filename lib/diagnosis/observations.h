@@ -152,6 +152,8 @@ void judge_radius_only(Scene &scene);
 /// What the motion of the usable samples can show, and the temperature of the whole capture.
 void describe_motion(Scene &scene);
 void describe_temperature(const Capture &capture, Scene &scene);
+/// Width of the steps in which the reference moves, rad, where they were found; otherwise 0.
+double reference_step_rad(const std::vector<ScreenFinding> &screened);
 
 /// Screens a capture and prepares it. `needs_split` false: everything trains (a second capture
 /// judges). `known`: what is known of the sensor already, which then no longer bends the motion

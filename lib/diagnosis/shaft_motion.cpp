@@ -139,9 +139,7 @@ void leave_out_wrong_rows(std::vector<double> &reference, Screened &look, Scene 
 void smooth_between_steps(const Screened &look, std::vector<double> &alpha) {
   constexpr double kWithin = 1.05; // of a step, for the noise of what is counted
   constexpr double kShare = 0.999; // of the samples
-  double step = 0.0;
-  for (const ScreenFinding &f : look.findings)
-    step = std::max(step, f.effect->reference_step_rad(f.values));
+  const double step = reference_step_rad(look.findings);
   if (step <= 0.0)
     return;
   std::vector<char> usable = look.usable;

@@ -155,10 +155,7 @@ void Work::drop_processes_that_leave_more() {
 }
 
 double Work::reference_step_rad() const {
-  double step = 0.0;
-  for (const ScreenFinding &f : scene_.screened)
-    step = std::max(step, f.effect->reference_step_rad(f.values));
-  return step;
+  return ada::reference_step_rad(scene_.screened);
 }
 
 void Work::look_for_reference_steps() {
