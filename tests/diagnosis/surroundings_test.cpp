@@ -94,15 +94,20 @@ Capture table(Bench &bench, int order, double error_rad) {
   return c;
 }
 
+/// An order of the turn, which without a look from elsewhere is the field's or the reference's.
+void expect_order(const Diagnosis &d, int order) {
+  const Finding *f = named(d, "field-direction-error");
+  f = f ? f : named(d, "reference-harmonic");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_EQ(f->values[0], order) << names(d);
+}
+
 KIND(a_table_shows_an_order_above_what_its_readings_follow_closely) {
   Bench bench;
   const int order = bench.within(0.0, 1.0) < 0.5 ? 24 : 40;
   const Capture c = table(bench, order, bench.within(0.1, 0.2) * kRadPerDeg);
   const Diagnosis d = diagnose(c, {});
-  const Finding *f = named(d, "field-direction-error");
-  f = f ? f : named(d, "reference-harmonic");
-  ASSERT_TRUE(f) << left_of(d);
-  EXPECT_EQ(f->values[0], order) << names(d);
+  expect_order(d, order);
   expect_pair(d, bench.pair, 0.002);
 }
 
@@ -129,11 +134,32 @@ KIND(a_clock_that_scatters_hides_no_line_of_the_reference) {
     c.reference_deg[i] = wrap((then + e * std::sin(kOrder * then + phase)) * kDegPerRad, 360.0);
   }
   const Diagnosis d = diagnose(c, {});
-  const Finding *f = named(d, "reference-harmonic");
-  f = f ? f : named(d, "field-direction-error");
-  ASSERT_TRUE(f) << left_of(d);
-  EXPECT_EQ(f->values[0], kOrder) << names(d);
+  expect_order(d, kOrder);
   expect_pair(d, bench.pair, 0.002);
+}
+
+/// A plug is touched as a hoist slows down: in the turn on either side a step is an offset that
+/// follows the speed, in the whole record it is not, as the speed comes back.
+KIND(a_step_where_the_speed_changes_is_a_step) {
+  Bench bench;
+  const double fast = bench.within(3.0, 5.0), slow = bench.within(0.6, 1.2), at_s = 6.0;
+  const double back_s = 13.0; // from which on it is fast again
+  Capture c = bench.capture(10000, 500.0, 5, [=](double t) {
+    return kTwoPi * (fast * std::min(t, at_s) + slow * std::clamp(t - at_s, 0.0, back_s - at_s) +
+                     fast * std::max(t - back_s, 0.0));
+  });
+  const double sin_v = bench.within(2e-3, 4e-3), cos_v = -bench.within(1e-3, 3e-3);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    if (c.time_s[i] >= at_s) {
+      c.vsin_v[i] += sin_v;
+      c.vcos_v[i] += cos_v;
+    }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *step = named(d, "offset-step");
+  ASSERT_TRUE(step) << left_of(d);
+  EXPECT_NEAR(step->values[0], at_s, 0.1) << names(d);
+  EXPECT_NEAR(step->values[1], sin_v, 2e-4) << names(d);
+  EXPECT_NEAR(step->values[2], cos_v, 2e-4) << names(d);
 }
 
 /// A few rows by hand, over which the speed changes all the time, beside an encoder of few lines.

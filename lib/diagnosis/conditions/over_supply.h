@@ -19,9 +19,8 @@ struct PairOfChannels {
 /// follow the supply: a tenth is more than chance does to a spread.
 inline constexpr double kFollowsSupply = 0.9;
 
-/// Both outputs times the mean supply over the supply of the moment; nothing without VDD, or
-/// where it is steady. A reading
-/// of the supply below half of its mean is no supply and changes nothing.
+/// Both outputs times the mean supply over the supply of the moment; nothing without VDD, or where
+/// it is steady. A reading of the supply below half of its mean is no supply and changes nothing.
 std::optional<PairOfChannels> over_supply(const Capture &capture);
 
 } // namespace ada
