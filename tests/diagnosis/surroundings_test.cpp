@@ -118,8 +118,8 @@ TEST(Readings, a_table_that_stops_at_uneven_places_is_no_held_reference) {
   }
 }
 
-/// The sampling instants scatter, so that the noise across the vector is several times that of the
-/// channels: it hides no line of the reference.
+/// The sampling instants scatter, so that the noise across the vector is several times what a line
+/// of the reference turns it by: it hides no such line.
 KIND(a_clock_that_scatters_hides_no_line_of_the_reference) {
   Bench bench;
   constexpr int kOrder = 20;
@@ -128,7 +128,7 @@ KIND(a_clock_that_scatters_hides_no_line_of_the_reference) {
   const auto angle = [=](double t) { return kTwoPi * 0.5 * way * std::sin(slow * t); };
   Capture c = bench.capture(6000, rate_hz, 1, angle);
   const double e = bench.within(0.05, 0.08) * kRadPerDeg, phase = bench.within(0.0, kTwoPi);
-  const double jitter_s = 3.0 * bench.pair.noise_v / bench.pair.amplitude_v / (kTwoPi * hz);
+  const double jitter_s = 3.5 * e / (kTwoPi * hz); // several times the line
   for (std::size_t i = 0; i < c.size(); ++i) {
     const double then = angle(c.time_s[i] + bench.normal(jitter_s));
     c.reference_deg[i] = wrap((then + e * std::sin(kOrder * then + phase)) * kDegPerRad, 360.0);
