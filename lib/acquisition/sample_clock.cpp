@@ -4,6 +4,7 @@
 #include "acquisition/sample_clock.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -21,11 +22,14 @@ constexpr double kPeriodGain = 0.005;
 /// A loss may be taken back by the next few frames only.
 constexpr unsigned kTakeBackFrames = 32;
 
-/// Steps of even timestamps differ by so much of a period at most. The loop, which takes back a
-/// tenth of its error a frame, is then never a third of a period off: it would count no loss.
+/// Steps of even timestamps differ from the period by so much of it at most. The loop, which takes
+/// back a tenth of its error a frame, is then never a third of a period off: it would count no
+/// loss.
 constexpr double kEven = 0.03;
 constexpr double kEvenAtFirst = 0.15;
 constexpr double kLongestEven_ns = 1e9;
+/// The frames come from another processor's cache; its own prefetching ends with each page.
+constexpr std::size_t kAhead_bytes = 4096;
 
 /// How far a leap of the timestamps may go beyond this machine's clock. Buffers and slow lines
 /// deliver late, and then much at once, but by no more than the first frame was late.
@@ -126,8 +130,16 @@ double SampleClock::accept(std::int64_t timestamp_ns, std::optional<std::int64_t
   return latest_ns_ * 1e-9;
 }
 
+/// The even steps are a power of two of numbers, so that one look at the upper bits of all together
+/// tells whether each was among them: a third of the time of a comparison for each.
+SampleClock::EvenSteps SampleClock::even_steps() const {
+  const auto number = std::bit_floor(static_cast<std::uint64_t>(2.0 * kEven * period_ns_) + 1);
+  return {static_cast<std::uint64_t>(std::llround(period_ns_)) - number / 2, number};
+}
+
 std::int64_t SampleClock::longest_even_step_ns() const {
-  return static_cast<std::int64_t>((1.0 + kEven) * period_ns_);
+  const EvenSteps even = even_steps();
+  return static_cast<std::int64_t>(even.shortest + even.number - 1);
 }
 
 std::optional<std::int64_t> SampleClock::accept_even(const std::byte *first, std::size_t stride,
@@ -138,16 +150,16 @@ std::optional<std::int64_t> SampleClock::accept_even(const std::byte *first, std
       latest_ns_ > static_cast<double>(elapsed_ns_) ||
       elapsed_ns_ > std::numeric_limits<std::int64_t>::max() / 2)
     return std::nullopt;
-  const auto shortest = static_cast<std::uint64_t>(std::ceil((1.0 - kEven) * period_ns_));
-  const std::uint64_t range = static_cast<std::uint64_t>(longest_even_step_ns()) - shortest;
-  std::uint64_t last = static_cast<std::uint64_t>(last_ns_);
-  bool uneven = false;
+  const EvenSteps even = even_steps();
+  std::uint64_t last = static_cast<std::uint64_t>(last_ns_), beyond = 0;
   for (std::size_t i = 0; i < count; ++i, first += stride) {
+    __builtin_prefetch(first + kAhead_bytes);
     std::uint64_t stamp; // unsigned, as a broken device may send anything
     std::memcpy(&stamp, first, sizeof stamp);
-    uneven |= stamp - last - shortest > range;
+    beyond |= stamp - last - even.shortest;
     last = stamp;
   }
+  const bool uneven = beyond >= even.number;
   if (!uneven && own_ns)
     look_at_own_clock(*own_ns);
   const std::int64_t origin = static_cast<std::int64_t>(static_cast<std::uint64_t>(last_ns_) -

@@ -62,6 +62,10 @@ public:
   double period_s() const { return period_ns_ * 1e-9; }
 
 private:
+  struct EvenSteps {
+    std::uint64_t shortest, number; ///< ns; and of how many numbers from there on, a power of two
+  };
+  EvenSteps even_steps() const;
   void look_at_own_clock(std::int64_t own_ns);
   bool is_leap(std::int64_t step) const;
   std::int64_t believed_step(std::int64_t step, std::optional<std::int64_t> own_ns);

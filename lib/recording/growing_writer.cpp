@@ -18,6 +18,7 @@
 #include "base/file_bytes.h"
 #include "recording/disk_syncer.h"
 #include "recording/frame_check.h"
+#include "recording/room_ahead.h"
 #include "recording/sigmf_encoder.h"
 #include "recording/sigmf_pair.h"
 #include "recording/sigmf_reader.h"
@@ -58,6 +59,7 @@ public:
 
   /// Where not one frame could be written and shown, nothing stays.
   ~GrowingWriter() override {
+    give_room_back();
     if (created_ && !syncer_)
       ::unlink((stem_ + ".sigmf-data").c_str());
   }
@@ -220,6 +222,7 @@ private:
   }
 
   void put_in_place() {
+    give_room_back();
     syncer_->stop(); // what is to be on the disk is there, or this throws
     const SigmfMeta final = meta(crc_);
     if (in_own_place()) {
@@ -386,6 +389,10 @@ private:
   /// A disk that fills up leaves whole frames.
   void append(std::span<const std::byte> bytes) {
     const off_t before = ::lseek(fd_.get(), 0, SEEK_END);
+    if (before >= 0)
+      room_.provide(fd_.get(), static_cast<std::uint64_t>(before) + bytes.size());
+    // Before they are written: the copy into the page cache takes them out of the processor's.
+    const std::uint32_t crc = crc32_of(bytes, crc_);
     try {
       write_all(fd_.get(), {reinterpret_cast<const char *>(bytes.data()), bytes.size()},
                 data_path_);
@@ -393,7 +400,12 @@ private:
       [[maybe_unused]] const int cut = ::ftruncate(fd_.get(), before);
       throw;
     }
-    crc_ = crc32_of(bytes, crc_);
+    crc_ = crc;
+  }
+
+  void give_room_back() noexcept {
+    if (const off_t size = ::lseek(fd_.get(), 0, SEEK_END); size >= 0)
+      room_.give_back(fd_.get(), static_cast<std::uint64_t>(size));
   }
 
   std::string path_, stem_; ///< as asked for; where it grows, without the end
@@ -408,6 +420,7 @@ private:
   SigmfMeta old_;                 ///< of the recording that goes on; frame_bytes 0: there is none
   Descriptor claim_;              ///< the old recording, while another grows to replace it
   Descriptor fd_;
+  RoomAhead room_;
   bool created_ = false;               ///< the data file is ours
   std::unique_ptr<DiskSyncer> syncer_; ///< since the first frame
   std::vector<std::byte> bytes_;

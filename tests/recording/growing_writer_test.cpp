@@ -12,6 +12,7 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "recording/captures.h"
 #include "recording/identity.h"
@@ -51,6 +52,33 @@ TEST_F(GrowingWriterTest, CanBeReadWhileItGrowsAndAfterwards) {
   writer->finish();
   EXPECT_EQ(read_capture(meta_path_).identity, capture_identity(capture_));
   EXPECT_EQ(folder_.names().size(), 2u);
+}
+
+/// The disk's space that a file takes, beyond what it holds.
+std::uint64_t taken_beyond(const std::string &path) {
+  struct stat info {};
+  EXPECT_EQ(::stat(path.c_str(), &info), 0);
+  constexpr std::uint64_t kUnit = 512; // of st_blocks
+  const std::uint64_t taken = static_cast<std::uint64_t>(info.st_blocks) * kUnit;
+  const auto size = static_cast<std::uint64_t>(info.st_size);
+  return taken > size ? taken - size : 0;
+}
+
+TEST_F(GrowingWriterTest, SpaceOfTheDiskTakenAheadIsFreeAgainAtTheEnd) {
+  constexpr std::uint64_t kRounding = 65536; // of a file system to whole blocks
+  for (const bool finished : {true, false}) {
+    auto writer = open();
+    write(*writer, 0, 3000);
+    if (taken_beyond(data_path_) <= kRounding)
+      GTEST_SKIP() << "this file system takes no space ahead, or has little left";
+    if (finished)
+      writer->finish();
+    writer.reset();
+    EXPECT_LE(taken_beyond(data_path_), kRounding);
+    EXPECT_EQ(read_capture(meta_path_).size(), 3000u);
+    std::filesystem::remove(meta_path_);
+    std::filesystem::remove(data_path_);
+  }
 }
 
 TEST_F(GrowingWriterTest, WithoutFinishEverythingStays) {
