@@ -29,7 +29,7 @@ constexpr double kEven = 0.03;
 constexpr double kEvenAtFirst = 0.15;
 constexpr double kLongestEven_ns = 1e9;
 /// The frames come from another processor's cache; its own prefetching ends with each page.
-constexpr std::size_t kAhead_bytes = 4096;
+constexpr std::size_t kAhead = 256; // frames
 
 /// How far a leap of the timestamps may go beyond this machine's clock. Buffers and slow lines
 /// deliver late, and then much at once, but by no more than the first frame was late.
@@ -153,7 +153,8 @@ std::optional<std::int64_t> SampleClock::accept_even(const std::byte *first, std
   const EvenSteps even = even_steps();
   std::uint64_t last = static_cast<std::uint64_t>(last_ns_), beyond = 0;
   for (std::size_t i = 0; i < count; ++i, first += stride) {
-    __builtin_prefetch(first + kAhead_bytes);
+    if (i + kAhead < count)
+      __builtin_prefetch(first + kAhead * stride);
     std::uint64_t stamp; // unsigned, as a broken device may send anything
     std::memcpy(&stamp, first, sizeof stamp);
     beyond |= stamp - last - even.shortest;

@@ -28,23 +28,22 @@ bool has_room(int fd, std::uint64_t bytes) {
 } // namespace
 
 void RoomAhead::provide(int fd, std::uint64_t end) {
-  if (refused_ || end <= end_)
+  if (end <= end_)
     return;
   const std::uint64_t bytes = std::clamp(end, kLeast, kMost);
-  const std::uint64_t from = std::max(end_, end - std::min(end, bytes));
-  if (!has_room(fd, bytes) || ::fallocate(fd, FALLOC_FL_KEEP_SIZE, static_cast<off_t>(from),
-                                          static_cast<off_t>(end + bytes - from)) != 0) {
-    refused_ = true;
-    return;
-  }
-  end_ = end + bytes;
+  if (has_room(fd, bytes) &&
+      ::fallocate(fd, FALLOC_FL_KEEP_SIZE, static_cast<off_t>(end), static_cast<off_t>(bytes)) == 0)
+    taken_ = true;
+  end_ = end + bytes; // where it was refused it is asked for again there
 }
 
 void RoomAhead::give_back(int fd, std::uint64_t size) noexcept {
-  if (end_ > size) // to its own size: the file stays as it is
-      [[maybe_unused]]
-    const int freed = ::ftruncate(fd, static_cast<off_t>(size));
+  if (taken_ && end_ > size) {
+    // To its own size: the file stays as it is.
+    [[maybe_unused]] const int freed = ::ftruncate(fd, static_cast<off_t>(size));
+  }
   end_ = 0;
+  taken_ = false;
 }
 
 } // namespace ada

@@ -12,14 +12,14 @@ namespace ada {
 /// little space left, is left to its own ways.
 class RoomAhead {
 public:
-  /// Before a write that ends at byte `end` of the file.
+  /// Before a write that ends at byte `end` of the file: space from there on.
   void provide(int fd, std::uint64_t end);
   /// What is beyond the `size` bytes of the file is free again.
   void give_back(int fd, std::uint64_t size) noexcept;
 
 private:
-  std::uint64_t end_ = 0; ///< of the space that was taken; 0: none was
-  bool refused_ = false;
+  std::uint64_t end_ = 0; ///< of the space that was asked for; 0: none was
+  bool taken_ = false;
 };
 
 } // namespace ada
