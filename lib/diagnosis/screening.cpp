@@ -171,25 +171,31 @@ Differences differences(const Screened &look, const std::vector<std::size_t> &or
   return out;
 }
 
-/// The samples in the order of their places in the turn, where a reference tells those and the pair
-/// turns so far from one sample to the next that their differences are signal; empty elsewhere.
+/// The samples in the order of their places in the turn, where the shaft turns so far from one sample
+/// to the next that the pair's differences are signal; empty elsewhere. The place is that of the
+/// reference, or else the pair's own.
 std::vector<std::size_t> by_place_in_turn(const Screened &look) {
   constexpr double kFar = 0.35; // rad, electrical: beyond it the differences hold much of a turn
   const Capture &c = look.capture;
-  if (!c.has_reference())
-    return {};
+  std::vector<double> place_rad(c.size());
+  for (std::size_t i = 0; i < c.size(); ++i)
+    place_rad[i] = c.has_reference() ? c.meta.periods_per_turn * kRadPerDeg * c.reference_deg[i]
+                                     : std::atan2(c.vsin_v[i] - look.centre_sin_v,
+                                                  c.vcos_v[i] - look.centre_cos_v);
+  const double round = c.has_reference() ? c.meta.periods_per_turn * kTwoPi : kTwoPi;
   std::vector<double> steps;
   for (std::size_t i = 1; i < c.size(); ++i)
-    steps.push_back(std::abs(wrap_centred(c.reference_deg[i] - c.reference_deg[i - 1], 360.0)));
-  if (c.meta.periods_per_turn * kRadPerDeg * quantile(std::move(steps), 0.5) < kFar)
+    steps.push_back(std::abs(wrap_centred(place_rad[i] - place_rad[i - 1], round)));
+  if (quantile(std::move(steps), 0.5) < kFar)
     return {};
   std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < c.size(); ++i)
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    place_rad[i] = wrap(place_rad[i], round);
     if (look.usable[i])
       order.push_back(i);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return wrap(c.reference_deg[a], 360.0) < wrap(c.reference_deg[b], 360.0);
-  });
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return place_rad[a] < place_rad[b]; });
   return order;
 }
 
@@ -233,15 +239,24 @@ double white_noise(const Screened &look) {
         std::vector<double>{1, 0, -3, 0, 3, 0, -1},
         std::vector<double>{1, 0, -5, 0, 10, 0, -10, 0, 5, 0, -1}})
     take({}, weights);
-  if (const std::vector<std::size_t> order = by_place_in_turn(look); !order.empty())
+  const std::array in_time = least;
+  const std::vector<std::size_t> order = by_place_in_turn(look);
+  if (!order.empty())
     for (const std::vector<double> &weights : {first, second, third})
       take(order, weights);
+  // At neighbouring angles of the pair's own only what lies along the vector differs.
+  const double along_v = least[2];
+  const bool by_own_place = !order.empty() && !look.capture.has_reference();
+  if (by_own_place)
+    least = in_time;
   // The median of |x y| with x normal and y a sine is 0.745 of what its rms would have it: noise in
   // one direction can look that much less, and where the vector has more it has moved.
   constexpr double kMostHidden = 1.0 / 0.745,
                    kOfMedian = 1.03; // the latter: a median's own scatter
   const double channels = std::hypot(least[0], least[1]), vector = std::hypot(least[2], least[3]);
   const bool of_noise = vector < kOfMedian * kMostHidden * channels;
+  if (by_own_place && channels / std::numbers::sqrt2 > kOfMedian * kMostHidden * along_v)
+    return along_v; // from one row to the next the pair moves
   return least[0] < kInfinite ? std::max(channels, of_noise ? vector : 0.0) / std::numbers::sqrt2
                               : 0.0;
 }

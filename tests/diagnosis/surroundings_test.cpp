@@ -71,6 +71,32 @@ KIND(a_supply_that_sags_is_no_episode_of_the_pair) {
   EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
 }
 
+/// A water wheel of which a row is kept every so many turns: from one to the next the pair is
+/// anywhere on its circle, and only the circle tells what noise is.
+KIND(a_wheel_that_is_read_every_few_turns_turns) {
+  Bench bench;
+  constexpr double kEach_s = 20.0;
+  const double turns = bench.within(2.35, 2.45), slow = kTwoPi / (900.0 * kEach_s);
+  const double phase = bench.within(0.0, kTwoPi), by = bench.within(30.0, 60.0);
+  Capture c = bench.capture(4000, 1.0 / kEach_s, 1, [=](double t) {
+    return kTwoPi * (turns * t / kEach_s + by * std::sin(slow * t + phase));
+  });
+  c.reference_deg.clear();
+  const double sin_v = bench.within(0.01, 0.03), cos_v = -bench.within(0.01, 0.03);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double warm = 0.15 * std::sin(0.7 * slow * c.time_s[i] - phase);
+    c.vtemp_v.push_back(1.4 + warm + bench.normal(5e-4));
+    c.vsin_v[i] += sin_v * warm;
+    c.vcos_v[i] += cos_v * warm;
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *drift = named(d, "offset-temperature-drift");
+  ASSERT_TRUE(drift) << d.reason << left_of(d);
+  EXPECT_NEAR(drift->values[0], sin_v, 4.0 * drift->std_errors[0] + 1e-3) << names(d);
+  EXPECT_NEAR(drift->values[1], cos_v, 4.0 * drift->std_errors[1] + 1e-3) << names(d);
+  expect_pair(d, bench.pair, 0.002);
+}
+
 /// Stops in uneven steps of a table whose worm errs once a tooth, while the offsets wander.
 Capture table(Bench &bench, int order, double error_rad) {
   constexpr std::size_t kPlaces = 34, kReadings = 6;
