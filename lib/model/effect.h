@@ -107,6 +107,7 @@ struct EffectInfo {
   Spoils spoils = Spoils::nothing;
   bool remembers = false; ///< a reading depends on those before it
   bool repeats = false; ///< may be there several times: at other orders, frequencies, moments
+  bool affine = false;  ///< of the pair's two volts: an ellipse stays an ellipse
 };
 
 using Values = std::span<const double>;
@@ -185,6 +186,12 @@ public:
 
   /// Why this capture cannot show the effect at all; empty when it can.
   virtual std::string invisible(const Residual &) const { return {}; }
+  /// What of the effect this capture cannot show, as opposed to the rest; empty: it shows all of
+  /// it.
+  virtual std::string invisible_part(const Residual &) const { return {}; }
+  /// Whether a capture that shows the effect shows it with these values. Where it does not, they are
+  /// an alternative to what looks the same.
+  virtual bool shows(Values, const Residual &) const { return true; }
   /// Whether what was measured rules these values out, whatever the fit gains by them.
   virtual bool refuted(Values, const Residual &) const { return false; }
   /// Starting points, best first. Coordinates near zero mean: let the linear fit decide.

@@ -26,11 +26,15 @@ constexpr double kClearPower = 12.0;
 /// leaves above the motion's cut-off is a hump of that width, and no line.
 constexpr std::size_t kSurroundings = 12;
 
-/// The residual's turn of the angle at one sample, mechanical rad.
-double turn_of(const Residual &r, std::size_t i) {
-  const double s = r.model_sin_v[i] - 0.5 * r.supply_v, c = r.model_cos_v[i] - 0.5 * r.supply_v;
-  const double radius2 = s * s + c * c;
-  return radius2 > 0.0 ? (r.sin_v[i] * c - r.cos_v[i] * s) / (radius2 * r.periods) : 0.0;
+/// The residual's turn of the angle at each sample, mechanical rad.
+std::vector<double> turn_of(const Residual &r) {
+  std::vector<double> out(r.sin_v.size(), 0.0);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double s = r.model_sin_v[i] - 0.5 * r.supply_v, c = r.model_cos_v[i] - 0.5 * r.supply_v;
+    if (const double radius2 = s * s + c * c; radius2 > 0.0)
+      out[i] = (r.sin_v[i] * c - r.cos_v[i] * s) / (radius2 * r.periods);
+  }
+  return out;
 }
 
 /// Mean turn in even cells of the unwrapped angle; zeros fill up to a power of two, unless the
@@ -40,7 +44,8 @@ struct Cells {
   double turns_in_all = 0.0; ///< that the whole length stands for
 };
 
-Cells cells_of(const Residual &r, double first, double turns, double cells_a_turn, bool folded) {
+Cells cells_of(const Residual &r, const std::vector<double> &turn, double first, double turns,
+               double cells_a_turn, bool folded) {
   const auto used = static_cast<std::size_t>(std::ceil(turns * cells_a_turn)) + (folded ? 0 : 1);
   std::size_t size = folded ? used : 256;
   while (size < 2 * used && !folded) // twice as long: lines between the bins do not get lost
@@ -51,7 +56,7 @@ Cells cells_of(const Residual &r, double first, double turns, double cells_a_tur
     const double from_first = r.alpha[i] - first;
     const double way = folded ? wrap(from_first, kTwoPi) : from_first;
     const auto cell = std::min(used - 1, static_cast<std::size_t>(way / kTwoPi * cells_a_turn));
-    out.mean[cell] += static_cast<float>(turn_of(r, i));
+    out.mean[cell] += static_cast<float>(turn[i]);
     ++count[cell];
   }
   for (std::size_t k = 0; k < used; ++k)
@@ -190,31 +195,18 @@ std::vector<double> orders_at_stops(const StopMeans &stops) {
   return {static_cast<double>(best)};
 }
 
-std::vector<double> orders_of(const Residual &r) {
-  const std::size_t n = r.alpha.size();
-  constexpr std::size_t kFewestStops = 12;
-  if (const StopMeans stops = stop_means(r); stops.alpha.size() >= kFewestStops)
-    return orders_at_stops(stops);
-  if (n < 256)
-    return {};
-  const auto [low, high] = std::minmax_element(r.alpha.begin(), r.alpha.end());
-  double turns = (*high - *low) / kTwoPi, travel = 0.0;
-  for (std::size_t i = 1; i < n; ++i)
-    travel += std::abs(r.alpha[i] - r.alpha[i - 1]) / kTwoPi;
-  if (turns < 1.0)
-    return {};
-  // Where no turn follows another in one sense, all are one: whole orders show.
-  const bool folded = turns < kFewestTurns;
-  if (folded)
-    turns = 1.0;
-  const double most = static_cast<double>(kLongest) / (2.0 * turns + 2.0);
-  double a_turn = std::min(static_cast<double>(n) / travel, most);
+/// Of a motion over `turns` from one end to the other. `folded`: laid over one turn, of which whole
+/// orders show, as many as the cells tell apart; the strongest first.
+std::vector<double> lines_over_angle(const Residual &r, const std::vector<double> &turn, double low,
+                                     double turns, double a_turn, bool folded) {
   constexpr double kFewestCells = 32.0;
   if (folded && a_turn < kFewestCells)
     return {};
-  if (folded) // a transform of any other length may take long
+  if (folded) { // a transform of any other length may take long
+    turns = 1.0;
     a_turn = static_cast<double>(std::bit_floor(static_cast<std::size_t>(a_turn)));
-  const Cells cells = cells_of(r, *low, turns, a_turn, folded);
+  }
+  const Cells cells = cells_of(r, turn, low, turns, a_turn, folded);
   std::vector<std::complex<float>> line;
   Eigen::FFT<float> fft;
   fft.fwd(line, cells.mean);
@@ -257,7 +249,46 @@ std::vector<double> orders_of(const Residual &r) {
   return orders;
 }
 
+std::vector<double> orders_of(const Residual &r) {
+  const std::size_t n = r.alpha.size();
+  constexpr std::size_t kFewestStops = 12;
+  if (const StopMeans stops = stop_means(r); stops.alpha.size() >= kFewestStops)
+    return orders_at_stops(stops);
+  if (n < 256)
+    return {};
+  const double low = *std::min_element(r.alpha.begin(), r.alpha.end()), turns = r.arc_turns();
+  double travel = 0.0;
+  for (std::size_t i = 1; i < n; ++i)
+    travel += std::abs(r.alpha[i] - r.alpha[i - 1]) / kTwoPi;
+  if (!(turns > 0.0))
+    return {};
+  // Where no turn follows another in one sense, all are one: whole orders show.
+  const bool folded = turns >= 1.0 && turns < kFewestTurns;
+  const double most = static_cast<double>(kLongest) / (2.0 * std::max(1.0, turns) + 2.0);
+  const double a_turn = std::min(static_cast<double>(n) / travel, most);
+  std::vector<double> orders;
+  const std::vector<double> turn = turn_of(r);
+  if (folded)
+    orders = lines_over_angle(r, turn, low, turns, a_turn, true);
+  // Others, and those of a part of a turn, once they come often enough to be no course of it.
+  for (const double order : lines_over_angle(r, turn, low, turns, a_turn, false))
+    if ((turns >= kFewestTurns || order * turns >= kFewestPeriodsOfOrder) &&
+        std::none_of(orders.begin(), orders.end(),
+                     [&](double o) { return std::abs(o - order) < 2.0 / turns; }))
+      orders.push_back(order);
+  return orders;
+}
+
 } // namespace
+
+double Residual::arc_turns() const {
+  return arc.get([&] {
+    if (alpha.empty())
+      return 0.0;
+    const auto [low, high] = std::minmax_element(alpha.begin(), alpha.end());
+    return (*high - *low) / kTwoPi;
+  });
+}
 
 const std::vector<double> &find_orders(const Residual &residual) {
   return residual.orders.get([&] { return orders_of(residual); });

@@ -45,6 +45,7 @@ public:
   bool both_directions = false, several_speeds = false;
   std::string why_no_temperature; ///< empty when the capture shows a range of temperatures
   double turns = 0.0;             ///< mechanical, whatever their sense
+  double arc_turns() const;       ///< from one end of the motion to the other; asked often
   double fastest_omega = 0.0;     ///< rad/s, mechanical
   int periods = 2;
   double amplitude_v = 1.0, noise_v = 0.0, supply_v = 5.0;
@@ -59,6 +60,7 @@ public:
   std::span<const double> alpha;                    ///< mechanical angle, rad
   AskedOften<std::vector<double>> orders;           ///< of find_orders
   AskedOften<double> slowest;                       ///< of slowest_speed
+  AskedOften<double> arc;                           ///< of arc_turns
 };
 
 struct StepGuess {
@@ -80,8 +82,12 @@ std::vector<double> find_modulations(const Residual &residual);
 /// Levels at which the signal stops below what the model expects, as values of `clipping`.
 std::vector<std::vector<double>> find_clipping(const Residual &residual);
 
+/// What comes round less often over the way from one end of a motion to the other is a course of the
+/// motion, or of time, and no order of the turn.
+inline constexpr double kFewestPeriodsOfOrder = 6.0;
+
 /// Orders of the turn, whole or not, at which the angle of the residual shows lines against the
-/// angle; the strongest first. Empty below two turns.
+/// angle; the strongest first.
 const std::vector<double> &find_orders(const Residual &residual);
 
 /// Slowest speed, rad/s, of a motion that without a reference tells a ripple of the shaft, which

@@ -4,6 +4,10 @@
 // The reference's own periodic error of another order than 1: line interpolation, a gear. It reads
 // alpha + e sin(n alpha + phase), n not always whole. Nothing is wrong with the sensor.
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+
 #include "model/effects/common.h"
 
 namespace ada {
@@ -37,21 +41,26 @@ constexpr EffectInfo kInfo{.id = "reference-harmonic",
 /// What changes within the record widens a line of order 1: near it nothing is of another order.
 constexpr double kOfEccentricity = 0.25;
 
-constexpr double kFewestTurns = 6.0; ///< from which on orders apart by a sixth are told apart
-
-/// What comes round less often over the record, and not with the turn, is a course of time,
-/// whatever it follows.
-constexpr double kFewestPeriods = 6.0;
+/// From so many turns on orders apart by a sixth are told apart. In fewer a field of the same order
+/// looks the same while there are few periods of it.
+constexpr double kFewestTurns = 6.0;
 
 class ReferenceHarmonic final : public ReferenceError {
 public:
   const EffectInfo &info() const override { return kInfo; }
   std::string invisible(const Residual &r) const override {
-    if (!r.has_reference)
-      return "there is no reference";
-    return r.turns < kFewestTurns ? "too few turns: a field that errs at the same order, and an "
-                                    "order that is not whole, look the same"
-                                  : "";
+    return r.has_reference ? "" : "there is no reference";
+  }
+  std::string invisible_part(const Residual &r) const override {
+    if (r.turns >= kFewestTurns)
+      return "";
+    return "of orders below " +
+           std::to_string(static_cast<int>(
+               std::ceil(std::min(kFewestPeriodsOfOrder / std::max(r.arc_turns(), 1e-6), 1e6)))) +
+           ": so few turns show a field that errs at the same order as the same";
+  }
+  bool shows(Values v, const Residual &r) const override {
+    return r.turns >= kFewestTurns || periods_seen(v, r) >= kFewestPeriodsOfOrder;
   }
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     auto out = one_of_each(3, 0, 2, 8); // order 1 is the eccentricity's
@@ -60,7 +69,7 @@ public:
     add_orders_seen(r, kParameters[0], Orders::any, out);
     std::erase_if(out, [&](const auto &v) {
       return std::abs(v[0] - 1.0) <= kOfEccentricity ||
-             (v[0] != std::round(v[0]) && v[0] * r.turns < kFewestPeriods);
+             (v[0] != std::round(v[0]) && periods_seen(v, r) < kFewestPeriodsOfOrder);
     });
     return out;
   }
@@ -87,6 +96,9 @@ public:
   }
 
 protected:
+  static double periods_seen(Values v, const Residual &r) {
+    return v[0] * (r.turns >= kFewestTurns ? r.turns : r.arc_turns());
+  }
   static constexpr double kOrderStep = 1e-6; ///< per turn: a thousandth of a radian in 160 turns
   static bool order_is_free(Values v) { return v[1] != 0.0 && v[0] != std::round(v[0]); }
   double order(Values v) const override { return v[0]; }
