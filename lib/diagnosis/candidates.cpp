@@ -11,6 +11,7 @@
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/over_samples.h"
+#include "diagnosis/wiring.h"
 #include "model/forward.h"
 
 namespace ada {
@@ -133,7 +134,8 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
     data.whiten(i, columns.model_sin[i], columns.model_cos[i], white.sin[i], white.cos[i]);
   const Residual residual =
       residual_view(scene, data, white, scene.white_noise_v, model.baseline.amplitude_v);
-  const std::vector<Variant> all = variants(scene, residual, model, signatures);
+  const BeforeWires before(model, residual);
+  const std::vector<Variant> all = variants(scene, before.view(), model, signatures);
 
   // Columns: the model's own coordinates, every variant's, and the residual last.
   const std::vector<double> x0 = coordinates_of(model), h0 = coordinate_steps(model);
@@ -225,8 +227,9 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
         added[static_cast<std::size_t>(k)] = y[k] * scale[here + k] * size;
     if (!v.linear && y[0] < 0.0)
       continue;
-    Candidate candidate{v.effect, model, gain, added.size(), v.effect->invisible(residual).empty(),
-                        {}};
+    const bool visible =
+        v.effect->invisible(before.view()).empty() && v.effect->shows(v.values, before.view());
+    Candidate candidate{v.effect, model, gain, added.size(), visible, {}};
     candidate.start.effects.push_back({v.effect, v.values, {}});
     x.insert(x.end(), added.begin(), added.end());
     candidate.start = with_coordinates(candidate.start, x);

@@ -230,5 +230,27 @@ KIND(gaps_in_a_polled_clock_make_no_spikes) {
     expect_none(diagnose(polled_by_hand(bench), {}), {"impulse-noise"});
 }
 
+/// Both leads carry a tone, against each other, and are exchanged in the plug: what is recorded of
+/// it is the other one's.
+KIND(a_tone_on_exchanged_leads_is_a_tone) {
+  Bench bench;
+  const double hz = bench.within(90.0, 200.0), from = bench.within(0.0, kTwoPi);
+  const double v = bench.within(2e-3, 4e-3);
+  Capture c = bench.capture(8000, 500.0, 1, wandering(bench, 0.7, 0.5, 0.11));
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double tone = v * std::sin(kTwoPi * hz * c.time_s[i] + from);
+    c.vsin_v[i] += tone;
+    c.vcos_v[i] -= tone;
+    std::swap(c.vsin_v[i], c.vcos_v[i]);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *tone = named(d, "periodic-interference");
+  ASSERT_TRUE(tone) << left_of(d);
+  EXPECT_NEAR(tone->values[0], hz, 0.02) << names(d);
+  EXPECT_NEAR(tone->values[1], v, 0.1 * v) << names(d);
+  EXPECT_NEAR(tone->values[2], v, 0.1 * v) << names(d);
+  EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
+}
+
 } // namespace
 } // namespace ada::test
