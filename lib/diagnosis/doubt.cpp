@@ -22,7 +22,11 @@ bool is_static(const Effect &effect) {
 
 Sizes sizes_at_rest(const Scene &scene, const Observations &data, const Model &model) {
   Sizes out;
-  out.each.push_back(std::hypot(model.baseline.offset_sin_v, model.baseline.offset_cos_v));
+  const auto add = [&](double v, bool affine) {
+    out.each.push_back(v);
+    out.affine.push_back(affine);
+  };
+  add(std::hypot(model.baseline.offset_sin_v, model.baseline.offset_cos_v), true);
   const double n = static_cast<double>(data.size());
   for (std::size_t k = 0; k < model.effects.size(); ++k) {
     const EffectInfo &info = model.effects[k].effect->info();
@@ -34,11 +38,15 @@ Sizes sizes_at_rest(const Scene &scene, const Observations &data, const Model &m
     const Model less = model.without(k);
     const double square =
         std::max(0.0, white_sum_of_squares(data, less) - white_sum_of_squares(data, model)) / n;
-    out.each.push_back(std::sqrt(square));
+    add(std::sqrt(square), info.affine);
     // A converter that keeps a part of the channel before keeps a part of what that had kept, or
     // not.
     if (ripple || info.stage == Stage::converter)
       out.own_squares += square;
+    // An error of the field is read at the shaft's place, one of the reference at its own: they
+    // differ by n a^2 / 2 at twice the order n, a times n of what a is.
+    if (const auto order = chosen(model.effects[k], "order", "per turn"); order && !ripple)
+      out.own_squares += 2.0 * *order / model.periods_per_turn * square;
   }
   return out;
 }
@@ -70,7 +78,8 @@ double second_order(const Scene &scene, const Observations &data, const Model &m
   double sum = sizes.own_squares;
   for (std::size_t a = 0; a < sizes.each.size(); ++a)
     for (std::size_t b = 0; b < a; ++b)
-      sum += sizes.each[a] * sizes.each[b];
+      if (!(sizes.affine[a] && sizes.affine[b]))
+        sum += sizes.each[a] * sizes.each[b];
   const double amplitude = model.baseline.amplitude_v;
   return std::min(0.35 * sum / amplitude, 6e-4 * amplitude);
 }

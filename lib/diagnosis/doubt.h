@@ -19,6 +19,9 @@ bool is_static(const Effect &effect);
 /// Sizes of the offsets and of every effect that acts at rest, V rms of the pair.
 struct Sizes {
   std::vector<double> each;
+  /// Whether what it does to the pair is a linear map and a shift, of two of which the product is
+  /// one, too: an ellipse stays an ellipse, in whatever order.
+  std::vector<bool> affine;
   double own_squares = 0.0; ///< of those that may be the leading term of something else
   double sum() const { return std::accumulate(each.begin(), each.end(), 0.0); }
 };

@@ -167,12 +167,16 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
 double second_order_floor(const Model &model, const SearchResult &found) {
   constexpr double kPart = 0.3, kMost = 5e-4; // of the product; of the amplitude
   const double offsets = std::hypot(model.baseline.offset_sin_v, model.baseline.offset_cos_v);
-  double sum = 0.0;
-  for (std::size_t k = 0; k < found.order.size(); ++k)
-    if (!found.fit.model.effects[found.order[k]].effect->info().recorded)
-      sum += found.contribution[k];
+  double sum = 0.0, bent = 0.0; // bent: of what makes of an ellipse something else
+  for (std::size_t k = 0; k < found.order.size(); ++k) {
+    const EffectInfo &info = found.fit.model.effects[found.order[k]].effect->info();
+    if (info.recorded)
+      continue;
+    sum += found.contribution[k];
+    bent += info.affine ? 0.0 : found.contribution[k];
+  }
   const double amplitude = model.baseline.amplitude_v;
-  return std::min(kPart * sum * (sum + offsets) / amplitude, kMost * amplitude);
+  return std::min(kPart * bent * (sum + offsets) / amplitude, kMost * amplitude);
 }
 
 } // namespace ada

@@ -23,7 +23,8 @@ constexpr EffectInfo kInfo{.id = "amplitude-mismatch",
                            .parameters = kParameters,
                            .correctable = true,
                            .separations = kSeparations,
-                           .prior_rank = 0};
+                           .prior_rank = 0,
+                           .affine = true};
 
 class AmplitudeMismatch final : public Effect {
 public:

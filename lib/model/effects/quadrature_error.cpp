@@ -23,7 +23,8 @@ constexpr EffectInfo kInfo{.id = "quadrature-error",
                            .parameters = kParameters,
                            .correctable = true,
                            .separations = kSeparations,
-                           .prior_rank = 0};
+                           .prior_rank = 0,
+                           .affine = true};
 
 class QuadratureError final : public Effect {
 public:
