@@ -272,7 +272,8 @@ double Search::doubt_v(const Model &model) const {
 namespace {
 
 /// Whether an effect has an order that no product of two others has: those of the catalogue reach
-/// to kNamedPeriods electrical periods, each product to twice that, or as far about another order.
+/// to kNamedPeriods electrical periods, each product to twice that, or as far about another order
+/// and about twice that order.
 bool above_products(const Model &model, std::size_t effect) {
   const double reach = criteria::kNamedPeriods * model.periods_per_turn;
   const auto order = chosen(model.effects[effect], "order", "per turn");
@@ -280,7 +281,8 @@ bool above_products(const Model &model, std::size_t effect) {
     return false;
   for (std::size_t k = 0; k < model.effects.size(); ++k)
     if (const auto other = chosen(model.effects[k], "order", "per turn");
-        k != effect && other && std::abs(*other - *order) <= reach)
+        k != effect && other &&
+        std::min(std::abs(*other - *order), std::abs(2.0 * *other - *order)) <= reach)
       return false;
   return true;
 }
@@ -368,12 +370,25 @@ bool Search::helps_everywhere(const State &with, const State &less) const {
                               turns / criteria::kTurnsOfStretch})));
   if (stretches < criteria::kFewestStretchesOfGain)
     return true;
-  std::vector<double> of_stretch(stretches, 0.0);
-  for (std::size_t i = 0; i < data.size(); ++i)
-    of_stretch[i * stretches / data.size()] += gain[i];
+  // What a reference rounds stays the same for as long as it counts no further: of a shaft that
+  // rests all readings are one, and what each stretch is worth is known from so many only.
+  const bool rounded = reference_step_rad(data_.scene->screened) > 0.0;
+  std::vector<double> of_stretch(stretches, 0.0), squares(stretches, 0.0);
+  for (std::size_t i = 0; i < data.size();) {
+    const std::size_t stretch = i * stretches / data.size();
+    double run = gain[i++];
+    while (rounded && i < data.size() && data.alpha[i] == data.alpha[i - 1] &&
+           i * stretches / data.size() == stretch)
+      run += gain[i++];
+    of_stretch[stretch] += run;
+    squares[stretch] += rounded ? run * run : 0.0;
+  }
   double better = 0.0, worse = 0.0;
-  for (double g : of_stretch)
-    (g > 0.0 ? better : worse) += std::abs(g);
+  for (std::size_t k = 0; k < stretches; ++k)
+    if (of_stretch[k] > 0.0)
+      better += of_stretch[k];
+    else
+      worse += std::max(0.0, -of_stretch[k] - criteria::kHarmByChance * std::sqrt(squares[k]));
   return worse < criteria::kMostHarm * better;
 }
 
@@ -391,7 +406,9 @@ double Search::unknown_v(const State &now) const {
     return beyond(white_sum_of_squares(data_.train, now.fit.model) /
                       (2.0 * static_cast<double>(data_.train.size())),
                   noise * noise);
-  const ResidualColumns left = residuals_alone(data_.train, now.fit.model);
+  ResidualColumns left = residual_columns(data_.train, now.fit.model);
+  for (std::size_t i = 0; i < left.sin.size(); ++i)
+    data_.train.whiten(i, left.model_sin[i], left.model_cos[i], left.sin[i], left.cos[i]);
   const double all_v2 = 0.5 * (mean_square(left.sin) + mean_square(left.cos));
   const auto between = [&](auto at) {
     double sum = 0.0;

@@ -192,7 +192,9 @@ inline constexpr double kRadiusWorse = 1.1;
 /// A cause that helps in one part of the record and harms in another: the harm may be this part of
 /// the help. The stretches that tell are each worth so many nats, of which chance makes none
 /// negative (their standard deviation is the root of twice as many), and hold so many turns.
+/// Where their standard errors are measured, harm counts beyond so many of them.
 inline constexpr double kMostHarm = 0.25, kNatsOfStretch = 20.0, kTurnsOfStretch = 1.0;
+inline constexpr double kHarmByChance = 2.0;
 inline constexpr double kMostStretchesOfGain = 20.0;
 inline constexpr std::size_t kFewestStretchesOfGain = 4;
 /// A cause must be this part of what nobody knows of the residual: of an unknown structure the

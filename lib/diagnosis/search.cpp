@@ -331,7 +331,10 @@ bool Search::shake(State &now) {
   if (shaken_)
     return false;
   const double rms = std::sqrt(now.fit.rss / (2.0 * static_cast<double>(data_.train.size())));
-  const bool loud = rms >= criteria::kShaken * std::max(noise_v_, data_.scene->white_noise_v);
+  // Beside what has no name, what that leaves over is the noise.
+  const double rest_v = data_.train.coloured ? std::sqrt(data_.train.coloured->rest_v2()) : 0.0;
+  const bool loud =
+      rms >= criteria::kShaken * std::max({noise_v_, data_.scene->white_noise_v, rest_v});
   const bool shared = shared_with_signature(now.fit.model);
   if (!(loud || shared) || now.fit.model.effects.size() > given_ + criteria::kMostShaken)
     return false;

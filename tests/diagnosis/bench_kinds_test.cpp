@@ -163,6 +163,36 @@ KIND(a_tone_near_the_frequency_of_the_pair_is_one_tone_without_a_reference) {
   EXPECT_EQ(tones, 1u) << names(d);
 }
 
+/// Most of what the gain does between a cold capture and a warm one lies along the direction of a
+/// supply that is not recorded: what the offsets do stands out of what is left across it.
+KIND(a_cold_and_a_warm_capture_show_drift_and_no_wander) {
+  Bench bench;
+  const double tc = bench.within(-0.02, -0.01), warm_v = bench.within(0.8, 1.2);
+  const double tc_sin = -bench.within(0.015, 0.02), tc_cos = -bench.within(0.025, 0.03);
+  const double stray = bench.within(1.5e-3, 2.5e-3), direction = bench.within(0.0, kTwoPi);
+  std::vector<std::shared_ptr<const Capture>> captures;
+  for (int k = 0; k < 2; ++k) {
+    const auto shaft = wandering(bench, 0.4, 0.7, 0.13);
+    Capture c = bench.capture(5000, 200.0, 1, [&](double t) {
+      return shaft(t) + stray * std::sin(direction - shaft(t));
+    });
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+      c.vtemp_v.push_back(1.2 + k * warm_v + bench.normal(3e-4));
+      c.vsin_v[i] += k * warm_v * (tc * (c.vsin_v[i] - 2.5) + tc_sin);
+      c.vcos_v[i] += k * warm_v * (tc * (c.vcos_v[i] - 2.5) + tc_cos);
+    }
+    captures.push_back(std::make_shared<Capture>(std::move(c)));
+  }
+  const Diagnosis d = diagnose(*join(captures), {});
+  const Finding *offset = named(d, "offset-temperature-drift"),
+                *amplitude = named(d, "amplitude-temperature-drift");
+  ASSERT_TRUE(offset && amplitude) << left_of(d);
+  EXPECT_NEAR(offset->values[0], tc_sin, 0.05 * std::abs(tc_sin)) << names(d);
+  EXPECT_NEAR(offset->values[1], tc_cos, 0.05 * std::abs(tc_cos)) << names(d);
+  expect_none(d, {"offset-wander", "gain-wander"});
+}
+
 KIND(captures_may_have_another_zero_of_the_reference) {
   Bench bench;
   const double stray = bench.within(0.01, 0.04), direction = bench.within(0.0, kTwoPi);
