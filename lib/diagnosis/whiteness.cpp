@@ -75,36 +75,14 @@ public:
     const double least = static_cast<double>(criteria::kMemory * criteria::kMemory);
     if (turn > kTwoPi / least) // structure is not the same then
       return;
-    std::vector<double> sum(2 * criteria::kMemory + 1, 0.0), count = sum;
-    const std::span<const int> judged(parts.judged.data(),
-                                      std::min<std::size_t>(2, parts.judged.size()));
-    for (std::size_t lag = 0; lag < sum.size(); ++lag)
-      for (std::size_t i = 0; i + lag < data.size(); ++i) {
-        if (data.time[i + lag] - data.time[i] >
-            (static_cast<double>(lag) + 0.5) * data.frame_period_s)
-          continue;
-        for (int k : judged)
-          sum[lag] += parts.of[k][i] * parts.of[k][i + lag];
-        count[lag] += static_cast<double>(judged.size());
-      }
-    for (std::size_t lag = 0; lag < sum.size(); ++lag)
-      sum[lag] /= std::max(1.0, count[lag]);
-    double plateau = 0.0;
-    for (std::size_t lag = criteria::kMemory + 1; lag < sum.size(); ++lag)
-      plateau += sum[lag] / static_cast<double>(criteria::kMemory);
-    const double own = sum[0] - std::max(0.0, plateau);
-    if (!(own > 0.0))
-      return;
-    std::vector<double> of(criteria::kMemory);
-    double all = 1.0;
-    for (std::size_t lag = 1; lag <= criteria::kMemory; ++lag)
-      all += 2.0 * (of[lag - 1] = (sum[lag] - std::max(0.0, plateau)) / own);
-    // Each correlation of n samples of white noise has an error of the root of 1/n.
-    const double error = 2.0 * std::sqrt(static_cast<double>(criteria::kMemory) / count[0]);
-    if (all < 1.0 + criteria::kClearErrors * error)
-      return;
-    correlation_ = std::move(of);
-    rms_v_ = std::sqrt(own);
+    // What averages or filters does so to both channels: along the vector the noise remembers itself
+    // for as long as across it. What does so in one of the two only is a motion, or a gain.
+    constexpr std::size_t kAlong = 2, kAcross = 3;
+    *this = Memory(data, parts.of[kAlong]);
+    if (parts.judged.size() > 1)
+      if (Memory across(data, parts.of[kAcross]);
+          across.rms_v() * across.of_means() < rms_v() * of_means())
+        *this = std::move(across);
   }
 
   /// Rms of noise that remembers itself, V; 0: it is white.
@@ -127,6 +105,36 @@ public:
   }
 
 private:
+  Memory(const Observations &data, const std::vector<double> &noise) {
+    std::vector<double> sum(2 * criteria::kMemory + 1, 0.0), count = sum;
+    for (std::size_t lag = 0; lag < sum.size(); ++lag)
+      for (std::size_t i = 0; i + lag < data.size(); ++i) {
+        if (data.time[i + lag] - data.time[i] >
+            (static_cast<double>(lag) + 0.5) * data.frame_period_s)
+          continue;
+        sum[lag] += noise[i] * noise[i + lag];
+        count[lag] += 1.0;
+      }
+    for (std::size_t lag = 0; lag < sum.size(); ++lag)
+      sum[lag] /= std::max(1.0, count[lag]);
+    double plateau = 0.0;
+    for (std::size_t lag = criteria::kMemory + 1; lag < sum.size(); ++lag)
+      plateau += sum[lag] / static_cast<double>(criteria::kMemory);
+    const double own = sum[0] - std::max(0.0, plateau);
+    if (!(own > 0.0))
+      return;
+    std::vector<double> of(criteria::kMemory);
+    double all = 1.0;
+    for (std::size_t lag = 1; lag <= criteria::kMemory; ++lag)
+      all += 2.0 * (of[lag - 1] = (sum[lag] - std::max(0.0, plateau)) / own);
+    // Each correlation of n samples of white noise has an error of the root of 1/n.
+    const double error = 2.0 * std::sqrt(static_cast<double>(criteria::kMemory) / count[0]);
+    if (all < 1.0 + criteria::kClearErrors * error)
+      return;
+    correlation_ = std::move(of);
+    rms_v_ = std::sqrt(own);
+  }
+
   static constexpr double kLeastDensity = 0.05; ///< what few lags leave negative
   std::vector<double> correlation_;             ///< at lags 1, 2, ...
   double rms_v_ = 0.0;
