@@ -215,7 +215,7 @@ Anonymous anonymous_alike(const Scene &scene, const Parts &parts, const Model &m
   Anonymous out =
       with_basis(scene, halves_of(parts, model), zero_of(model), other.orders, other.lines,
                  other.steps_s, {.over_time = !parts.second_capture}, parts.recent.get());
-  out.selection = select(out.basis, out.from, other.selection.columns);
+  out.selection = select(out.basis, out.from, other.selection.columns, other.selection.ridge);
   return out;
 }
 

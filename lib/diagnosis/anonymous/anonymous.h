@@ -59,7 +59,8 @@ private:
 Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model,
                        Asked asked = {});
 
-/// The same with the columns that were chosen for another model, in place of its own choice.
+/// The same with the columns that were chosen for another model and the prior that their
+/// coefficients had there, in place of its own choice.
 Anonymous anonymous_alike(const Scene &scene, const Parts &parts, const Model &model,
                           const Anonymous &other);
 

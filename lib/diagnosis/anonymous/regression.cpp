@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <optional>
+#include <utility>
 
 #include "diagnosis/anonymous/column_sums.h"
 #include "diagnosis/anonymous/pieces.h"
@@ -27,10 +29,15 @@ namespace {
 /// decomposition of the whole holds those of all leading parts.
 class Nested {
 public:
-  /// `left`: about the part of the sum of squares that these columns leave.
+  /// `left`: about the part of the sum of squares that these columns leave. `known_ridge`:
+  /// from elsewhere.
   Nested(const Products &from, std::vector<Eigen::Index> columns, const Eigen::VectorXd &stiffness,
-         double left = 1.0)
+         double left = 1.0, std::optional<double> known_ridge = std::nullopt)
       : from_(from), columns_(std::move(columns)), stiffness_(stiffness(columns_)), left_(left) {
+    if (known_ridge) {
+      decompose(*known_ridge);
+      return;
+    }
     const double n = std::max(1.0, from.n_train), k = stiffness_.cwiseInverse().sum();
     const Eigen::Index last = from.train.rows() - 1;
     const double all = std::max(from.train(last, last), 1e-300);
@@ -194,9 +201,10 @@ Selection select(const Basis &basis, const Products &from) {
   return out;
 }
 
-Selection select(const Basis &basis, const Products &from, std::vector<Eigen::Index> columns) {
+Selection select(const Basis &basis, const Products &from, std::vector<Eigen::Index> columns,
+                 std::optional<double> ridge) {
   Selection out;
-  const Nested nested(from, columns, basis.stiffness());
+  const Nested nested(from, columns, basis.stiffness(), 1.0, ridge);
   out.values = nested.values(columns.size());
   out.ridge = nested.ridge();
   out.noise_v2 = nested.heldout(out.values) / std::max(1.0, from.n_heldout);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "diagnosis/anonymous/basis.h"
@@ -52,8 +53,10 @@ struct Selection {
 /// Axes in their order, on each the highest order that held-out data confirm most.
 Selection select(const Basis &basis, const Products &from);
 
-/// The same with columns that were chosen elsewhere; no orders or shares.
-Selection select(const Basis &basis, const Products &from, std::vector<Eigen::Index> columns);
+/// The same with columns that were chosen elsewhere; no orders or shares. `ridge`: of that choice,
+/// for what may be less to explain: a narrower prior would hold back the same coefficients more.
+Selection select(const Basis &basis, const Products &from, std::vector<Eigen::Index> columns,
+                 std::optional<double> ridge = std::nullopt);
 
 /// Takes the selection out of a residual.
 void subtract(const Basis &basis, const Selection &selection, const Observations &data,
