@@ -374,6 +374,21 @@ Model fit_on_the_way(const Parts &parts, Model model, int most_steps) {
   return model;
 }
 
+/// A part of a model that leaves more than the one before: of two causes that cancel each other in
+/// part the first is too large without the second, and what has no name, beside which it is fitted,
+/// takes the difference and is no part of the rung. Fitted without that it stands by itself.
+Rung fitted_by_itself(const Parts &parts, Model &step, Rung after) {
+  if (!parts.train.coloured)
+    return after;
+  const Uncoloured uncoloured(parts);
+  Model plain = fit_on_the_way(uncoloured.parts(), step, 5);
+  Rung other = parts.rung(plain);
+  if (other.heldout.log_likelihood < after.heldout.log_likelihood)
+    return after;
+  step = std::move(plain);
+  return other;
+}
+
 std::vector<std::string> ids_of(const std::vector<Rival> &rivals) {
   std::vector<std::string> out;
   for (const Rival &r : rivals)
@@ -444,8 +459,11 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     for (EffectInstance &earlier : step.effects)
       if (const EffectInstance *last = same_instance(model, earlier))
         earlier.values = last->values;
-    step = i + 1 == found.order.size() ? model : fit_on_the_way(parts, step, 5);
-    const Rung after = parts.rung(step);
+    const bool last = i + 1 == found.order.size();
+    step = last ? model : fit_on_the_way(parts, step, 5);
+    Rung after = parts.rung(step);
+    if (!last && after.heldout.log_likelihood < out.last.heldout.log_likelihood)
+      after = fitted_by_itself(parts, step, std::move(after));
     out.models.push_back(step);
     out.findings.push_back(
         {e.effect,

@@ -125,33 +125,66 @@ Taken taken(const Scene &scene, Parts parts, const Model &model, std::size_t eff
 
 namespace {
 
+/// Puts causes of a fitted model, from one place on, to those that were found.
+void take_back(const Parts &parts, const Model &less, FitResult fitted, SearchResult &found) {
+  const double without_v2 = left_v2(parts, less), with_v2 = left_v2(parts, fitted.model);
+  for (std::size_t k = less.effects.size(); k < fitted.model.effects.size(); ++k) {
+    found.order.push_back(k);
+    found.contribution.push_back(std::sqrt(std::max(0.0, without_v2 - with_v2)));
+    found.alternatives.emplace_back();
+  }
+  found.fit.model = std::move(fitted.model);
+}
+
+/// Those of the first model that were not found in the end.
+std::vector<EffectInstance> missing_of(const Model &first, const Model &found) {
+  std::vector<EffectInstance> out;
+  for (const EffectInstance &e : first.effects)
+    if (std::none_of(found.effects.begin(), found.effects.end(),
+                     [&](const EffectInstance &o) { return o.effect == e.effect; }))
+      out.push_back(e);
+  return out;
+}
+
+/// Whether each cause of a fitted model, from one place on, is needed beside the others: without it
+/// held-out data are less likely.
+bool each_is_needed(const Parts &parts, const Model &with, std::size_t from) {
+  const double n = static_cast<double>(parts.heldout.size()), with_v2 = left_v2(parts, with);
+  for (std::size_t k = from; k < with.effects.size(); ++k) {
+    const Model less = fit(parts.train, with.without(k), kRefit).model;
+    if (n * std::log(left_v2(parts, less) / std::max(with_v2, criteria::kLeastMeanSquare)) <
+        criteria::kLeastNats)
+      return false;
+  }
+  return true;
+}
+
 /// A cause that explains most of what is left without it is a finding although what has no name
 /// could stand for it: many free columns follow a capture into corners that one cause does not
-/// have.
+/// have. So are two that explain most of it together and neither by itself, as they cancel each
+/// other in part.
 bool take_back_what_explains_most(const Scene &scene, Parts parts, const Model &first,
                                   SearchResult &found) {
   bool any = false;
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
-  for (const EffectInstance &e : first.effects) {
-    const auto &has = found.fit.model.effects;
-    if (std::any_of(has.begin(), has.end(),
-                    [&](const EffectInstance &o) { return o.effect == e.effect; }))
-      continue;
+  const auto try_back = [&](const std::vector<EffectInstance> &causes) {
     const Model less = fit(parts.train, found.fit.model, kRefit).model;
     Model with = less;
-    with.effects.push_back(e);
+    with.effects.insert(with.effects.end(), causes.begin(), causes.end());
     FitResult fitted = fit(parts.train, with, kRefit);
     if (!fitted.determined ||
-        !takes_most(parts, fitted.model, less, *e.effect, anonymous_of(scene, parts, less)))
-      continue;
-    found.order.push_back(fitted.model.effects.size() - 1);
-    found.contribution.push_back(
-        std::sqrt(std::max(0.0, left_v2(parts, less) - left_v2(parts, fitted.model))));
-    found.alternatives.emplace_back();
-    found.fit.model = std::move(fitted.model);
+        !takes_most(parts, fitted.model, less, *causes.front().effect,
+                    anonymous_of(scene, parts, less)) ||
+        (causes.size() > 1 && !each_is_needed(parts, fitted.model, less.effects.size())))
+      return;
+    take_back(parts, less, std::move(fitted), found);
     any = true;
-  }
+  };
+  for (const EffectInstance &e : missing_of(first, found.fit.model))
+    try_back({e});
+  if (const auto missing = missing_of(first, found.fit.model); missing.size() == 2)
+    try_back(missing);
   return any;
 }
 
@@ -202,15 +235,15 @@ void drop_what_has_no_name(const Scene &scene, Parts parts, SearchResult &found)
   }
 }
 
-/// Mean square, V^2 of a channel, that an order of the structure has which repeats with the angle
-/// and has no name, weighted by itself: of the orders that carry it, not of those that happen to be
-/// in.
-double comb_v2(const Anonymous &left) {
+/// Mean square, V^2 of a channel, that an order of the structure has which repeats with the angle, or
+/// a line of the spectrum, and has no name, weighted by itself: of those that carry it, not of those
+/// that happen to be in.
+double comb_v2(const Anonymous &left, Axis axis) {
   std::map<int, double> of_order;
   for (std::size_t k = 0; k < left.selection.columns.size(); ++k) {
     const Group &group =
         left.basis.groups()[static_cast<std::size_t>(left.selection.columns[k] / 2)];
-    if (group.axis == Axis::angle && group.order != kOfBaseline)
+    if (group.axis == axis && group.order != kOfBaseline)
       of_order[group.order] +=
           0.5 * std::pow(left.selection.values[static_cast<Eigen::Index>(k)], 2);
   }
@@ -222,9 +255,16 @@ double comb_v2(const Anonymous &left) {
   return sum > 0.0 ? squares / sum : 0.0;
 }
 
-/// One order of many that repeat with the angle is no cause of its own: it must stand out of what
-/// has no name.
-void drop_orders_of_a_comb(const Scene &scene, Parts parts, SearchResult &found) {
+/// Whether a cause is one order of the turn, or one line of the spectrum.
+bool is_one_of(const EffectInstance &e, Axis axis) {
+  if (axis == Axis::angle)
+    return chosen(e, "order").has_value();
+  const auto line = e.effect->one_line(e.values);
+  return line && line->per == OneLine::Per::second;
+}
+
+/// One order or line of many is no cause of its own: it must stand out of what has no name.
+void drop_what_is_of_a_comb(const Scene &scene, Parts parts, SearchResult &found, Axis axis) {
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
   for (;;) {
@@ -233,7 +273,7 @@ void drop_orders_of_a_comb(const Scene &scene, Parts parts, SearchResult &found)
     double least = 0.0;
     for (std::size_t place = 0; place < found.order.size(); ++place) {
       const std::size_t at = found.order[place];
-      if (!chosen(model.effects[at], "order"))
+      if (!is_one_of(model.effects[at], axis))
         continue;
       const double v2 = std::pow(moved_rms_v(parts.heldout, model, at), 2);
       if (least_place == found.order.size() || v2 < least) {
@@ -242,7 +282,7 @@ void drop_orders_of_a_comb(const Scene &scene, Parts parts, SearchResult &found)
       }
     }
     if (least_place == found.order.size() ||
-        least > criteria::kAboveComb * comb_v2(anonymous_of(scene, parts, model)))
+        least > criteria::kAboveComb * comb_v2(anonymous_of(scene, parts, model), axis))
       return;
     found.forget(least_place);
     found.fit.model = fit(parts.train, found.fit.model, kRefit).model;
@@ -487,7 +527,8 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
       break;
     exchanged = better.has_value();
   }
-  drop_orders_of_a_comb(start.scene, parts, found);
+  for (const Axis axis : {Axis::angle, Axis::frequency})
+    drop_what_is_of_a_comb(start.scene, parts, found, axis);
   drop_signatures_that_bring_forth(start.scene, start.judge, parts, found);
   if (take_back_what_explains_most(start.scene, parts, first, found))
     colour(start.scene, parts, found.fit.model);
