@@ -197,20 +197,32 @@ constexpr double kWidestSlip = 5.0 * kRadPerDeg;
 /// Standard deviations of a gap from which on one is told by itself.
 constexpr double kSlipStandsOut = 12.0;
 
+/// How far the shaft turns from one row to the next about a jump, rad.
+double step_at(const Screened &look, const Jump &jump) {
+  return jump.fine.error > 0.0 ? jump.fine.speed * median_step(look.capture.time_s)
+                               : jump.per_frame;
+}
+
+/// How far from a whole number of rows a loss may lie. The least is so much whatever the error says.
+double tolerance(const Screened &look, const Jump &jump) {
+  constexpr double kFinest = 0.06, kCoarsest = 0.15; // of a sample
+  const bool fine = jump.fine.error > 0.0;
+  const double error = std::abs((fine ? jump.fine.error : jump.error) / step_at(look, jump));
+  return std::max(whole(error, look.capture.has_reference()), fine ? kFinest : kCoarsest);
+}
+
 /// Samples lost at a jump, or 0 when it is no whole number of them in the sense of the rotation.
 /// The angle is known up to whole periods only: a loss that turns the shaft by most of one looks
 /// like a jump back. Without a reference a small one may be a slip and stays what it seems.
 /// `believed`: the record is known to lose samples, and the number need not be seen to be whole.
 double samples_lost(const Screened &look, const Jump &jump, bool believed = false) {
   constexpr double kMostWraps = 3.0;
-  constexpr double kFinest = 0.06, kCoarsest = 0.15; // of a sample, whatever the error says
   const Capture &c = look.capture;
   if (jump.at_rest()) // nothing is seen to be lost
     return 0.0;
   const double period = kTwoPi / (c.has_reference() ? 1.0 : c.meta.periods_per_turn);
   const bool fine = jump.fine.error > 0.0;
-  const double least = fine ? kFinest : kCoarsest;
-  const double per_frame = fine ? jump.fine.speed * median_step(c.time_s) : jump.per_frame;
+  const double per_frame = step_at(look, jump);
   const double error = std::abs((fine ? jump.fine.error : jump.error) / per_frame);
   const double seen = (fine ? jump.fine.size : jump.gap) / per_frame;
   if ((!fine && std::abs(seen) < 2.5) ||
@@ -222,8 +234,7 @@ double samples_lost(const Screened &look, const Jump &jump, bool believed = fals
     const double lost = seen + wraps * period / std::abs(per_frame);
     if (lost < 2.5 || lost < 6.0 * error)
       continue;
-    if (believed ||
-        std::abs(lost - std::round(lost)) < std::max(whole(error, c.has_reference()), least))
+    if (believed || std::abs(lost - std::round(lost)) < tolerance(look, jump))
       return lost;
   }
   return 0.0;
@@ -337,6 +348,29 @@ bool is_at_once(const Screened &look, const std::vector<double> &angle, const Ju
   return most > kHalf * std::abs(jump.gap) - kErrors * error;
 }
 
+/// Whether the shaft goes on about a jump as it does beside it: at a rest a little way off on
+/// either side it went from one place to another, which is no loss of rows, whatever its speed
+/// between.
+bool goes_on(const Screened &look, const Jump &jump) {
+  constexpr std::size_t kNear = 20, kFar = 60; // rows: beyond a move of a few and what it swings by
+  constexpr double kRests = 0.25;              // of the speed about the jump
+  const double least = kRests * std::abs(step_at(look, jump));
+  // By most of its steps, which another move leaves alone, and by its way, which noise does.
+  const auto moves = [&](std::size_t from, std::size_t to) {
+    to = std::min(to, look.angle.size());
+    if (to < from + 2) // an end says nothing
+      return true;
+    std::vector<double> steps;
+    for (std::size_t i = from + 1; i < to; ++i)
+      steps.push_back(std::abs(look.angle[i] - look.angle[i - 1]));
+    const double way = std::abs(look.angle[to - 1] - look.angle[from]);
+    return way > least * static_cast<double>(steps.size()) &&
+           quantile(std::move(steps), 0.5) > least;
+  };
+  const auto back = [&](std::size_t by) { return jump.at > by ? jump.at - by : 0; };
+  return moves(back(kFar), back(kNear)) || moves(jump.at + kNear, jump.at + kFar);
+}
+
 /// Leaves out what lies about a jump, its edges that passed for spikes included.
 void mark(Screened &look, std::size_t centre, std::size_t half) {
   const std::size_t from = centre > half ? centre - half : 0;
@@ -377,6 +411,8 @@ bool screen_losses(Screened &look, const Effect &effect) {
         return samples_lost(look, jump) != 0.0 || (may_be_loss(jump) && seen_before(jump));
       }) >= kProof;
   for (const Jump &jump : jumps) {
+    if (look.capture.has_reference() && !goes_on(look, jump))
+      continue;
     const double lost =
         samples_lost(look, jump, may_be_loss(jump) && (believed || seen_before(jump)));
     if (lost == 0.0 || (look.capture.has_reference() ? pair_turns_on(look, jump)

@@ -47,6 +47,105 @@ KIND(a_wire_that_breaks_is_seen_though_the_shaft_comes_to_rest) {
   expect_pair(d, bench.pair, 0.003);
 }
 
+/// A joint that swings over a part of a turn, read on its motor's side: the gear between errs at an
+/// order that comes often on the way, and shows though no turn is whole.
+KIND(an_order_of_a_gear_shows_in_a_part_of_a_turn) {
+  Bench bench;
+  const double way = bench.within(0.4, 0.9) * kTwoPi, hz = bench.within(0.1, 0.2);
+  const double order = std::round(bench.within(80.0, 240.0));
+  const double e = bench.within(0.04, 0.06) * kRadPerDeg, phase = bench.within(0.0, kTwoPi);
+  const auto angle = [=](double t) { return 0.5 * way * std::sin(kTwoPi * hz * t); };
+  Capture c = bench.capture(8000, 500.0, 1, angle);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double a = angle(c.time_s[i]);
+    c.reference_deg[i] = wrap((a + e * std::sin(order * a + phase)) * kDegPerRad, 360.0);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "reference-harmonic");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], order, 0.1) << names(d);
+  EXPECT_NEAR(f->values[1] * kRadPerDeg, e, 0.1 * e) << names(d);
+  expect_pair(d, bench.pair, 0.002);
+}
+
+/// An actuator that goes from place to place in a few rows and rests there: each move is as long as
+/// that of lost rows at its mean speed, and none is a whole number of them but by chance.
+KIND(a_shaft_that_moves_and_rests_loses_no_rows) {
+  Bench bench;
+  constexpr double kEach_s = 0.1, kLeg_s = 12.0;
+  constexpr std::size_t kRows = 6000;
+  const double settles = bench.within(5.0, 7.0), swings = bench.within(3.0, 5.0); // 1/s, rad/s
+  std::vector<double> places{0.0};
+  while (static_cast<double>(places.size()) < 2.0 + kRows * kEach_s / kLeg_s)
+    places.push_back(bench.within(-0.45, 0.45));
+  const auto angle = [&](double t) {
+    const auto leg = static_cast<std::size_t>(t / kLeg_s);
+    const double since = t - static_cast<double>(leg) * kLeg_s;
+    const double left = std::exp(-settles * since) * std::cos(swings * since);
+    return places[leg + 1] + (places[leg] - places[leg + 1]) * left;
+  };
+  Capture c = bench.capture(kRows, 1.0 / kEach_s, 2, angle);
+  for (double &r : c.reference_deg)
+    r = wrap(r + bench.normal(2e-3), 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_none(d, {"sample-loss", "angle-slip"});
+  expect_pair(d, bench.pair, 0.003);
+}
+
+/// A record that loses rows while the speed changes all the time: none of the losses is seen to be
+/// a whole number of rows, and the shaft turns on about each.
+KIND(a_shaft_that_turns_unevenly_loses_rows) {
+  Bench bench;
+  const double hz = bench.within(0.4, 0.7), by = bench.within(0.1, 0.2);
+  const auto angle = [=](double t) {
+    return kTwoPi * hz * (t - by / 7.0 * std::cos(7.0 * t) - 0.05 / 2.3 * std::cos(2.3 * t));
+  };
+  const Capture whole = bench.capture(9000, 500.0, 1, angle);
+  Capture c;
+  c.meta = whole.meta;
+  constexpr std::size_t kEvery = 1100;
+  std::size_t lost = 0, events = 0, skip = 0;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    if (i % kEvery == kEvery - 1) {
+      skip = static_cast<std::size_t>(bench.within(30.0, 60.0));
+      lost += skip;
+      ++events;
+    }
+    if (skip > 0) {
+      --skip;
+      continue;
+    }
+    c.time_s.push_back(whole.time_s[c.time_s.size()]); // the clock runs on
+    c.vsin_v.push_back(whole.vsin_v[i]);
+    c.vcos_v.push_back(whole.vcos_v[i]);
+    c.reference_deg.push_back(whole.reference_deg[i]);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "sample-loss");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], static_cast<double>(events), 1.0) << names(d);
+  EXPECT_NEAR(f->values[1], static_cast<double>(lost), 0.2 * static_cast<double>(lost)) << names(d);
+}
+
+/// A crank that turns some nine times while its slide's weight makes it uneven: knots of the motion
+/// at every half turn would follow that, and it is nowhere at rest.
+KIND(a_ripple_of_order_one_shows_in_nine_turns) {
+  Bench bench;
+  const double hz = bench.within(0.65, 0.75), ripple = bench.within(0.6, 2.0) * kRadPerDeg;
+  const double from = bench.within(0.0, kTwoPi);
+  Capture c = bench.capture(6500, 500.0, 1, [=](double t) {
+    const double even = kTwoPi * hz * (t + 0.05 * std::sin(0.3 * t));
+    return even + ripple * std::sin(even + from);
+  });
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "rotation-nonuniformity");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_EQ(f->values[0], 1.0) << names(d);
+  EXPECT_NEAR(f->values[1] * kRadPerDeg, ripple, 0.05 * ripple) << names(d);
+  expect_pair(d, bench.pair, 0.003);
+}
+
 /// A slow shaft whose record ends on a peak that is cut off, as every peak is.
 KIND(a_record_that_ends_on_a_cut_off_peak_has_no_broken_channel) {
   Bench bench;
