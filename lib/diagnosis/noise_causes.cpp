@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -304,6 +305,17 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   out.rate_error = std::sqrt(hits) / n;
   out.amplitude_v = std::sqrt(std::max(square - noise2, 0.0));
   out.amplitude_error_v = out.amplitude_v / std::sqrt(2.0 * channels * hits);
+  if (scene.radius_only) {
+    // Only what lies along the vector shows: all of a spike's rms where both channels have one at
+    // once, and its share of root 2 where it is one of them. The middle of the two, and half of
+    // their distance as an error.
+    constexpr double kMiddle = 0.5 * (1.0 + std::numbers::sqrt2),
+                     kHalf = 0.5 * (std::numbers::sqrt2 - 1.0);
+    const double along_v = std::sqrt(std::max(2.0 * mean_square(values) - noise2, 0.0));
+    out.amplitude_v = kMiddle * along_v;
+    out.amplitude_error_v =
+        std::hypot(kHalf * along_v, out.amplitude_v / std::sqrt(2.0 * hits));
+  }
 
   // What the knowledge of the spikes is worth on turns that no fit has seen.
   std::vector<char> judged(scene.all.size(), heldout.empty());
