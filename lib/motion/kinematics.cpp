@@ -70,8 +70,10 @@ std::vector<double> local_slopes(std::span<const double> x, std::span<const doub
 /// least every twentieth of the record; for turns that went by between two samples at even times
 /// between them, and no more than set both sides free of each other. Unusable stretches get several
 /// knots, so that what lies on both sides of them does not have to fit together.
+/// `slow_turns`: in a twentieth of the record a shaft that makes less is followed that often.
 std::vector<double> knots_by_travel(std::span<const double> time, std::span<const double> angle,
-                                    std::span<const char> usable, std::span<const char> dense) {
+                                    std::span<const char> usable, std::span<const char> dense,
+                                    double slow_turns) {
   std::vector<double> knots{time.front()};
   double travel = 0.0;
   const double longest = (time.back() - time.front()) / 20.0;
@@ -120,7 +122,7 @@ std::vector<double> knots_by_travel(std::span<const double> time, std::span<cons
     travel += std::abs(angle[i] - angle[i - 1]);
     ++inside;
     const bool far = travel >= (dense[i] ? 0.2 : 0.75) * kTwoPi;
-    const bool late = time[i] - knots.back() > longest && travel < 0.5 * kTwoPi;
+    const bool late = time[i] - knots.back() > longest && travel < slow_turns * kTwoPi;
     if ((far || late || bends(i)) && inside >= 8 && time[i] > knots.back()) {
       knots.push_back(time[i]);
       last = speed[i];
@@ -192,32 +194,46 @@ std::vector<double> split_by(std::vector<double> knots, std::span<const double> 
 }
 
 /// The same by the plainest motion that does: one cubic over the whole record, as of a steady spin
-/// or an even run-up, where knots take no more of the residual than they do of noise. Knots follow
-/// a ripple of order 1 in part, and what both can do neither is known to do.
+/// or an even run-up, or few knots, where more of them take no more of the residual than they do of
+/// noise. Knots follow a ripple of order 1 in part, the more the closer they stand, and what both
+/// can do neither is known to do.
 std::vector<double> split(std::span<const double> time, std::span<const double> angle,
                           std::span<const char> usable, std::span<const char> dense, int orders,
                           SmoothMotion &out, const std::vector<double> &falls) {
-  constexpr double kChance = 4.0; // standard deviations of what knots take of noise
-  const std::vector<double> knots = knots_by_travel(time, angle, usable, dense);
+  constexpr double kChance = 4.0;              // standard deviations of what knots take of noise
+  constexpr double kSlow = 0.5, kAtRest = 0.1; // turns in a twentieth of the record
+  std::vector<double> knots = knots_by_travel(time, angle, usable, dense, kSlow);
   const auto squares = [&](const std::vector<double> &residual) {
     double sum = 0.0;
     for (std::size_t i = 0; i < residual.size(); ++i)
       sum += usable[i] ? residual[i] * residual[i] : 0.0;
     return sum;
   };
-  SmoothMotion plain = out;
-  std::vector<double> plain_residual =
-      split_by({time.front(), time.back()}, time, angle, usable, orders, plain, falls);
-  std::vector<double> residual = split_by(knots, time, angle, usable, orders, out, falls);
+  const SmoothMotion before = out;
+  const auto most = static_cast<double>(knots.size());
+  std::vector<double> fewer = knots_by_travel(time, angle, usable, dense, kAtRest);
+  const bool are_fewer = fewer.size() < knots.size();
+  std::vector<double> residual =
+      split_by(std::move(knots), time, angle, usable, orders, out, falls);
+  const double least = squares(residual);
   const auto used = static_cast<double>(std::count(usable.begin(), usable.end(), char{1}));
-  const double more = static_cast<double>(knots.size()) - 2.0;
-  const double freedom =
-      std::max(1.0, used - more - 4.0 - 2.0 * (orders + (falls.empty() ? 0 : kFallingOrders)));
-  const double by_chance = (more + kChance * std::sqrt(2.0 * more)) / freedom;
-  if (squares(plain_residual) > squares(residual) * (1.0 + by_chance))
-    return residual;
-  out = std::move(plain);
-  return plain_residual;
+  const auto does_as_well = [&](std::vector<double> plainer) {
+    const double more = most - static_cast<double>(plainer.size());
+    const double freedom =
+        std::max(1.0, used - more - 4.0 - 2.0 * (orders + (falls.empty() ? 0 : kFallingOrders)));
+    const double by_chance = (more + kChance * std::sqrt(2.0 * more)) / freedom;
+    SmoothMotion plain = before;
+    std::vector<double> left =
+        split_by(std::move(plainer), time, angle, usable, orders, plain, falls);
+    if (squares(left) > least * (1.0 + by_chance))
+      return false;
+    out = std::move(plain);
+    residual = std::move(left);
+    return true;
+  };
+  if (!does_as_well({time.front(), time.back()}) && are_fewer)
+    does_as_well(std::move(fewer));
+  return residual;
 }
 
 /// Widens every unusable stretch by `travel` on both sides; single bad samples stay single.
