@@ -128,8 +128,14 @@ TEST(FindOrders, FindsWholeOrdersWhereNoTurnFollowsAnother) {
   EXPECT_EQ(orders.front(), 20.0);
 }
 
-TEST(FindOrders, IsQuietWhereThereAreNoTurnsOrNoLines) {
-  EXPECT_TRUE(find_orders(Turning(0.8, 3000, 1e-3, {20.0}, 1e-2).residual).empty());
+TEST(FindOrders, FindsOneInAPartOfATurnThatItComesOftenIn) {
+  const std::vector<double> seen = find_orders(Turning(0.8, 3000, 1e-3, {20.0}, 1e-2).residual);
+  ASSERT_FALSE(seen.empty());
+  EXPECT_NEAR(seen.front(), 20.0, 1.0 / 0.8); // as far as so short a way tells
+}
+
+TEST(FindOrders, IsQuietWhereNothingComesOftenOrThereAreNoLines) {
+  EXPECT_TRUE(find_orders(Turning(0.8, 3000, 1e-3, {5.0}, 1e-2).residual).empty());
   EXPECT_TRUE(find_orders(Turning(10.0, 3000, 0.0, {}, 0.0).residual).empty());
 }
 
