@@ -203,25 +203,19 @@ double step_at(const Screened &look, const Jump &jump) {
                                : jump.per_frame;
 }
 
-/// How far from a whole number of rows a loss may lie. The least is so much whatever the error says.
-double tolerance(const Screened &look, const Jump &jump) {
-  constexpr double kFinest = 0.06, kCoarsest = 0.15; // of a sample
-  const bool fine = jump.fine.error > 0.0;
-  const double error = std::abs((fine ? jump.fine.error : jump.error) / step_at(look, jump));
-  return std::max(whole(error, look.capture.has_reference()), fine ? kFinest : kCoarsest);
-}
-
 /// Samples lost at a jump, or 0 when it is no whole number of them in the sense of the rotation.
 /// The angle is known up to whole periods only: a loss that turns the shaft by most of one looks
 /// like a jump back. Without a reference a small one may be a slip and stays what it seems.
 /// `believed`: the record is known to lose samples, and the number need not be seen to be whole.
 double samples_lost(const Screened &look, const Jump &jump, bool believed = false) {
   constexpr double kMostWraps = 3.0;
+  constexpr double kFinest = 0.06, kCoarsest = 0.15; // of a sample, whatever the error says
   const Capture &c = look.capture;
   if (jump.at_rest()) // nothing is seen to be lost
     return 0.0;
   const double period = kTwoPi / (c.has_reference() ? 1.0 : c.meta.periods_per_turn);
   const bool fine = jump.fine.error > 0.0;
+  const double least = fine ? kFinest : kCoarsest;
   const double per_frame = step_at(look, jump);
   const double error = std::abs((fine ? jump.fine.error : jump.error) / per_frame);
   const double seen = (fine ? jump.fine.size : jump.gap) / per_frame;
@@ -234,7 +228,8 @@ double samples_lost(const Screened &look, const Jump &jump, bool believed = fals
     const double lost = seen + wraps * period / std::abs(per_frame);
     if (lost < 2.5 || lost < 6.0 * error)
       continue;
-    if (believed || std::abs(lost - std::round(lost)) < tolerance(look, jump))
+    if (believed ||
+        std::abs(lost - std::round(lost)) < std::max(whole(error, c.has_reference()), least))
       return lost;
   }
   return 0.0;
@@ -393,7 +388,9 @@ std::vector<std::string> other_jumps(const Effect &effect) {
 bool screen_losses(Screened &look, const Effect &effect) {
   constexpr std::ptrdiff_t kProof = 2;
   double events = 0.0, samples = 0.0;
-  const std::vector<Jump> jumps = jumps_of(look);
+  std::vector<Jump> jumps = jumps_of(look);
+  if (look.capture.has_reference())
+    std::erase_if(jumps, [&](const Jump &jump) { return !goes_on(look, jump); });
   const auto seen_before = [&](const Jump &jump) {
     constexpr std::size_t kNear = 8;
     return std::any_of(look.lost_before.begin(), look.lost_before.end(), [&](std::size_t at) {
@@ -411,8 +408,6 @@ bool screen_losses(Screened &look, const Effect &effect) {
         return samples_lost(look, jump) != 0.0 || (may_be_loss(jump) && seen_before(jump));
       }) >= kProof;
   for (const Jump &jump : jumps) {
-    if (look.capture.has_reference() && !goes_on(look, jump))
-      continue;
     const double lost =
         samples_lost(look, jump, may_be_loss(jump) && (believed || seen_before(jump)));
     if (lost == 0.0 || (look.capture.has_reference() ? pair_turns_on(look, jump)
