@@ -264,7 +264,12 @@ bool is_one_of(const EffectInstance &e, Axis axis) {
 }
 
 /// One order or line of many is no cause of its own: it must stand out of what has no name.
-void drop_what_is_of_a_comb(const Scene &scene, Parts parts, SearchResult &found, Axis axis) {
+void drop_what_is_of_a_comb(const Scene &scene, const Parts &all, SearchResult &found, Axis axis) {
+  const auto &effects = found.fit.model.effects;
+  if (std::none_of(found.order.begin(), found.order.end(),
+                   [&](std::size_t at) { return is_one_of(effects[at], axis); }))
+    return;
+  Parts parts = all;
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
   for (;;) {

@@ -27,6 +27,9 @@ bool is_of_wires(const EffectInfo &info) {
 }
 
 Wires wires_of(const Model &model, double mid_v) {
+  if (std::none_of(model.effects.begin(), model.effects.end(),
+                   [](const EffectInstance &e) { return is_of_wires(e.effect->info()); }))
+    return {};
   const auto wave = std::make_unique<Wave>();
   wave->n = 2;
   wave->mid_v = mid_v;

@@ -209,7 +209,6 @@ std::vector<double> split(std::span<const double> time, std::span<const double> 
       sum += usable[i] ? residual[i] * residual[i] : 0.0;
     return sum;
   };
-  const SmoothMotion before = out;
   const auto most = static_cast<double>(knots.size());
   std::vector<double> fewer = knots_by_travel(time, angle, usable, dense, kAtRest);
   const bool are_fewer = fewer.size() < knots.size();
@@ -222,7 +221,8 @@ std::vector<double> split(std::span<const double> time, std::span<const double> 
     const double freedom =
         std::max(1.0, used - more - 4.0 - 2.0 * (orders + (falls.empty() ? 0 : kFallingOrders)));
     const double by_chance = (more + kChance * std::sqrt(2.0 * more)) / freedom;
-    SmoothMotion plain = before;
+    SmoothMotion plain;
+    plain.spikes = out.spikes; // no fit makes those, nor unmakes them
     std::vector<double> left =
         split_by(std::move(plainer), time, angle, usable, orders, plain, falls);
     if (squares(left) > least * (1.0 + by_chance))
