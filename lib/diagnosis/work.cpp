@@ -406,14 +406,14 @@ void Work::note_invisible(const Effect &effect) {
   const Residual facts =
       residual_view(scene_, scene_.all, none, noise_, out_.extended.baseline.amplitude_v);
   std::string why = effect.invisible(facts);
-  const bool named = std::any_of(out_.findings.begin(), out_.findings.end(),
-                                 [&](const Finding &f) { return f.effect == &effect; });
-  if (why.empty() && !named)
-    why = effect.invisible_part(facts);
   if (why.empty() && scene_.lag_in_zeros && is_common_delay(effect.info()))
     why = "each capture has one speed and a zero angle of its own, which holds the delay";
   if (why.empty() && scene_.radius_only && needs_motion(effect))
     why = "without a reference, and with a shaft that turns unevenly, only the radius is judged";
+  const bool named = std::any_of(out_.findings.begin(), out_.findings.end(),
+                                 [&](const Finding &f) { return f.effect == &effect; });
+  if (why.empty() && !named)
+    why = effect.invisible_part(facts);
   if (!why.empty())
     out_.invisible.push_back({std::string(effect.info().id), why});
 }

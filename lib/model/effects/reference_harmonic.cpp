@@ -57,7 +57,7 @@ public:
     return "of orders below " +
            std::to_string(static_cast<int>(
                std::ceil(std::min(kFewestPeriodsOfOrder / std::max(r.arc_turns(), 1e-6), 1e6)))) +
-           ": so few turns show a field that errs at the same order as the same";
+           ": in so few turns a field that errs at the same order looks the same";
   }
   bool shows(Values v, const Residual &r) const override {
     return r.turns >= kFewestTurns || periods_seen(v, r) >= kFewestPeriodsOfOrder;
