@@ -6,12 +6,20 @@
 # Sourced by tools/demo, tools/package, tests/run and tests/prepare: nothing else installs or
 # downloads, but for what does so in a chroot.
 
+# checksum_package [ARCHITECTURE]: what the build takes checksums from there.
+checksum_package() {
+  case ${1:-$(dpkg --print-architecture)} in
+    amd64 | arm64) echo libisal-dev ;;
+    *) echo libdeflate-dev ;;
+  esac
+}
+
 # What is needed for what: a new package goes here and nowhere else. `kernel` is for the tests that
 # boot a kernel or read its source; `where-offered` is not in every release (Debian 13 has no
 # dt-schema), and what needs it is skipped there.
 declare -A PACKAGES=(
   [build]="g++ cmake ninja-build pkgconf libiio-dev libgpiod-dev libeigen3-dev libhwy-dev
-    libcli11-dev libdeflate-dev libfmt-dev libncurses-dev libtomlplusplus-dev nlohmann-json3-dev
+    libcli11-dev $(checksum_package) libfmt-dev libncurses-dev libtomlplusplus-dev nlohmann-json3-dev
     zlib1g-dev libsqlite3-dev libboost-dev python3"
   [python]="pybind11-dev python3-dev python3-numpy"
   [docs]="doxygen mandoc mkdocs device-tree-compiler"

@@ -7,7 +7,7 @@
 
 # What programs and tests are linked with, and the foreign programs that tests start.
 FOREIGN_PACKAGES=(libiio-dev libgpiod-dev libeigen3-dev libhwy-dev libcli11-dev libfmt-dev
-                  libdeflate-dev libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev libsqlite3-dev
+                  "$(checksum_package "$ARCH")" libtomlplusplus-dev nlohmann-json3-dev zlib1g-dev libsqlite3-dev
                   libboost-dev libncurses-dev libgtest-dev libumockdev-dev)
 # From libiio-utils on: what tests start.
 TOOL_PACKAGES=("g++-$TRIPLET" cmake ninja-build pkgconf device-tree-compiler python3 binutils
