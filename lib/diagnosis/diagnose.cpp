@@ -4,6 +4,7 @@
 #include "diagnosis/diagnose.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -19,22 +20,34 @@ bool is_of_motion(const Finding &f) {
   return f.effect->info().stage == Stage::motion && f.effect->info().evidence == Evidence::signal;
 }
 
+/// What naming a cause took off, V rms.
+double taken_off_v(const Finding &f) {
+  const double before = f.before.in_sample.residual_rms_v, after = f.after.in_sample.residual_rms_v;
+  return std::sqrt(std::max(0.0, before * before - after * after));
+}
+
 /// Whether a reading that leaves something over says less of the sensor than one by the radius
-/// alone, which leaves nothing: what more it says is a ripple of the shaft, or it says nothing more
-/// and the other does. Then the shaft turns unevenly, and not by that ripple.
+/// alone, which leaves nothing: what more it says is a ripple of the shaft that is smaller than
+/// what is left, or it says nothing more and the other does. Then the shaft turns unevenly, and not
+/// by that ripple. One that is larger is what the shaft does, and the rest is what it does besides.
 bool is_the_shafts_alone(const Diagnosis &with_motion, const Diagnosis &by_radius) {
-  const auto ripples =
-      std::count_if(with_motion.findings.begin(), with_motion.findings.end(), is_of_motion);
-  const auto of_sensor = static_cast<std::ptrdiff_t>(with_motion.findings.size()) - ripples;
-  const bool says_more = static_cast<std::ptrdiff_t>(by_radius.findings.size()) > of_sensor;
-  if (!by_radius.structure.empty() || with_motion.structure.empty() || !(ripples > 0 || says_more))
+  if (!by_radius.structure.empty() || with_motion.structure.empty())
     return false;
-  return std::all_of(with_motion.findings.begin(), with_motion.findings.end(),
-                     [&](const Finding &f) {
-                       return is_of_motion(f) ||
-                              std::any_of(by_radius.findings.begin(), by_radius.findings.end(),
-                                          [&](const Finding &g) { return g.effect == f.effect; });
-                     });
+  double left_v = 0.0;
+  for (const Structure &s : with_motion.structure)
+    left_v = std::max(left_v, s.rms_v);
+  std::size_t ripples = 0;
+  for (const Finding &f : with_motion.findings) {
+    if (is_of_motion(f)) {
+      if (taken_off_v(f) > left_v)
+        return false;
+      ++ripples;
+    } else if (std::none_of(by_radius.findings.begin(), by_radius.findings.end(),
+                            [&](const Finding &g) { return g.effect == f.effect; })) {
+      return false;
+    }
+  }
+  return ripples > 0 || by_radius.findings.size() > with_motion.findings.size();
 }
 
 } // namespace

@@ -228,8 +228,8 @@ double samples_lost(const Screened &look, const Jump &jump, bool believed = fals
     const double lost = seen + wraps * period / std::abs(per_frame);
     if (lost < 2.5 || lost < 6.0 * error)
       continue;
-    if (believed ||
-        std::abs(lost - std::round(lost)) < std::max(whole(error, c.has_reference()), least))
+    const double within = whole(error, c.has_reference());
+    if (believed || (within > 0.0 && std::abs(lost - std::round(lost)) < std::max(within, least)))
       return lost;
   }
   return 0.0;
@@ -303,12 +303,38 @@ void leave_out_pairs(std::vector<Jump> &jumps) {
   std::erase_if(jumps, [&](const Jump &) { return paired[k++] != 0; });
 }
 
+/// Whether two places are of one jump.
+bool same_place(std::size_t one, std::size_t other) {
+  constexpr std::size_t kNear = 8;
+  return std::max(one, other) - std::min(one, other) < kNear;
+}
+
+/// Whether a look at the pair as it came took this jump for a loss.
+bool seen_before(const Screened &look, const Jump &jump) {
+  return std::any_of(look.lost_before.begin(), look.lost_before.end(),
+                     [&](std::size_t at) { return same_place(at, jump.at); });
+}
+
+/// What was taken for a loss before is measured again where it no longer stands out by itself.
+void measure_again(const Screened &look, std::vector<Jump> &jumps) {
+  const double frame = median_step(look.capture.time_s);
+  for (std::size_t at : look.lost_before) {
+    if (std::any_of(jumps.begin(), jumps.end(),
+                    [&](const Jump &jump) { return same_place(at, jump.at); }))
+      continue;
+    if (const Gap gap = gap_at(look.capture.time_s, look.angle, look.usable, at); gap.error > 0.0)
+      jumps.push_back({at, gap.size, gap.speed * frame, gap.error, gap});
+  }
+  std::sort(jumps.begin(), jumps.end(), [](const Jump &a, const Jump &b) { return a.at < b.at; });
+}
+
 std::vector<Jump> jumps_of(const Screened &look) {
   if (!look.capture.has_reference()) {
     std::vector<Jump> jumps = find_jumps(look, look.angle, 12, 1e-5);
     leave_out_pairs(jumps);
     for (Jump &jump : jumps)
       jump.fine = gap_at(look.capture.time_s, look.angle, look.usable, jump.at);
+    measure_again(look, jumps);
     return jumps;
   }
   return find_jumps(look, reference_angle(look.capture), 6, 4e-6);
@@ -343,10 +369,13 @@ bool is_at_once(const Screened &look, const std::vector<double> &angle, const Ju
   return most > kHalf * std::abs(jump.gap) - kErrors * error;
 }
 
-/// Whether the shaft goes on about a jump as it does beside it: at a rest a little way off on
-/// either side it went from one place to another, which is no loss of rows, whatever its speed
-/// between.
-bool goes_on(const Screened &look, const Jump &jump) {
+/// Whether the shaft moves a little way before and after a jump at a good part of the speed that it
+/// has about it.
+struct Sides {
+  bool before, after;
+};
+
+Sides moves_beside(const Screened &look, const Jump &jump) {
   constexpr std::size_t kNear = 20, kFar = 60; // rows: beyond a move of a few and what it swings by
   constexpr double kRests = 0.25;              // of the speed about the jump
   const double least = kRests * std::abs(step_at(look, jump));
@@ -363,7 +392,42 @@ bool goes_on(const Screened &look, const Jump &jump) {
            quantile(std::move(steps), 0.5) > least;
   };
   const auto back = [&](std::size_t by) { return jump.at > by ? jump.at - by : 0; };
-  return moves(back(kFar), back(kNear)) || moves(jump.at + kNear, jump.at + kFar);
+  return {moves(back(kFar), back(kNear)), moves(jump.at + kNear, jump.at + kFar)};
+}
+
+/// Whether the shaft goes on about a jump as it does beside it: at a rest a little way off on
+/// either side it went from one place to another, which is no loss of rows, whatever its speed
+/// between.
+bool goes_on(const Screened &look, const Jump &jump) {
+  const Sides sides = moves_beside(look, jump);
+  return sides.before || sides.after;
+}
+
+/// Whether a jump is further than a magnet slips more than once, and further than a shaft goes from
+/// one row to the next that turns on at one speed before and after.
+bool too_far_for_a_slip(const Screened &look, const Jump &jump) {
+  constexpr double kErrors = 6.0, kAlike = 0.2; // of the gap and of the speed, by two lengths
+  const auto alike = [](double one, double other) {
+    return std::abs(one - other) < kAlike * std::abs(other);
+  };
+  if (jump.fine.error <= 0.0 || jump.at_rest() || jump.gap * jump.per_frame <= 0.0 ||
+      std::abs(jump.gap) < kWidestSlip + kErrors * jump.error || !alike(jump.fine.size, jump.gap) ||
+      !alike(step_at(look, jump), jump.per_frame))
+    return false;
+  const Sides sides = moves_beside(look, jump);
+  return sides.before && sides.after && is_at_once(look, look.angle, jump);
+}
+
+/// Without a reference, whether the record loses rows by the size of its jumps alone: one may be a
+/// slip, several in the sense of the rotation are none. That their numbers are whole need not show:
+/// a ripple of the speed hides it. Rows that come in a wrong order jump back as well.
+bool loses_by_size(const Screened &look, const std::vector<Jump> &jumps) {
+  if (look.capture.has_reference() || !std::all_of(jumps.begin(), jumps.end(), [](const Jump &j) {
+        return j.gap * j.per_frame > 0.0 || std::abs(j.gap) < kWidestSlip;
+      }))
+    return false;
+  return std::count_if(jumps.begin(), jumps.end(),
+                       [&](const Jump &j) { return too_far_for_a_slip(look, j); }) > 1;
 }
 
 /// Leaves out what lies about a jump, its edges that passed for spikes included.
@@ -391,12 +455,6 @@ bool screen_losses(Screened &look, const Effect &effect) {
   std::vector<Jump> jumps = jumps_of(look);
   if (look.capture.has_reference())
     std::erase_if(jumps, [&](const Jump &jump) { return !goes_on(look, jump); });
-  const auto seen_before = [&](const Jump &jump) {
-    constexpr std::size_t kNear = 8;
-    return std::any_of(look.lost_before.begin(), look.lost_before.end(), [&](std::size_t at) {
-      return std::max(at, jump.at) - std::min(at, jump.at) < kNear;
-    });
-  };
   // Whether a jump is one of lost samples if the record loses any: forward, or, where nothing but
   // the reading tells whole periods, so far back that it is one less than forward.
   const auto may_be_loss = [&](const Jump &jump) {
@@ -405,11 +463,14 @@ bool screen_losses(Screened &look, const Effect &effect) {
   };
   const bool believed =
       std::count_if(jumps.begin(), jumps.end(), [&](const Jump &jump) {
-        return samples_lost(look, jump) != 0.0 || (may_be_loss(jump) && seen_before(jump));
+        return samples_lost(look, jump) != 0.0 || (may_be_loss(jump) && seen_before(look, jump));
       }) >= kProof;
+  const bool by_size = loses_by_size(look, jumps);
   for (const Jump &jump : jumps) {
     const double lost =
-        samples_lost(look, jump, may_be_loss(jump) && (believed || seen_before(jump)));
+        samples_lost(look, jump,
+                     may_be_loss(jump) && (believed || seen_before(look, jump) ||
+                                           (by_size && too_far_for_a_slip(look, jump))));
     if (lost == 0.0 || (look.capture.has_reference() ? pair_turns_on(look, jump)
                                                      : turns_deny(look, look.angle, jump)))
       continue;
@@ -458,8 +519,10 @@ bool screen_slip(Screened &look, const Effect &effect) {
     return false;
   const Jump *largest = nullptr;
   const auto jumps = jumps_of(look);
+  if (loses_by_size(look, jumps))
+    return false;
   for (const Jump &jump : jumps)
-    if (samples_lost(look, jump) == 0.0 &&
+    if (samples_lost(look, jump) == 0.0 && !seen_before(look, jump) &&
         (!largest || std::abs(jump.gap) > std::abs(largest->gap)))
       largest = &jump;
   // A kink of a rough motion is no jump, nor is what repeats with the angle: one slip stands

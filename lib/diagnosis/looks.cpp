@@ -26,7 +26,7 @@ std::vector<double> corrected_angle(const Screened &look, const Model &known,
   const Capture &c = look.capture;
   const Kinematics rough = differentiate(c.time_s, look.angle, 8);
   Observations every;
-  every.time = time_with_losses(look, median_step(c.time_s));
+  every.time = time_with_losses(look);
   every.vsin = as_floats(c.vsin_v);
   every.vcos = as_floats(c.vcos_v);
   every.alpha = rough.alpha;
@@ -89,14 +89,6 @@ bool put_steps_at_jumps(const Screened &look, Model &model) {
 }
 
 } // namespace
-
-std::vector<double> time_with_losses(const Screened &look, double frame_period_s) {
-  std::vector<double> time = look.capture.time_s;
-  for (std::size_t k = 0; k < look.jumps.size(); ++k)
-    for (std::size_t i = look.jumps[k]; i < time.size(); ++i)
-      time[i] += static_cast<double>(look.jump_lost[k]) * frame_period_s;
-  return time;
-}
 
 void take_derivatives(const std::vector<double> &time_s, Observations &data) {
   if (data.supply.empty())

@@ -17,10 +17,6 @@ namespace ada {
 Screened screen(const Capture &capture, const Model *known, const Observations &surroundings,
                 std::vector<char> usable);
 
-/// The time column with the samples put back that it does not know to be lost: a tone went on while
-/// they were.
-std::vector<double> time_with_losses(const Screened &look, double frame_period_s);
-
 /// Rate and bend of the supply, for a capture that has one.
 void take_derivatives(const std::vector<double> &time_s, Observations &data);
 

@@ -139,7 +139,7 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   all.frame_period_s = median_step(capture.time_s);
   all.centre_sin_v = look.centre_sin_v;
   all.centre_cos_v = look.centre_cos_v;
-  all.time = time_with_losses(look, all.frame_period_s);
+  all.time = time_with_losses(look);
   all.vsin = as_floats(capture.vsin_v);
   all.vcos = as_floats(capture.vcos_v);
   all.alpha = std::move(motion.alpha);

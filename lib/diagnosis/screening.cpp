@@ -535,17 +535,27 @@ void look_at_record(Screened &look) {
   look.white_noise_v = white_noise(look);
 }
 
+std::vector<double> time_with_losses(const Screened &look) {
+  const double frame_period_s = median_step(look.capture.time_s);
+  std::vector<double> time = look.capture.time_s;
+  for (std::size_t k = 0; k < look.jumps.size(); ++k)
+    for (std::size_t i = look.jumps[k]; i < time.size(); ++i)
+      time[i] += static_cast<double>(look.jump_lost[k]) * frame_period_s;
+  return time;
+}
+
 SmoothMotion smooth_motion_with_losses(Screened &look, int orders) {
   std::vector<double> angle = look.angle;
-  for (std::size_t k = 0; k < look.jumps.size(); ++k)
-    for (std::size_t i = look.jumps[k]; i < angle.size(); ++i)
-      angle[i] -= look.jump_rad[k];
-  SmoothMotion smooth = smooth_motion(look.capture.time_s, angle, look.usable, orders);
+  const auto add_slips = [&](std::vector<double> &to, double times) {
+    for (std::size_t k = 0; k < look.jumps.size(); ++k)
+      for (std::size_t i = look.jumps[k]; look.jump_lost[k] == 0 && i < to.size(); ++i)
+        to[i] += times * look.jump_rad[k];
+  };
+  add_slips(angle, -1.0);
+  SmoothMotion smooth = smooth_motion(time_with_losses(look), angle, look.usable, orders);
   look.spikes.insert(look.spikes.end(), smooth.spikes.begin(), smooth.spikes.end());
   std::sort(look.spikes.begin(), look.spikes.end());
-  for (std::size_t k = 0; k < look.jumps.size(); ++k)
-    for (std::size_t i = look.jumps[k]; i < angle.size(); ++i)
-      smooth.motion.alpha[i] += look.jump_rad[k];
+  add_slips(smooth.motion.alpha, 1.0);
   return smooth;
 }
 

@@ -32,6 +32,10 @@ double share_of_circle(std::span<const double> angle, int periods);
 /// Spread of what is left of the pair's radius without what repeats with the angle, relative to it.
 double radius_left_rad(const Screened &look);
 
+/// The time column with the samples put back that it does not know to be lost: a tone went on while
+/// they were.
+std::vector<double> time_with_losses(const Screened &look);
+
 /// The smooth motion of a capture without reference, with the jumps at lost samples and slips
 /// taken as what they are.
 SmoothMotion smooth_motion_with_losses(Screened &look, int orders);

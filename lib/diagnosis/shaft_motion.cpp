@@ -237,7 +237,7 @@ Kinematics motion_by_pair(Screened &look, Scene &scene, std::vector<std::uint32_
   SmoothMotion smooth = smooth_motion_with_losses(look, kRippleOrders);
   scene.radius_only = smooth.residual_rms_rad > kRoughMotion || ripples_too_much(smooth) ||
                       more_than_the_radius(smooth, look) ||
-                      ripples_by_chance(smooth, look.capture.time_s, look.angle, look.usable);
+                      ripples_by_chance(smooth, time_with_losses(look), look.angle, look.usable);
   if (ripples_too_much(smooth)) {
     look.usable = before;
     return motion_of_the_pair_itself(look, scene);

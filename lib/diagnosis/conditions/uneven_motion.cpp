@@ -3,8 +3,10 @@
 
 #include "diagnosis/conditions/uneven_motion.h"
 
+#include <Eigen/Dense>
 #include <cmath>
 #include <complex>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -52,10 +54,38 @@ double at_order(const Kinematics &motion, std::size_t first, std::size_t last, i
   return mean != 0.0 ? std::abs(at / mean) : 0.0;
 }
 
+/// Of a turn, the least that must be usable for its ripple to be known by itself.
+constexpr double kKnownOfTurn = 0.75;
+
+/// Coefficient of an order in what a smooth motion leaves of the angle along one turn, beside its
+/// mean, from the usable samples; nothing where too much of the turn is missing. What was left out
+/// is no smooth motion, and says nothing of how the ripple differs from turn to turn.
+std::optional<std::complex<double>> left_at_order(const SmoothMotion &smooth,
+                                                  std::span<const double> angle,
+                                                  std::span<const char> usable, std::size_t first,
+                                                  std::size_t last, int order) {
+  const std::vector<double> &alpha = smooth.motion.alpha;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (std::size_t i = first; i < last; ++i) {
+    if (!usable[i])
+      continue;
+    const Eigen::Vector3d row{1.0, std::cos(order * alpha[i]), std::sin(order * alpha[i])};
+    const double way = std::abs(alpha[i + 1] - alpha[i]) / kTwoPi;
+    normal += way * row * row.transpose();
+    right += way * (angle[i] - alpha[i]) * row;
+  }
+  if (normal(0, 0) < kKnownOfTurn)
+    return std::nullopt;
+  const Eigen::Vector3d fit = normal.ldlt().solve(right);
+  return std::complex<double>{fit[1], -fit[2]};
+}
+
 /// Whether an order of what a smooth motion leaves of the angle is chance: it differs from turn to
 /// turn by more than its mean over the turns, or stands in too few turns to have been seen again.
 /// Where it falls with the speed each turn counts by its part of it.
 bool differs_by_turn(const SmoothMotion &smooth, std::span<const double> angle,
+                     std::span<const char> usable,
                      const std::vector<std::pair<std::size_t, std::size_t>> &turns, int order) {
   const std::vector<double> &alpha = smooth.motion.alpha;
   const double slowest = slowest_of_range(smooth.motion.omega);
@@ -64,20 +94,23 @@ bool differs_by_turn(const SmoothMotion &smooth, std::span<const double> angle,
   std::complex<double> sum = 0.0;
   double squares = 0.0, fourths = 0.0;
   for (const auto &[first, last] : turns) {
-    std::complex<double> of = 0.0;
-    double fall = 0.0;
-    for (std::size_t i = first; i < last; ++i) {
-      const double step = std::abs(alpha[i + 1] - alpha[i]) / kTwoPi;
-      of += (angle[i] - alpha[i]) * std::polar(1.0, -order * alpha[i]) * step;
-      fall += slowest > 0.0 ? ripple_at(smooth.motion.omega[i], slowest) * step : step;
+    const auto of = left_at_order(smooth, angle, usable, first, last, order);
+    if (!of)
+      continue;
+    double fall = 1.0;
+    if (slowest > 0.0) {
+      fall = 0.0;
+      for (std::size_t i = first; i < last; ++i)
+        fall +=
+            ripple_at(smooth.motion.omega[i], slowest) * std::abs(alpha[i + 1] - alpha[i]) / kTwoPi;
     }
-    at.push_back(of);
+    at.push_back(*of);
     part.push_back(fall);
-    sum += fall * of;
+    sum += fall * *of;
     squares += fall * fall;
     fourths += std::pow(fall, 4);
   }
-  const double effective = squares * squares / fourths;
+  const double effective = at.empty() ? 0.0 : squares * squares / fourths;
   if (effective < criteria::kFewestTurnsToRepeat)
     return true;
   const std::complex<double> mean = sum / squares;
@@ -87,7 +120,7 @@ bool differs_by_turn(const SmoothMotion &smooth, std::span<const double> angle,
   // Of so few turns the scatter is little known: the ratio is of an F distribution with 2 and
   // 2 (n - 1) degrees of freedom, which exceeds f with a probability of (1 + f / (n - 1))^-(n - 1).
   // For many turns that is e^-f, the chance of kChanceRipple.
-  const double n = static_cast<double>(turns.size()), free = effective - 1.0;
+  const double n = static_cast<double>(at.size()), free = effective - 1.0;
   const double least = free * std::expm1(criteria::kChanceRipple * criteria::kChanceRipple / free);
   return std::norm(mean) * squares < least * apart2 / (n - 1.0);
 }
@@ -139,7 +172,7 @@ bool ripples_by_chance(const SmoothMotion &smooth, std::span<const double> time,
     return true;
   if (ripple_rad < smooth.residual_rms_rad)
     return false;
-  if (differs_by_turn(smooth, angle, turns, order))
+  if (differs_by_turn(smooth, angle, usable, turns, order))
     return true;
   std::vector<double> by_turn;
   for (const auto &[first, last] : turns)
