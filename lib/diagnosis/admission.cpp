@@ -24,8 +24,7 @@ namespace ada {
 namespace {
 
 /// How far the leak of VCOS into VTEMP is from what the model makes it, in standard errors.
-double leak_left(const SearchData &data, const Model &model) {
-  const Observations &train = data.train;
+double leak_left(const Observations &train, const Model &model) {
   if (train.vtemp_on_vcos_error <= 0.0)
     return 0.0;
   return (train.vtemp_on_vcos - vtemp_on_vcos(model)) / train.vtemp_on_vcos_error;
@@ -79,12 +78,17 @@ bool leaks(const EffectInstance &e) {
   return e.effect->vtemp_on_vcos(e.values) != 0.0;
 }
 
-bool leak_unexplained(const SearchData &data, const Model &model) {
-  return 0.5 * leak_left(data, model) * leak_left(data, model) > criteria::kLeastNats;
+bool leak_unexplained(const Observations &train, const Model &model) {
+  return 0.5 * leak_left(train, model) * leak_left(train, model) > criteria::kLeastNats;
+}
+
+bool is_measured_aside(const Observations &train, const Model &model, std::size_t effect) {
+  return leaks(model.effects[effect]) && leak_unexplained(train, model.without(effect)) &&
+         !leak_unexplained(train, model);
 }
 
 double side_evidence(const SearchData &data, const Model &model) {
-  double sum = -0.5 * leak_left(data, model) * leak_left(data, model);
+  double sum = -0.5 * leak_left(data.train, model) * leak_left(data.train, model);
   // The reference's own error must show against a smooth motion, unless the motion ripples so.
   std::vector<Ripple> left = data.scene->reference_ripples;
   for (const EffectInstance &e : model.effects) {
@@ -145,7 +149,9 @@ Eigen::MatrixXd Search::own_moves(const Model &model) const {
   Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(2 * samples, n);
   for (Eigen::Index k = 0; k < n; ++k) {
     const EffectInfo &info = model.effects[static_cast<std::size_t>(k)].effect->info();
-    if (info.evidence != Evidence::signal)
+    if (info.evidence != Evidence::signal ||
+        is_measured_aside(data_.train, model,
+                          static_cast<std::size_t>(k))) // it takes no part of another
       continue;
     if (k < static_cast<Eigen::Index>(given_) && is_common_delay(info) &&
         (data_.scene->lag_in_zeros || !data_.scene->has_reference)) {
@@ -255,9 +261,8 @@ double Search::size_of(const State &with, const State &less, std::size_t effect)
   const double moved = moved_rms_v(quick_, with.fit.model, effect);
   if (data_.train.coloured) // what it gains counts against what has no name, and not against noise
     return moved;
-  const EffectInstance &e = with.fit.model.effects[effect];
-  if (leak_unexplained(data_, less.fit.model) &&
-      (leaks(e) || !leak_unexplained(data_, with.fit.model)))
+  if (leak_unexplained(data_.train, less.fit.model) &&
+      (leaks(with.fit.model.effects[effect]) || !leak_unexplained(data_.train, with.fit.model)))
     return moved;
   return std::min(volts_explained(with, less), moved);
 }

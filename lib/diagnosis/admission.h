@@ -42,7 +42,11 @@ bool shapes_the_figure(const Effect &effect);
 bool leaks(const EffectInstance &e);
 
 /// Whether VTEMP follows VCOS by more than the model has it.
-bool leak_unexplained(const SearchData &data, const Model &model);
+bool leak_unexplained(const Observations &train, const Model &model);
+
+/// Whether what shows beside the pair measures an effect: then it need not stand out in the pair,
+/// where others may look like it.
+bool is_measured_aside(const Observations &train, const Model &model, std::size_t effect);
 
 /// Log likelihood of what stands beside the pair: VTEMP and the motion of the reference.
 double side_evidence(const SearchData &data, const Model &model);

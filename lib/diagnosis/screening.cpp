@@ -301,13 +301,32 @@ std::vector<double> against_harmonics(const std::vector<double> &v,
   return out;
 }
 
+/// A value between its four nearest neighbours, by the cubic through them in time.
+double between(std::span<const double> time, const std::vector<double> &v, std::size_t i) {
+  const std::array<std::size_t, 4> at{i - 2, i - 1, i + 1, i + 2};
+  double sum = 0.0;
+  for (std::size_t a : at) {
+    double weight = 1.0;
+    for (std::size_t b : at)
+      if (a != b)
+        weight *= (time[i] - time[b]) / (time[a] - time[b]);
+    sum += weight * v[a];
+  }
+  return sum;
+}
+
 /// Residual of a channel against its four nearest neighbours: a spike stands out without any model
-/// of the angle. Where a spike hits a neighbour the wrong sample may seem to stand out; the larger
-/// one wins.
-std::vector<double> against_neighbours(const std::vector<double> &v) {
+/// of the angle. Where the clock is uneven it stands out by its rows and by its times: one of the
+/// two is what a fast shaft does between readings. Where a spike hits a neighbour the wrong sample
+/// may seem to stand out; the larger one wins.
+std::vector<double> against_neighbours(std::span<const double> time, const std::vector<double> &v) {
   std::vector<double> out(v.size(), 0.0);
-  for (std::size_t i = 2; i + 2 < v.size(); ++i)
+  for (std::size_t i = 2; i + 2 < v.size(); ++i) {
     out[i] = v[i] - (4.0 * (v[i - 1] + v[i + 1]) - v[i - 2] - v[i + 2]) / 6.0;
+    const double by_time = v[i] - between(time, v, i);
+    if (std::abs(by_time) < std::abs(out[i])) // false where times do not increase
+      out[i] = by_time;
+  }
   std::vector<double> peaks = out;
   for (std::size_t i = 2; i + 2 < v.size(); ++i)
     for (std::size_t k : {i - 2, i - 1, i + 1, i + 2})
@@ -463,13 +482,34 @@ std::vector<std::size_t> radius_spikes(const Screened &look) {
   return places;
 }
 
+/// Whether a shaft that turns on as it does before and after a place would be where it is beyond
+/// it. In a quick move a sample may depart from its neighbours too, and those lie apart by as much.
+bool is_passed_by(const Screened &look, std::size_t at, double departs_rad) {
+  constexpr std::size_t kNear = 3, kFar = 7; // rows: beyond what a filter leaves of a spike
+  constexpr double kHalf = 0.5;
+  const std::vector<double> &angle = look.angle, &time = look.capture.time_s;
+  if (at < kFar || at + kFar >= angle.size()) // an end says nothing
+    return true;
+  const auto turned = [&](std::size_t from, std::size_t to) {
+    return look.capture.meta.periods_per_turn * (angle[to] - angle[from]);
+  };
+  const auto speed = [&](std::size_t from, std::size_t to) {
+    return turned(from, to) / (time[to] - time[from]);
+  };
+  const std::size_t from = at - kNear, to = at + kNear;
+  const double due =
+      0.5 * (speed(at - kFar, from) + speed(to, at + kFar)) * (time[to] - time[from]);
+  // Which way round a spike beyond the centre took the angle says nothing.
+  return std::abs(wrap_centred(turned(from, to) - due, kTwoPi)) < kHalf * std::abs(departs_rad);
+}
+
 bool screen_spikes(Screened &look, const Effect &effect) {
   const Capture &c = look.capture;
   const std::vector<double> angle = c.has_reference() ? reference_angle(c) : std::vector<double>();
   std::vector<char> hit(c.size(), 0);
   double sum = 0.0, values = 0.0, samples = 0.0;
   for (const auto *v : {&c.vsin_v, &c.vcos_v}) {
-    const auto beside = against_neighbours(*v);
+    const auto beside = against_neighbours(c.time_s, *v);
     const auto residual = c.has_reference() ? against_harmonics(*v, angle, look.usable) : beside;
     std::vector<std::size_t> places, standing;
     find_spikes(residual, 8.0, look.white_noise_v, places);
@@ -477,8 +517,9 @@ bool screen_spikes(Screened &look, const Effect &effect) {
     std::erase_if(places, [&](std::size_t i) {
       return !std::binary_search(standing.begin(), standing.end(), i);
     });
+    const double half = range_of(*v, look.usable).half;
     for (std::size_t i : places) {
-      if (!look.usable[i])
+      if (!look.usable[i] || (!c.has_reference() && !is_passed_by(look, i, residual[i] / half)))
         continue;
       hit[i] = 1;
       sum += residual[i] * residual[i];

@@ -135,7 +135,7 @@ bool Search::forward(State &now) {
     const Effect *effect;
     double worth;
   };
-  const bool unexplained = leak_unexplained(data_, now.fit.model);
+  const bool unexplained = leak_unexplained(data_.train, now.fit.model);
   std::vector<Option> options;
   std::size_t physical = 0, signatures = 0;
   std::map<std::string_view, std::size_t> beyond_angle; // by axis
@@ -227,6 +227,7 @@ bool Search::backward(State &now) {
         size > least_of_noise(effect) * noise_v_ &&
         beyond_doubt(size, now.fit.model, k, doubt_v(less.fit.model)) &&
         (effect.info().prior_rank == 0 || // expected, and not the likeliest of many
+         is_measured_aside(data_.train, now.fit.model, k) ||
          stands_out(now, k, std::min(size, own_v))) &&
         helps_everywhere(now, less);
     if (worth_it)

@@ -152,7 +152,9 @@ bool Work::drop_what_harms() {
     const double less = before.log_likelihood - after.log_likelihood;
     const double harm =
         whole_harms && likelier ? *after.angle_error_rms_deg - *before.angle_error_rms_deg : less;
-    const bool by_itself = f.effect->info().prior_rank > 0 && less * samples > criteria::kRivalNats;
+    const bool by_itself = f.effect->info().prior_rank > 0 &&
+                           less * samples > criteria::kRivalNats &&
+                           !is_measured_aside(parts_.train, found_.fit.model, found_.order[i]);
     if ((whole_harms || by_itself) && harm > most) {
       most = harm;
       worst = i;
@@ -244,7 +246,8 @@ bool Work::drop_what_the_length_denies() {
   for (std::size_t place = 0; place < found_.order.size(); ++place) {
     const std::size_t at = found_.order[place];
     const Effect &effect = *model.effects[at].effect;
-    if (effect.info().prior_rank == 0 || !shapes_the_figure(effect))
+    if (effect.info().prior_rank == 0 || !shapes_the_figure(effect) ||
+        is_measured_aside(parts_.train, model, at))
       continue;
     const Model less = fit(parts_.train, model.without(at), 5).model;
     if (nats_between(ada::radius_left(parts_.heldout, less),
