@@ -32,11 +32,14 @@ double mean_square(const std::vector<double> &x) {
 void split(const Observations &data, const ResidualColumns &rest, std::vector<double> &along,
            std::vector<double> &across) {
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const double s = rest.model_sin[i] - data.centre_sin_v;
-    const double c = rest.model_cos[i] - data.centre_cos_v;
-    const double length = std::max(std::hypot(s, c), 1e-12);
-    along.push_back((rest.sin[i] * s + rest.cos[i] * c) / length);
-    across.push_back((rest.sin[i] * c - rest.cos[i] * s) / length);
+    const auto [s, c] = data.outward(rest.model_sin[i], rest.model_cos[i]);
+    const double tangent = rest.sin[i] * c - rest.cos[i] * s;
+    const double length =
+        std::hypot(rest.model_sin[i] - data.centre_sin_v, rest.model_cos[i] - data.centre_cos_v);
+    // The figure bends: where the angle is off by much the pair lies on it and inside its tangent.
+    along.push_back(rest.sin[i] * s + rest.cos[i] * c +
+                    0.5 * tangent * tangent / std::max(length, 1e-12));
+    across.push_back(tangent);
   }
 }
 

@@ -14,7 +14,8 @@ namespace ada {
 
 double mean_square(const std::vector<double> &x);
 
-/// Residual along and across the vector, V, after what the columns hold already.
+/// Residual along the vector and across it, V, after what the columns hold already: out of the
+/// figure that the pair draws and along that.
 void split(const Observations &data, const ResidualColumns &rest, std::vector<double> &along,
            std::vector<double> &across);
 

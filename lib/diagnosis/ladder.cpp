@@ -120,9 +120,9 @@ Scatter scatter_of(const Observations &data, const Model &model) {
   std::vector<double> along, across, steps;
   double last = 0.0;
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
-    const double length = std::hypot(s, c), now = (r.sin[i] * c - r.cos[i] * s) / length;
-    along.push_back(std::abs(r.sin[i] * s + r.cos[i] * c) / length);
+    const auto [s, c] = data.outward(r.model_sin[i], r.model_cos[i]);
+    const double now = r.sin[i] * c - r.cos[i] * s;
+    along.push_back(std::abs(r.sin[i] * s + r.cos[i] * c));
     across.push_back(std::abs(now));
     steps.push_back(std::abs(now - std::exchange(last, now)));
   }

@@ -146,17 +146,71 @@ std::vector<EffectInstance> missing_of(const Model &first, const Model &found) {
   return out;
 }
 
-/// Whether each cause of a fitted model, from one place on, is needed beside the others: without it
-/// held-out data are less likely.
+/// Whether a cause of a fitted model is needed beside the others: without it held-out data are less
+/// likely.
+bool is_needed(const Parts &parts, const Model &with, std::size_t effect) {
+  const double n = static_cast<double>(parts.heldout.size());
+  const Model less = fit(parts.train, with.without(effect), kRefit).model;
+  return n * std::log(left_v2(parts, less) /
+                      std::max(left_v2(parts, with), criteria::kLeastMeanSquare)) >=
+         criteria::kLeastNats;
+}
+
+/// The same of each from one place on.
 bool each_is_needed(const Parts &parts, const Model &with, std::size_t from) {
-  const double n = static_cast<double>(parts.heldout.size()), with_v2 = left_v2(parts, with);
-  for (std::size_t k = from; k < with.effects.size(); ++k) {
-    const Model less = fit(parts.train, with.without(k), kRefit).model;
-    if (n * std::log(left_v2(parts, less) / std::max(with_v2, criteria::kLeastMeanSquare)) <
-        criteria::kLeastNats)
+  for (std::size_t k = from; k < with.effects.size(); ++k)
+    if (!is_needed(parts, with, k))
       return false;
-  }
   return true;
+}
+
+/// Beside what was taken back, what had come in its place is needed no more.
+void drop_what_stood_in(const Parts &parts, const Model &first, SearchResult &found) {
+  for (std::size_t place = found.order.size(); place-- > 0;) {
+    const EffectInstance &e = found.fit.model.effects[found.order[place]];
+    const bool was_there =
+        std::any_of(first.effects.begin(), first.effects.end(),
+                    [&](const EffectInstance &o) { return o.effect == e.effect; });
+    if (was_there || e.effect->info().prior_rank == 0 ||
+        is_needed(parts, found.fit.model, found.order[place]))
+      continue;
+    found.forget(place);
+    found.fit.model = fit(parts.train, found.fit.model, kRefit).model;
+  }
+}
+
+/// Of two causes that do as well beside what has no name, of which the one leaves the other's rest
+/// to that, the one that needs less of it: what a low pass takes of the length has no name beside a
+/// delay.
+bool exchange_what_stands_in(const Scene &scene, const Parts &parts, const Model &first,
+                             SearchResult &found) {
+  bool any = false;
+  const double n = static_cast<double>(parts.heldout.size());
+  for (const EffectInstance &missing : missing_of(first, found.fit.model))
+    for (std::size_t place = 0; place < found.order.size(); ++place) {
+      const std::size_t at = found.order[place];
+      const EffectInstance &e = found.fit.model.effects[at];
+      if (e.effect->info().prior_rank == 0 ||
+          std::any_of(first.effects.begin(), first.effects.end(),
+                      [&](const EffectInstance &o) { return o.effect == e.effect; }))
+        continue;
+      Model other = found.fit.model;
+      other.effects[at] = missing;
+      const FitResult with = fit(parts.train, other, kRefit),
+                      without = fit(parts.train, found.fit.model, kRefit);
+      if (!with.determined ||
+          n * std::log(left_v2(parts, without.model) /
+                       std::max(left_v2(parts, with.model), criteria::kLeastMeanSquare)) <
+              criteria::kRivalNats ||
+          nats_beside_anonymous(scene, parts, with.model) <
+              nats_beside_anonymous(scene, parts, without.model) - criteria::kRivalNats)
+        continue;
+      found.fit.model = with.model;
+      found.alternatives[place].clear(); // they were of the other
+      any = true;
+      break;
+    }
+  return any;
 }
 
 /// A cause that explains most of what is left without it is a finding although what has no name
@@ -181,10 +235,13 @@ bool take_back_what_explains_most(const Scene &scene, Parts parts, const Model &
     take_back(parts, less, std::move(fitted), found);
     any = true;
   };
+  any = exchange_what_stands_in(scene, parts, first, found);
   for (const EffectInstance &e : missing_of(first, found.fit.model))
     try_back({e});
   if (const auto missing = missing_of(first, found.fit.model); missing.size() == 2)
     try_back(missing);
+  if (any)
+    drop_what_stood_in(parts, first, found);
   return any;
 }
 

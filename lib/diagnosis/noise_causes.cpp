@@ -350,10 +350,10 @@ double rms_in_any_direction(const Observations &data, const Model &model, bool h
   for (std::size_t i = 0; i < data.size(); ++i) {
     const double x = r.sin[i], y = r.cos[i];
     const double vs = r.model_sin[i], vc = r.model_cos[i];
-    const double s = vs - data.centre_sin_v, c = vc - data.centre_cos_v;
+    const auto [s, c] = data.outward(vs, vc);
     const double along = (x * vs + y * vc) / std::hypot(vs, vc);
     const double across = (x * vc - y * vs) / std::hypot(vs, vc);
-    const double outward = (x * s + y * c) / std::hypot(s, c);
+    const double outward = x * s + y * c;
     const std::array<double, 5> part{x, y, along, across, outward};
     for (std::size_t k = 0; k < part.size(); ++k)
       sum[k] += part[k] * part[k];

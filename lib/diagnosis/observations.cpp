@@ -41,18 +41,28 @@ Conditions Observations::conditions() const {
           .mid_shift_v = mid_shift_v};
 }
 
+namespace {
+
+std::array<double, 2> unit(double s, double c) {
+  const double inverse = 1.0 / std::max(std::sqrt(s * s + c * c), 1e-12); // volts: no overflow
+  return {s * inverse, c * inverse};
+}
+
+} // namespace
+
+std::array<double, 2> Observations::outward(double sin_v, double cos_v) const {
+  const double s = sin_v - centre_sin_v, c = cos_v - centre_cos_v;
+  return unit(figure[0] * s + figure[1] * c, figure[1] * s + figure[2] * c);
+}
+
 std::array<double, 2> Observations::direction_at(std::size_t i, double model_sin,
                                                  double model_cos) const {
-  double us = model_sin, uc = model_cos;
   if (disturbed == Direction::motion) {
-    us = vcos[i] - centre_cos_v;
-    uc = centre_sin_v - vsin[i];
-  } else if (disturbed == Direction::radius) {
-    us = model_sin - centre_sin_v;
-    uc = model_cos - centre_cos_v;
+    const auto [s, c] = outward(vsin[i], vcos[i]);
+    return {c, -s};
   }
-  const double inverse = 1.0 / std::max(std::sqrt(us * us + uc * uc), 1e-12); // volts: no overflow
-  return {us * inverse, uc * inverse};
+  return disturbed == Direction::radius ? outward(model_sin, model_cos)
+                                        : unit(model_sin, model_cos);
 }
 
 Observations::Whitener Observations::whitener_at(std::size_t i, double model_sin,
@@ -96,6 +106,7 @@ Observations Observations::select(const std::vector<std::uint32_t> &indices) con
   out.mid_shift_v = mid_shift_v;
   out.centre_sin_v = centre_sin_v;
   out.centre_cos_v = centre_cos_v;
+  out.figure = figure;
   for_each_column(out, [&](auto &column, auto which) { column = pick(this->*which, indices); });
   return out;
 }

@@ -53,11 +53,18 @@ struct Observations {
   double mid_shift_v = 0.0; ///< of mid-supply by the recorded VDD, as in Conditions
   /// Middle of the circle, near enough for a direction, V.
   double centre_sin_v = 2.5, centre_cos_v = 2.5;
+  /// The ellipse that the pair draws, x^T M x constant of (VSIN, VCOS) from the middle: M's
+  /// elements sin sin, sin cos, cos cos. An error of the angle moves the pair along it, and not
+  /// across the vector: of a reference that is off by much, what goes into the length by that would
+  /// pass for noise of the sensor.
+  std::array<double, 3> figure{1.0, 0.0, 1.0};
 
   /// What nobody can name, as a part of the noise of these samples; nullptr: white noise only.
   std::shared_ptr<const Coloured> coloured;
 
   std::size_t size() const { return time.size(); }
+  /// Unit vector (VSIN, VCOS) out of the figure where the pair is there.
+  std::array<double, 2> outward(double sin_v, double cos_v) const;
   /// Unit vector (VSIN, VCOS) of the disturbance at sample i. A supply moves what the model gives
   /// there, absolute volts: the measured pair carries noise, and a model that shrinks would seem to
   /// leave less of it across.

@@ -179,10 +179,13 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
 
 namespace {
 
-/// Standard error of the pair's centre, in amplitudes, where a reference tells the angle: that of
-/// the constant in a regression of each channel on it and on the cosine and the sine, as far as the
-/// noise goes.
-double centre_error(const Observations &all, const Scene &scene) {
+/// A regression of each channel on a constant and on the cosine and the sine of the angle.
+struct FirstHarmonic {
+  double centre_error;  ///< standard error of the constant, in amplitudes, as far as the noise goes
+  Eigen::Matrix2d axes; ///< volts: rows cosine and sine, columns VSIN and VCOS
+};
+
+FirstHarmonic first_harmonic(const Observations &all, const Scene &scene) {
   std::vector<std::uint32_t> some(all.size());
   std::iota(some.begin(), some.end(), 0u);
   some = thin(some, criteria::kForCircle);
@@ -195,10 +198,23 @@ double centre_error(const Observations &all, const Scene &scene) {
     right += x * Eigen::RowVector2d(all.vsin[i], all.vcos[i]);
   }
   const Eigen::Matrix3d inverse = normal.inverse();
-  const double amplitude = (inverse * right).bottomRows(2).norm() / std::numbers::sqrt2;
+  const Eigen::Matrix2d axes = (inverse * right).bottomRows(2);
   const double share = static_cast<double>(some.size()) / static_cast<double>(all.size());
-  const double error = scene.white_noise_v * std::sqrt(share * inverse(0, 0)) / amplitude;
-  return std::isfinite(error) ? error : 0.0; // of a pair that is none others have more to say
+  const double error =
+      scene.white_noise_v * std::sqrt(share * inverse(0, 0)) / (axes.norm() / std::numbers::sqrt2);
+  // Of a pair that is none others have more to say.
+  return {std::isfinite(error) ? error : 0.0, axes};
+}
+
+/// The ellipse that these axes span; a circle where they are those of no pair.
+std::array<double, 3> figure_of(const Eigen::Matrix2d &axes) {
+  constexpr double kMostOfAxes = 2.0; // one to the other: wider than any pair that is read
+  const Eigen::Matrix2d moments = axes.transpose() * axes;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> own(moments);
+  if (!(own.eigenvalues()[0] * kMostOfAxes * kMostOfAxes > own.eigenvalues()[1]))
+    return {1.0, 0.0, 1.0};
+  const Eigen::Matrix2d figure = moments.inverse() * own.eigenvalues()[1];
+  return {figure(0, 0), figure(0, 1), figure(1, 1)};
 }
 
 } // namespace
@@ -214,12 +230,15 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
   const double least = !scene.has_reference ? criteria::kLeastCoverage
                        : comes_again        ? criteria::kLeastCoverageByReference
                                             : criteria::kLeastOfOnePass;
+  const FirstHarmonic pair = first_harmonic(all, scene);
+  for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
+    o->figure = figure_of(pair.axes);
   const double seen = share_of_circle(all.alpha, scene.periods);
   if (seen < least)
     scene.insufficient = fmt::format("the record shows {:.0f} of 360 electrical degrees; at least "
                                      "{:.0f} are needed to tell centre and axes apart",
                                      360.0 * seen, 360.0 * least);
-  else if (const double error = scene.has_reference ? centre_error(all, scene) : 0.0;
+  else if (const double error = scene.has_reference ? pair.centre_error : 0.0;
            error > criteria::kCentreKnown)
     scene.insufficient =
         fmt::format("of {:.0f} electrical degrees and {} samples the centre of the "

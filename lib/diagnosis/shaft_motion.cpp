@@ -12,6 +12,7 @@
 #include "diagnosis/conditions/uneven_motion.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/screening.h"
+#include "motion/counted_angle.h"
 #include "motion/reference_rows.h"
 
 namespace ada {
@@ -137,25 +138,13 @@ void leave_out_wrong_rows(std::vector<double> &reference, Screened &look, Scene 
 /// one step, it is the better reference: at a steady speed the rounding is the same in each turn,
 /// and would pass for an error of the sensor.
 void smooth_between_steps(const Screened &look, std::vector<double> &alpha) {
-  constexpr double kWithin = 1.05; // of a step, for the noise of what is counted
-  constexpr double kShare = 0.999; // of the samples
   const double step = reference_step_rad(look.findings);
-  if (step <= 0.0)
+  const auto smooth = between_steps(look.capture.time_s, alpha, look.usable, step);
+  if (!smooth)
     return;
-  std::vector<char> usable = look.usable;
-  const std::vector<double> smooth =
-      smooth_motion(look.capture.time_s, alpha, usable, 0).motion.alpha;
-  std::vector<double> off;
   for (std::size_t i = 0; i < alpha.size(); ++i)
-    if (usable[i])
-      off.push_back(alpha[i] - smooth[i]);
-  if (off.size() < criteria::kFewestSamples ||
-      quantile(off, 0.5 + 0.5 * kShare) - quantile(off, 0.5 - 0.5 * kShare) > kWithin * step)
-    return;
-  const double middle = quantile(std::move(off), 0.5);
-  for (std::size_t i = 0; i < alpha.size(); ++i)
-    if (usable[i])
-      alpha[i] = smooth[i] + middle;
+    if (look.usable[i])
+      alpha[i] = (*smooth)[i];
 }
 
 /// The pair as its own reference: only the radius can be judged then.

@@ -288,11 +288,9 @@ NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &m
   subtract(left.basis, left.selection, halves.heldout, r);
   NoiseShape out;
   for (std::size_t i = 0; i < r.sin.size(); ++i) {
-    const double s = r.model_sin[i] - halves.heldout.centre_sin_v;
-    const double c = r.model_cos[i] - halves.heldout.centre_cos_v;
-    const double length = std::max(std::hypot(s, c), 1e-12);
-    const double along = (r.sin[i] * s + r.cos[i] * c) / length;
-    const double across = (r.sin[i] * c - r.cos[i] * s) / length;
+    const auto [s, c] = halves.heldout.outward(r.model_sin[i], r.model_cos[i]);
+    const double along = r.sin[i] * s + r.cos[i] * c;
+    const double across = r.sin[i] * c - r.cos[i] * s;
     out.sin_v += r.sin[i] * r.sin[i];
     out.cos_v += r.cos[i] * r.cos[i];
     out.along_v += along * along;
