@@ -18,6 +18,8 @@ namespace {
 
 /// A change of speed that stands out of the noise of a gap.
 constexpr double kKinkStandsOut = 6.0;
+/// Of a magnet: what jumps back by more is no slip in a record that loses samples.
+constexpr double kWidestSlip = 5.0 * kRadPerDeg;
 
 /// A jump of the angle over time: straight lines over `side` samples before and after meet there
 /// with a gap.
@@ -26,6 +28,7 @@ struct Jump {
   double gap;       ///< rad, mechanical
   double per_frame; ///< rad that the shaft turns from sample to sample
   double error;
+  double bend;   ///< rad by which per_frame differs between the two lines
   Gap fine = {}; ///< the same from as many samples as move alike; error 0 when it is not known
   bool at_rest() const { return std::abs(per_frame) < error; }
 };
@@ -151,11 +154,17 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
   std::vector<double> &gaps = places.gaps;
   const std::vector<double> &speeds = places.speeds, &bends = places.bends;
   const double sigma = std::max(places.sigma, floor_rad);
+  // Between two lines about a kink there is a gap of a part of the bend: one that is twice as large
+  // as that, and wider than what slips, is a jump however unsteadily a hand turns.
+  const auto wide = [&](std::size_t i) {
+    return std::abs(gaps[i]) > 2.0 * bends[i] + kKinkStandsOut * sigma + kWidestSlip;
+  };
   // A kink, such as a sudden reversal, is a change of speed and no jump. At rest there is always
   // some, of the noise.
   for (std::size_t i = side; i + side <= n; ++i)
     if (bends[i] > std::max(0.3 * std::abs(speeds[i]) * frame * static_cast<double>(side),
-                            kKinkStandsOut * sigma))
+                            kKinkStandsOut * sigma) &&
+        !wide(i))
       gaps[i] = 0.0;
   // A line says nothing farther away than it is long: across a longer gap in the clock nobody knows
   // how the shaft moved.
@@ -166,7 +175,7 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
                 gaps.begin() + static_cast<std::ptrdiff_t>(std::min(gaps.size(), k + side)), 0.0);
   for (std::size_t i = side; i + side <= n; ++i) {
     // A gap far larger than a kink between the two lines could leave is a jump at any speed.
-    const bool clear = std::abs(gaps[i]) > 2.0 * bends[i] + 50.0 * sigma ||
+    const bool clear = std::abs(gaps[i]) > 2.0 * bends[i] + 50.0 * sigma || wide(i) ||
                        steady(speeds, i, reach_of(speeds[i] * frame, side));
     if (std::abs(gaps[i]) < 8.0 * sigma || !clear)
       continue;
@@ -174,7 +183,7 @@ std::vector<Jump> find_jumps(const Screened &look, const std::vector<double> &an
     const auto to = gaps.begin() + static_cast<std::ptrdiff_t>(std::min(n, i + side + 1));
     const auto largest =
         std::max_element(from, to, [](double a, double b) { return std::abs(a) < std::abs(b); });
-    const Jump jump{i, gaps[i], speeds[i] * frame, sigma};
+    const Jump jump{i, gaps[i], speeds[i] * frame, sigma, bends[i] / static_cast<double>(side)};
     if (largest - gaps.begin() == static_cast<std::ptrdiff_t>(i) && stays(look, angle, jump, side))
       all.push_back(jump);
   }
@@ -192,8 +201,6 @@ double whole(double error, bool has_reference) {
   return error > 0.0 && error < kEven ? error * std::sqrt(2.0 * std::log(kEven / error)) : 0.0;
 }
 
-/// Of a magnet: what jumps back by more is no slip in a record that loses samples.
-constexpr double kWidestSlip = 5.0 * kRadPerDeg;
 /// Standard deviations of a gap from which on one is told by itself.
 constexpr double kSlipStandsOut = 12.0;
 
@@ -323,7 +330,7 @@ void measure_again(const Screened &look, std::vector<Jump> &jumps) {
                     [&](const Jump &jump) { return same_place(at, jump.at); }))
       continue;
     if (const Gap gap = gap_at(look.capture.time_s, look.angle, look.usable, at); gap.error > 0.0)
-      jumps.push_back({at, gap.size, gap.speed * frame, gap.error, gap});
+      jumps.push_back({at, gap.size, gap.speed * frame, gap.error, 0.0, gap});
   }
   std::sort(jumps.begin(), jumps.end(), [](const Jump &a, const Jump &b) { return a.at < b.at; });
 }
@@ -451,7 +458,7 @@ std::vector<std::string> other_jumps(const Effect &effect) {
 
 bool screen_losses(Screened &look, const Effect &effect) {
   constexpr std::ptrdiff_t kProof = 2;
-  double events = 0.0, samples = 0.0;
+  double events = 0.0, samples = 0.0, squares = 0.0;
   std::vector<Jump> jumps = jumps_of(look);
   if (look.capture.has_reference())
     std::erase_if(jumps, [&](const Jump &jump) { return !goes_on(look, jump); });
@@ -476,6 +483,9 @@ bool screen_losses(Screened &look, const Effect &effect) {
       continue;
     events += 1.0;
     samples += std::round(lost);
+    // How fast the shaft turned meanwhile is known as far as the speeds before and after agree.
+    const double of_speed = 0.5 * lost * jump.bend / jump.per_frame;
+    squares += std::max(1.0, of_speed * of_speed);
     look.jumps.push_back(jump.at);
     look.jump_rad.push_back(jump.gap);
     look.jump_lost.push_back(static_cast<std::size_t>(std::lround(lost)));
@@ -486,7 +496,8 @@ bool screen_losses(Screened &look, const Effect &effect) {
   std::vector<std::string> alternatives;
   if (!look.capture.has_reference() && events == 1.0)
     alternatives = other_jumps(effect);
-  look.findings.push_back({&effect, {events, samples}, {0.0, std::sqrt(events)}, alternatives, {}});
+  look.findings.push_back(
+      {&effect, {events, samples}, {0.0, std::sqrt(squares)}, alternatives, {}});
   return true;
 }
 

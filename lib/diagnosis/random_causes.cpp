@@ -136,6 +136,40 @@ double white_variance(const std::vector<double> &x) {
   return 0.5 * sum / static_cast<double>(keep) / kStays;
 }
 
+/// What the noise of the recorded temperature and supply makes of the model, V^2 along the vector
+/// and across it: a pair that does not follow it is off by that, and its own noise is not more.
+struct OfConditions {
+  double along_v2 = 0.0, across_v2 = 0.0;
+};
+
+OfConditions noise_of_conditions(const Shape &shape, const Observations *in_order,
+                                 const Model &model) {
+  OfConditions out;
+  if (!in_order)
+    return out;
+  for (auto column : {&Observations::temp, &Observations::supply}) {
+    const std::vector<float> &recorded = in_order->*column;
+    if (recorded.empty() || (shape.data.*column).size() != shape.data.size())
+      continue;
+    const double sigma =
+        std::sqrt(white_variance(std::vector<double>(recorded.begin(), recorded.end())));
+    Observations moved = shape.data;
+    for (float &v : moved.*column)
+      v += static_cast<float>(sigma);
+    const ResidualColumns there = residual_columns(moved, model);
+    ResidualColumns by = shape.rest;
+    for (std::size_t i = 0; i < by.sin.size(); ++i) {
+      by.sin[i] = there.model_sin[i] - by.model_sin[i];
+      by.cos[i] = there.model_cos[i] - by.model_cos[i];
+    }
+    std::vector<double> along, across;
+    split(shape.data, by, along, across);
+    out.along_v2 += mean_square(along);
+    out.across_v2 += mean_square(across);
+  }
+  return out;
+}
+
 /// Nats by which two variances are better than one, of n values each.
 double nats_of_two(double a, double b, double n) {
   const double both = 0.5 * (a + b);
@@ -292,12 +326,18 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
     return mean_square(x) <
            criteria::kAlmostWhite * 0.5 * steps / static_cast<double>(x.size() - 1);
   };
-  const double along = std::max(white_variance(shape.along), criteria::kLeastMeanSquare);
+  constexpr double kLeastOwn = 0.25; // of a variance: what the conditions' noise makes is reckoned
+  const auto own = [](double v2, double of_conditions) {
+    return std::max({v2 - of_conditions, kLeastOwn * v2, criteria::kLeastMeanSquare});
+  };
+  const OfConditions recorded = noise_of_conditions(shape, in_order, model);
+  const double along = own(white_variance(shape.along), recorded.along_v2);
   const double amplitude = model.baseline.amplitude_v;
   // The steps of a reference lie across the vector, too.
   const double steps_v2 = std::pow(step_rad * model.periods_per_turn * amplitude, 2) / 12.0;
   const double of_steps = steps_v2 * criteria::kOfSteps;
-  const double all_across = white_variance(shape.across) * (1.0 - lines_across);
+  const double all_across =
+      own(white_variance(shape.across) * (1.0 - lines_across), recorded.across_v2);
   const double across = std::max(std::min(all_across, along), all_across - of_steps);
   const bool differ = nats_of_two(along, across, n / 2.0) > criteria::kNatsOfNoise &&
                       std::max(along, across) > criteria::kMoreVariance * std::min(along, across);
@@ -314,10 +354,10 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
     if (differ && along > across)
       of_gain = {along - across, error_of_two};
   } else if (in_order && in_order->frame_period_s > 0.0) {
-    if (const auto own = by_differences(*in_order, model);
-        own && own->gain_v2 > kSigmas * own->gain_error_v2 &&
-        own->along_v2 > criteria::kMoreVariance * own->across_v2)
-      of_gain = {own->gain_v2, own->gain_error_v2};
+    if (const auto seen_v2 = by_differences(*in_order, model);
+        seen_v2 && seen_v2->gain_v2 - recorded.along_v2 > kSigmas * seen_v2->gain_error_v2 &&
+        seen_v2->along_v2 - recorded.along_v2 > criteria::kMoreVariance * seen_v2->across_v2)
+      of_gain = {seen_v2->gain_v2 - recorded.along_v2, seen_v2->gain_error_v2};
   }
   if (of_gain.v2 > 0.0 && white(shape.along)) {
     const double f = std::sqrt(of_gain.v2) / amplitude;
