@@ -300,6 +300,11 @@ bool above_products(const Model &model, std::size_t effect) {
 bool Search::beyond_doubt(double size_v, const Model &model, std::size_t effect,
                           double doubt) const {
   const Effect &e = *model.effects[effect].effect;
+  const double step_v = reference_step_rad(data_.scene->screened) * model.periods_per_turn *
+                        model.baseline.amplitude_v;
+  if (e.reference_ripple(model.effects[effect].values).order > 0.0 &&
+      2.0 * size_v < criteria::kOfReferenceStep * step_v) // an amplitude is twice a channel's rms
+    return false;
   // What every pair has is no likeliest of many shapes that a coarse converter's error takes.
   if (e.info().prior_rank == 0)
     doubt =

@@ -231,8 +231,10 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
                        : comes_again        ? criteria::kLeastCoverageByReference
                                             : criteria::kLeastOfOnePass;
   const FirstHarmonic pair = first_harmonic(all, scene);
-  for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
-    o->figure = figure_of(pair.axes);
+  if (scene
+          .has_reference) // without one the angle is the vector's, and what is left lies along that
+    for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
+      o->figure = figure_of(pair.axes);
   const double seen = share_of_circle(all.alpha, scene.periods);
   if (seen < least)
     scene.insufficient = fmt::format("the record shows {:.0f} of 360 electrical degrees; at least "

@@ -134,17 +134,18 @@ void leave_out_wrong_rows(std::vector<double> &reference, Screened &look, Scene 
   }
 }
 
-/// Where a smooth motion agrees with every reading of a reference that counts in steps to within
-/// one step, it is the better reference: at a steady speed the rounding is the same in each turn,
-/// and would pass for an error of the sensor.
-void smooth_between_steps(const Screened &look, std::vector<double> &alpha) {
-  const double step = reference_step_rad(look.findings);
-  const auto smooth = between_steps(look.capture.time_s, alpha, look.usable, step);
-  if (!smooth)
-    return;
-  for (std::size_t i = 0; i < alpha.size(); ++i)
-    if (look.usable[i])
-      alpha[i] = (*smooth)[i];
+/// Between its steps a reference that counts is better known by the motion that agrees with it: at
+/// a steady speed the rounding is the same in each turn, and would pass for an error of the sensor.
+/// The few rows of which no motion knows more stand out of the others, and are left out.
+void read_between_steps(Screened &look, std::vector<double> &alpha) {
+  constexpr double kFew = 0.2; // of the rows
+  BetweenSteps read =
+      between_steps(look.capture.time_s, alpha, look.usable, reference_step_rad(look.findings));
+  alpha = std::move(read.angle);
+  const auto known = std::count(read.known.begin(), read.known.end(), char{1}),
+             used = std::count(look.usable.begin(), look.usable.end(), char{1});
+  if (static_cast<double>(known) >= (1.0 - kFew) * static_cast<double>(used))
+    look.usable = std::move(read.known);
 }
 
 /// The pair as its own reference: only the radius can be judged then.
@@ -210,7 +211,7 @@ Kinematics motion_by_reference(Screened &look, Scene &scene) {
     return at_rest(std::move(alpha), scene.stops);
   scene.reference_ripples =
       ripples_against_time(capture.time_s, alpha, look.usable, kReferenceOrders);
-  smooth_between_steps(look, alpha);
+  read_between_steps(look, alpha);
   Kinematics motion = differentiate(capture.time_s, std::move(alpha), 4);
   leave_out_changes(motion, look.usable);
   return motion;
