@@ -3,6 +3,9 @@
 //
 // The magnet turns on the shaft at one moment: its angle jumps by `step_deg` and stays there.
 
+#include <algorithm>
+#include <cmath>
+
 #include "model/effects/common.h"
 
 namespace ada {
@@ -29,6 +32,33 @@ constexpr EffectInfo kInfo{.id = "angle-slip",
                            .character = Character::event,
                            .repeats = true};
 
+/// Whether the shaft turned one way up to a step of the angle and the other way from it on: the
+/// step lies as near to where it turned back as a play of a few times its size is taken up.
+bool is_at_only_reversal(double time_s, double step_rad, std::span<const double> time,
+                         std::span<const double> alpha) {
+  constexpr double kOneWay = 0.95; // of the way from one end to the other
+  constexpr double kNear = 3.0;    // steps
+  const auto at =
+      static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), time_s) - time.begin());
+  if (at < 2 || at + 2 > alpha.size())
+    return false;
+  const auto before = alpha.first(at), after = alpha.subspan(at);
+  const auto way = [](std::span<const double> part) {
+    const auto [low, high] = std::minmax_element(part.begin(), part.end());
+    const double net = part.back() - part.front();
+    return std::abs(net) > kOneWay * (*high - *low) ? net : 0.0;
+  };
+  const double there = way(before), back = way(after);
+  if (there * back >= 0.0)
+    return false;
+  const auto [low, high] = std::minmax_element(alpha.begin(), alpha.end());
+  const double end = there > 0.0 ? *high : *low;
+  const double near = kNear * std::abs(step_rad);
+  // Where samples about the step were left out it lies between the two beside them.
+  return std::min(std::abs(there), std::abs(back)) > 2.0 * near &&
+         std::min(std::abs(alpha[at] - end), std::abs(alpha[at - 1] - end)) < near;
+}
+
 class AngleSlip final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
@@ -42,6 +72,11 @@ public:
     for (const StepGuess &step : find_steps(r, StepIn::angle))
       out.push_back({step.time_s, step.first * kDegPerRad});
     return out;
+  }
+  /// At the only reversal of a record a slip looks like the loop of a hysteresis, and like a play
+  /// between shaft and reference, which is wide the other way and which nothing here knows.
+  bool refuted(Values v, const Residual &r) const override {
+    return r.has_reference && is_at_only_reversal(v[0], v[1] * kRadPerDeg, r.time, r.alpha);
   }
   std::string invisible(const Residual &r) const override {
     return r.has_reference ? "" : "without a reference it is looked for on the first look";
