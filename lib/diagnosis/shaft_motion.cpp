@@ -68,7 +68,13 @@ void leave_out_reversals(const Kinematics &motion, std::vector<char> &usable) {
   const bool turns_back =
       std::any_of(motion.direction.begin(), motion.direction.end(),
                   [&](auto sense) { return sense != motion.direction.front(); });
-  const std::size_t moves = turns_back ? first_motion(motion.alpha) : 0;
+  std::size_t moves = turns_back ? first_motion(motion.alpha) : 0;
+  const auto most = std::min(n, moves + static_cast<std::size_t>(kMost * static_cast<double>(n)));
+  std::size_t crossed = moves; // and a loop that it is in the middle of is crossed first
+  while (turns_back && crossed < most &&
+         std::abs(motion.alpha[crossed] - motion.alpha.front()) < kLoop)
+    ++crossed;
+  moves = crossed < most ? crossed : moves;
   std::fill_n(out.begin(), moves < n ? moves : 0, char{1});
   for (std::size_t i = 0; i < n; ++i)
     if (out[i])
