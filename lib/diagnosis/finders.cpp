@@ -308,6 +308,14 @@ bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
          line_along(r, [&](std::size_t i) { return order * r.alpha[i]; }).power > 0.2 * tone.power;
 }
 
+/// Whether a cause that goes with the angle could make a line at an order of a steady rotation: the
+/// pair and its harmonics have few, and an error of the angle, whatever its order, turns the pair
+/// to and fro and so has a fellow. A line beyond those that has none is a tone, though it keeps
+/// step with the shaft as the mains do with a motor.
+bool may_be_of_the_angle(const Residual &r, const MostlyAt &at, double order, double frequency) {
+  return order <= (criteria::kNamedPeriods + 1) * r.periods || has_fellow(r, at, frequency);
+}
+
 /// The two strongest lines of the spectrum that `skip` lets pass, with their frequencies in Hz.
 template <class Skip>
 std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, Skip skip) {
@@ -442,9 +450,10 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
     if (!most)
       most = mostly_at(r);
     const double order = round > 0.0 ? std::round(frequency / round) : 0.0;
-    return (order >= 1.0 && std::abs(frequency - order * round) < kOrderWidth / span &&
+    const bool of_angle = may_be_of_the_angle(r, *most, order, frequency);
+    return (of_angle && order >= 1.0 && std::abs(frequency - order * round) < kOrderWidth / span &&
             !told_from_order(r, static_cast<int>(order), frequency)) ||
-           turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line) ||
+           (of_angle && turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line)) ||
            slow_beside_pair(r, frequency) ||
            (rotates_with_pair(r, *most, frequency, line) &&
             (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));
