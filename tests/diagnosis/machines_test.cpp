@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Machines that lose rows, make quick moves, or are held against an encoder that counts coarsely.
+// Their signals are made here, and not by the model that is fitted to them.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <string_view>
+#include <vector>
+
+#include "diagnosis/bench.h"
+
+namespace ada::test {
+namespace {
+
+/// Without these rows, as if they had never been: the clock of the record runs on unbroken.
+void lose(Capture &c, std::size_t first, std::size_t count) {
+  for (auto *column : {&c.vsin_v, &c.vcos_v, &c.vtemp_v, &c.vdd_v, &c.reference_deg})
+    if (!column->empty())
+      column->erase(column->begin() + static_cast<std::ptrdiff_t>(first),
+                    column->begin() + static_cast<std::ptrdiff_t>(first + count));
+  c.time_s.resize(c.time_s.size() - count);
+}
+
+/// A spindle whose belt makes it ripple once a turn, and a logger that drops packets without a
+/// word: the ripple hides that whole numbers of rows are missing, and behind each gap it goes on
+/// where the shaft is.
+KIND(a_ripple_goes_on_behind_rows_that_are_lost) {
+  Bench bench;
+  const double hz = bench.within(100.0, 180.0), ripple = bench.within(0.3, 1.2) * kRadPerDeg,
+               phase = bench.within(0.0, kTwoPi);
+  Capture c = bench.capture(20000, 50000.0, 1, [=](double t) {
+    const double even = kTwoPi * hz * t;
+    return even + ripple * std::sin(even + phase);
+  });
+  c.reference_deg.clear();
+  std::size_t lost = 0;
+  constexpr std::size_t kEvents = 3;
+  for (std::size_t k = 0; k < kEvents; ++k) {
+    const auto rows = static_cast<std::size_t>(bench.within(16.0, 64.0));
+    lose(c, static_cast<std::size_t>(bench.within(4000.0, 6000.0)) * (kEvents - k) - 2000, rows);
+    lost += rows;
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *loss = named(d, "sample-loss"), *turns = named(d, "rotation-nonuniformity");
+  ASSERT_TRUE(loss && turns) << names(d);
+  EXPECT_EQ(loss->values[0], static_cast<double>(kEvents));
+  EXPECT_NEAR(loss->values[1], static_cast<double>(lost), 2.0);
+  EXPECT_EQ(turns->values[0], 1.0);
+  EXPECT_NEAR(turns->values[1] * kRadPerDeg, ripple, 0.03 * ripple);
+  expect_none(d, {"angle-slip"});
+}
+
+/// From one place to the next in a few rows, and at rest between.
+std::function<double(double)> moves(Bench &bench, double dwell_s, double move_s) {
+  std::vector<double> places(400);
+  for (double &x : places)
+    x = bench.within(0.0, 3.0 * kTwoPi);
+  return [=](double t) {
+    const double whole = std::floor(t / dwell_s), into = (t - whole * dwell_s) / move_s;
+    const auto k = static_cast<std::size_t>(whole) % (places.size() - 1);
+    const double part = std::clamp(into, 0.0, 1.0);
+    return places[k] + (places[k + 1] - places[k]) * part * part * (3.0 - 2.0 * part);
+  };
+}
+
+KIND(a_quick_move_between_rests_is_no_spike) {
+  Bench bench;
+  Capture c = bench.capture(8000, 200.0, 2, moves(bench, bench.within(0.4, 0.8), 0.05));
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  expect_none(d, {"impulse-noise", "sample-loss", "angle-slip"});
+}
+
+/// A logger that reads when it comes to it, with the right time beside each row.
+KIND(a_shaft_that_turns_fast_under_an_uneven_clock_makes_no_spike) {
+  Bench bench;
+  const auto angle = wandering(bench, bench.within(1.5, 3.0), 0.6, bench.within(0.1, 0.3));
+  std::vector<double> times;
+  for (double t = 0.0; times.size() < 6000;) {
+    t += 0.01 * bench.within(0.4, bench.within(0.0, 1.0) < 0.05 ? 4.0 : 1.6);
+    times.push_back(t);
+  }
+  Capture c = bench.capture(times.size(), 1.0, 1, [&](double row) {
+    return angle(times[static_cast<std::size_t>(std::lround(row))]);
+  });
+  c.time_s = times;
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  expect_none(d, {"impulse-noise"});
+}
+
+/// A ring of many poles against an encoder whose step is a good part of a period: a tenth of a
+/// volt of rounding lies along the figure, and a skew of microvolts shows beside it.
+KIND(beside_a_coarse_encoder_a_ring_shows_its_skew_and_its_low_pass) {
+  Bench bench;
+  bench.pair.noise_v = bench.within(1e-3, 2.5e-3);
+  constexpr double kRate = 5000.0;
+  constexpr int kPoles = 48, kCounts = 1440;
+  const double top_hz = bench.within(4.0, 6.0), skew_s = bench.within(1e-5, 2.5e-5),
+               corner_hz = bench.within(900.0, 1600.0);
+  const auto angle = [=](double t) { // up and down again in three seconds
+    return kTwoPi * top_hz * (0.5 * t - 1.5 / kTwoPi * std::sin(kTwoPi * t / 3.0) * 0.9);
+  };
+  const auto hz = [=](double t) {
+    return kPoles * top_hz * (0.5 - 0.45 * std::cos(kTwoPi * t / 3.0));
+  };
+  Capture c = bench.capture(15000, kRate, kPoles, angle);
+  const Pair &p = bench.pair;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double t = c.time_s[i], x = hz(t) / corner_hz, gain = 1.0 / std::sqrt(1.0 + x * x);
+    const double psi = kPoles * angle(t) + p.zero_rad - std::atan(x);
+    c.vsin_v[i] = 2.5 + bench.normal(p.noise_v) +
+                  p.amplitude_v * gain * (1.0 + 0.5 * p.k) * std::sin(psi + 0.5 * p.delta_rad);
+    c.vcos_v[i] = 2.5 + bench.normal(p.noise_v) +
+                  p.amplitude_v * gain * (1.0 - 0.5 * p.k) *
+                      std::cos(psi - 0.5 * p.delta_rad + kTwoPi * hz(t) * skew_s);
+    c.reference_deg[i] = 360.0 / kCounts * std::floor(wrap(angle(t), kTwoPi) / kTwoPi * kCounts);
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, p, 0.003);
+  const Finding *skew = named(d, "channel-skew"), *low = named(d, "low-pass-rolloff");
+  ASSERT_TRUE(skew && low && named(d, "reference-resolution")) << names(d);
+  EXPECT_NEAR(skew->values[0], skew_s, 0.2 * skew_s);
+  EXPECT_NEAR(low->values[0], corner_hz, 0.1 * corner_hz);
+  EXPECT_NEAR(d.noise.along_v, p.noise_v, 0.15 * p.noise_v);
+  expect_none(d, {"excess-noise", "propagation-delay", "reference-harmonic", "angle-noise"});
+}
+
+/// There and back in steps, with a gear between table and encoder.
+KIND(a_play_of_the_encoders_gear_is_no_slip) {
+  Bench bench;
+  const double play = bench.within(0.1, 0.4) * kRadPerDeg;
+  const auto angle = [](double t) {
+    const double whole = std::floor(t / 0.6), part = std::clamp((t / 0.6 - whole) * 1.5, 0.0, 1.0);
+    const double there = kTwoPi / 12.0 * (whole + part * part * (3.0 - 2.0 * part));
+    return std::min(there, kTwoPi / 12.0 * 40.0 - there);
+  };
+  Capture c = bench.capture(12000, 500.0, 2, angle);
+  double follows = -play;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    follows = std::clamp(follows, angle(c.time_s[i]) - play, angle(c.time_s[i]) + play);
+    c.reference_deg[i] = wrap(follows * kDegPerRad, 360.0);
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  expect_none(d, {"angle-slip", "hysteresis"});
+  EXPECT_NE(d.verdict, Verdict::explained);
+}
+
+/// The same table and a magnet that slips on the way: that is one.
+KIND(a_slip_on_the_way_there_is_a_slip) {
+  Bench bench;
+  const double slip = bench.within(0.2, 0.8) * kRadPerDeg;
+  const auto at = static_cast<std::size_t>(bench.within(2000.0, 5000.0));
+  const auto angle = [](double t) {
+    const double there = kTwoPi / 7.2 * t;
+    return std::min(there, kTwoPi / 7.2 * 24.0 - there);
+  };
+  Capture c = bench.capture(12000, 500.0, 2, [&](double t) {
+    return angle(t) + (t * 500.0 > static_cast<double>(at) - 0.5 ? slip : 0.0);
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(angle(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *found = named(d, "angle-slip");
+  ASSERT_TRUE(found) << names(d);
+  EXPECT_NEAR(found->values[1] * kRadPerDeg, slip, 0.05 * slip);
+}
+
+/// VDD is read with as much noise as the pair, which follows the supply and not that noise.
+KIND(the_noise_of_a_recorded_supply_is_no_excess_of_the_pair) {
+  Bench bench;
+  bench.pair.noise_v = bench.within(1e-3, 2e-3);
+  const double sag = bench.within(0.01, 0.03), slow_hz = bench.within(0.1, 0.3),
+               converter_v = bench.pair.noise_v;
+  Capture c = bench.capture(8000, 200.0, 1,
+                            wandering(bench, bench.within(1.0, 2.0), 0.5, bench.within(0.05, 0.1)));
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double scale = 1.0 + sag * std::sin(kTwoPi * slow_hz * c.time_s[i]);
+    c.vsin_v[i] *= scale;
+    c.vcos_v[i] *= scale;
+    c.vdd_v.push_back(5.0 * scale + bench.normal(converter_v));
+  }
+  c.reference_deg.clear();
+  c.meta.noise_rms_v = 1.01 * bench.pair.noise_v;
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  ASSERT_TRUE(named(d, "supply-variation")) << names(d);
+  expect_none(d, {"excess-noise", "amplitude-noise"});
+}
+
+/// Fifty hertz and 33 1/3 turns a minute: the hum comes ninety times a turn, for as long as the
+/// platter keeps its speed. No cause that goes with the angle makes a line there by itself.
+KIND(a_hum_that_keeps_step_with_a_platter_is_one) {
+  Bench bench;
+  constexpr int kPoles = 16;
+  const double hz = 50.0 / 90.0 * (1.0 + bench.within(-1e-5, 1e-5)),
+               ripple = bench.within(0.03, 0.15) * kRadPerDeg, phase = bench.within(0.0, kTwoPi);
+  Capture c = bench.capture(20000, 1000.0, kPoles, [=](double t) {
+    const double even = kTwoPi * hz * t;
+    return even + ripple * std::sin(3.0 * even + phase);
+  });
+  const double sin_v = bench.within(3.0, 6.0) * bench.pair.noise_v, cos_v = 0.8 * sin_v,
+               start = bench.within(0.0, kTwoPi);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c.vsin_v[i] += sin_v * std::sin(kTwoPi * 50.0 * c.time_s[i] + phase);
+    c.vcos_v[i] += cos_v * std::sin(kTwoPi * 50.0 * c.time_s[i] + phase + 0.3 * start);
+  }
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *tone = named(d, "periodic-interference");
+  ASSERT_TRUE(tone) << names(d);
+  EXPECT_NEAR(tone->values[0], 50.0, 0.01);
+  EXPECT_NEAR(tone->values[1], sin_v, 0.1 * sin_v);
+}
+
+/// A microcontroller scans sine, cosine and a thermistor: what VCOS keeps of VSIN looks like a
+/// quadrature error, and what VTEMP keeps of VCOS says how much it is.
+KIND(a_memory_that_vtemp_measures_is_one_beside_a_smooth_motion) {
+  Bench bench;
+  const double m = bench.within(0.006, 0.02);
+  Capture c = bench.capture(9000, 500.0, 1,
+                            wandering(bench, bench.within(1.5, 3.0), 0.3, bench.within(0.1, 0.2)));
+  double held = 1.6;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c.vsin_v[i] += m * (held - c.vsin_v[i]);
+    c.vcos_v[i] += m * (c.vsin_v[i] - c.vcos_v[i]);
+    held = 1.6 + bench.normal(3e-4);
+    held += m * (c.vcos_v[i] - held);
+    c.vtemp_v.push_back(held);
+  }
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  const Finding *memory = named(d, "multiplexer-memory");
+  ASSERT_TRUE(memory) << names(d);
+  EXPECT_NEAR(memory->values[0], m, 0.05 * m);
+  expect_pair(d, bench.pair, 0.002);
+}
+
+} // namespace
+} // namespace ada::test
