@@ -499,8 +499,10 @@ bool is_passed_by(const Screened &look, std::size_t at, double departs_rad) {
   const std::size_t from = at - kNear, to = at + kNear;
   const double due =
       0.5 * (speed(at - kFar, from) + speed(to, at + kFar)) * (time[to] - time[from]);
-  // Which way round a spike beyond the centre took the angle says nothing.
-  return std::abs(wrap_centred(turned(from, to) - due, kTwoPi)) < kHalf * std::abs(departs_rad);
+  // One that reaches beyond the centre may have taken the angle round.
+  constexpr double kBeyondCentre = 0.9; // of the radius
+  const double off = turned(from, to) - due, departs = std::abs(departs_rad);
+  return std::abs(departs > kBeyondCentre ? wrap_centred(off, kTwoPi) : off) < kHalf * departs;
 }
 
 bool screen_spikes(Screened &look, const Effect &effect) {

@@ -22,13 +22,31 @@ constexpr double kAddsToNoise = 1.0 / 9; ///< of its power: a twentieth of its r
 /// even.
 constexpr double kOffByMore = 32.0, kMostKeptUp = 0.5;
 
+/// The last decimal that numbers are written with, of nine at most.
+double last_decimal(const std::vector<double> &values) {
+  double unit = 1.0;
+  for (int decimals = 0; decimals < 9; ++decimals, unit *= 0.1)
+    if (std::all_of(values.begin(), values.end(), [&](double v) {
+          return std::abs(v / unit - std::round(v / unit)) * unit < 1e-10;
+        }))
+      break;
+  return unit;
+}
+
 /// The spacing of which all spacings of the values are multiples; 0 where there is none.
 double grid_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   std::vector<double> gaps;
   for (std::size_t i = 1; i < values.size(); ++i)
-    if (values[i] - values[i - 1] > 1e-9) // rounding of the text's numbers
+    if (values[i] - values[i - 1] > 1e-9)
       gaps.push_back(values[i] - values[i - 1]);
+  // One count may be written in two ways, a last decimal apart. Where that is the step itself it is
+  // what most neighbours are apart.
+  const double rounded = 1.5 * last_decimal(values);
+  const auto finest =
+      std::count_if(gaps.begin(), gaps.end(), [&](double g) { return g < rounded; });
+  if (2 * static_cast<std::size_t>(finest) < gaps.size())
+    std::erase_if(gaps, [&](double g) { return g < rounded; });
   if (gaps.size() < 3)
     return 0.0;
   std::vector<double> sorted = gaps;
