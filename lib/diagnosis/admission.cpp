@@ -302,7 +302,9 @@ bool Search::beyond_doubt(double size_v, const Model &model, std::size_t effect,
   const Effect &e = *model.effects[effect].effect;
   const double step_v = reference_step_rad(data_.scene->screened) * model.periods_per_turn *
                         model.baseline.amplitude_v;
-  if (e.reference_ripple(model.effects[effect].values).order > 0.0 &&
+  const bool of_the_shaft = e.info().stage == Stage::motion || e.info().stage == Stage::field ||
+                            e.reference_ripple(model.effects[effect].values).order > 0.0;
+  if (of_the_shaft &&
       2.0 * size_v < criteria::kOfReferenceStep * step_v) // an amplitude is twice a channel's rms
     return false;
   // What every pair has is no likeliest of many shapes that a coarse converter's error takes.
@@ -490,8 +492,10 @@ bool Search::refuted(const State &state, std::size_t from, std::size_t to) const
                                       model.baseline.amplitude_v);
   for (std::size_t k = from; k < to; ++k) {
     const EffectInstance &e = model.effects[k];
+    const Observations &all = data_.scene->all;
     if ((has_moment(*e.effect) && !begins_at_once(*data_.scene, model, k)) ||
-        e.effect->refuted(e.values, view))
+        e.effect->refuted(e.values, view) ||
+        (data_.scene->has_reference && e.effect->refuted_by_motion(e.values, all.time, all.alpha)))
       return true;
   }
   return false;

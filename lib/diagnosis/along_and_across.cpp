@@ -33,13 +33,17 @@ void split(const Observations &data, const ResidualColumns &rest, std::vector<do
            std::vector<double> &across) {
   for (std::size_t i = 0; i < data.size(); ++i) {
     const auto [s, c] = data.outward(rest.model_sin[i], rest.model_cos[i]);
+    const double vs = rest.model_sin[i] - data.centre_sin_v,
+                 vc = rest.model_cos[i] - data.centre_cos_v,
+                 length = std::max(std::hypot(vs, vc), 1e-12);
     const double tangent = rest.sin[i] * c - rest.cos[i] * s;
-    const double length =
-        std::hypot(rest.model_sin[i] - data.centre_sin_v, rest.model_cos[i] - data.centre_cos_v);
     // The figure bends: where the angle is off by much the pair lies on it and inside its tangent.
-    along.push_back(rest.sin[i] * s + rest.cos[i] * c +
-                    0.5 * tangent * tangent / std::max(length, 1e-12));
-    across.push_back(tangent);
+    const double out = rest.sin[i] * s + rest.cos[i] * c + 0.5 * tangent * tangent / length;
+    // A gain moves along the vector, an angle along the figure, which is at right angles to it
+    // only where that is a circle.
+    const double both = std::max((vs * s + vc * c) / length, 1e-3);
+    along.push_back(out / both);
+    across.push_back(tangent - out * (vs * c - vc * s) / length / both);
   }
 }
 

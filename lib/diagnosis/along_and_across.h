@@ -14,8 +14,8 @@ namespace ada {
 
 double mean_square(const std::vector<double> &x);
 
-/// Residual along the vector and across it, V, after what the columns hold already: out of the
-/// figure that the pair draws and along that.
+/// Residual as what a gain makes, along the vector, and what an angle does, along the figure that
+/// the pair draws, V, after what the columns hold already.
 void split(const Observations &data, const ResidualColumns &rest, std::vector<double> &along,
            std::vector<double> &across);
 

@@ -289,10 +289,10 @@ inline constexpr std::size_t kMostShaken = 6; ///< effects; beyond so many the w
 /// Of a converter's coarse step, what a cause must explain at least: its error is no noise, and
 /// looks like a little of many effects.
 inline constexpr double kOfStep = 0.1;
-/// Of a step of the reference, the least error of it besides that is told: the motion between the
-/// steps is known to 0.08 of one in pieces of 48 readings, and any order of it over a hundred
-/// pieces to a hundredth; three times that.
-inline constexpr double kOfReferenceStep = 0.03;
+/// Of a step of the reference, the least amplitude of an error of the angle that is told, whoever
+/// makes it: the readings agree with a motion to within a twentieth of a step beyond the half of
+/// one, and a ripple of the shaft of that size is in the pair and not in the motion.
+inline constexpr double kOfReferenceStep = 0.1;
 /// Two causes this correlated are one and the same in the data: both together would cancel each
 /// other at sizes that mean nothing. Unless far more is gained than by chance: two speeds just tell
 /// two lags apart.

@@ -308,12 +308,19 @@ bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
          line_along(r, [&](std::size_t i) { return order * r.alpha[i]; }).power > 0.2 * tone.power;
 }
 
-/// Whether a cause that goes with the angle could make a line at an order of a steady rotation: the
-/// pair and its harmonics have few, and an error of the angle, whatever its order, turns the pair
-/// to and fro and so has a fellow. A line beyond those that has none is a tone, though it keeps
-/// step with the shaft as the mains do with a motor.
-bool may_be_of_the_angle(const Residual &r, const MostlyAt &at, double order, double frequency) {
-  return order <= (criteria::kNamedPeriods + 1) * r.periods || has_fellow(r, at, frequency);
+/// Whether a cause that goes with the angle could make a line at an order of a steady rotation:
+/// what a channel makes of its own value comes at multiples of the period and may be in that
+/// channel alone, and an error of the angle, whatever its order, turns the pair to and fro and so
+/// has a fellow. A line of both channels beyond those, without one, is a tone, though it keeps step
+/// with the shaft as the mains do with a motor.
+bool may_be_of_the_angle(const Residual &r, const MostlyAt &at, double order, double frequency,
+                         const Line &line) {
+  constexpr double kInBoth = 0.2;
+  const auto &a = line.amplitudes;
+  const double sin = std::hypot(a[0], a[1]), cos = std::hypot(a[2], a[3]);
+  return order <= (criteria::kNamedPeriods + 1) * r.periods ||
+         std::fmod(order, static_cast<double>(r.periods)) == 0.0 ||
+         std::min(sin, cos) < kInBoth * std::max(sin, cos) || has_fellow(r, at, frequency);
 }
 
 /// The two strongest lines of the spectrum that `skip` lets pass, with their frequencies in Hz.
@@ -450,7 +457,7 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
     if (!most)
       most = mostly_at(r);
     const double order = round > 0.0 ? std::round(frequency / round) : 0.0;
-    const bool of_angle = may_be_of_the_angle(r, *most, order, frequency);
+    const bool of_angle = may_be_of_the_angle(r, *most, order, frequency, line);
     return (of_angle && order >= 1.0 && std::abs(frequency - order * round) < kOrderWidth / span &&
             !told_from_order(r, static_cast<int>(order), frequency)) ||
            (of_angle && turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line)) ||

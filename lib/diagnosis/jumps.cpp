@@ -425,6 +425,24 @@ bool too_far_for_a_slip(const Screened &look, const Jump &jump) {
   return sides.before && sides.after && is_at_once(look, look.angle, jump);
 }
 
+/// By how much the number of rows at a jump is uncertain as the shaft turned unevenly meanwhile: as
+/// far as the speeds before and after differ.
+double rows_by_speed(const Jump &jump, double lost) {
+  return std::abs(0.5 * lost * jump.bend / jump.per_frame);
+}
+
+/// Whether the number of rows at a jump is known well enough to be seen to be none that is whole.
+bool is_not_whole(const Screened &look, const Jump &jump) {
+  constexpr double kKnown = 0.1, kErrors = 4.0; // rows
+  if (jump.fine.error <= 0.0)
+    return false;
+  const double rows = jump.fine.size / step_at(look, jump);
+  const double error = std::abs(jump.fine.error / step_at(look, jump));
+  const double of_speed = rows_by_speed(jump, rows);
+  return std::max(error, of_speed) < kKnown &&
+         std::abs(rows - std::round(rows)) > kErrors * std::hypot(error, of_speed);
+}
+
 /// Without a reference, whether the record loses rows by the size of its jumps alone: one may be a
 /// slip, several in the sense of the rotation are none. That their numbers are whole need not show:
 /// a ripple of the speed hides it. Rows that come in a wrong order jump back as well.
@@ -433,8 +451,9 @@ bool loses_by_size(const Screened &look, const std::vector<Jump> &jumps) {
         return j.gap * j.per_frame > 0.0 || std::abs(j.gap) < kWidestSlip;
       }))
     return false;
-  return std::count_if(jumps.begin(), jumps.end(),
-                       [&](const Jump &j) { return too_far_for_a_slip(look, j); }) > 1;
+  return std::count_if(jumps.begin(), jumps.end(), [&](const Jump &j) {
+           return too_far_for_a_slip(look, j) && !is_not_whole(look, j);
+         }) > 1;
 }
 
 /// Leaves out what lies about a jump, its edges that passed for spikes included.
@@ -459,6 +478,7 @@ std::vector<std::string> other_jumps(const Effect &effect) {
 bool screen_losses(Screened &look, const Effect &effect) {
   constexpr std::ptrdiff_t kProof = 2;
   double events = 0.0, samples = 0.0, squares = 0.0;
+  std::size_t whole = 0; // jumps of a number of rows that is seen to be whole
   std::vector<Jump> jumps = jumps_of(look);
   if (look.capture.has_reference())
     std::erase_if(jumps, [&](const Jump &jump) { return !goes_on(look, jump); });
@@ -474,18 +494,19 @@ bool screen_losses(Screened &look, const Effect &effect) {
       }) >= kProof;
   const bool by_size = loses_by_size(look, jumps);
   for (const Jump &jump : jumps) {
-    const double lost =
-        samples_lost(look, jump,
-                     may_be_loss(jump) && (believed || seen_before(look, jump) ||
-                                           (by_size && too_far_for_a_slip(look, jump))));
+    const double lost = samples_lost(
+        look, jump,
+        may_be_loss(jump) &&
+            (believed || seen_before(look, jump) ||
+             (by_size && too_far_for_a_slip(look, jump) && !is_not_whole(look, jump))));
     if (lost == 0.0 || (look.capture.has_reference() ? pair_turns_on(look, jump)
                                                      : turns_deny(look, look.angle, jump)))
       continue;
     events += 1.0;
     samples += std::round(lost);
-    // How fast the shaft turned meanwhile is known as far as the speeds before and after agree.
-    const double of_speed = 0.5 * lost * jump.bend / jump.per_frame;
+    const double of_speed = rows_by_speed(jump, lost);
     squares += std::max(1.0, of_speed * of_speed);
+    whole += samples_lost(look, jump) != 0.0;
     look.jumps.push_back(jump.at);
     look.jump_rad.push_back(jump.gap);
     look.jump_lost.push_back(static_cast<std::size_t>(std::lround(lost)));
@@ -494,7 +515,7 @@ bool screen_losses(Screened &look, const Effect &effect) {
   if (events == 0.0)
     return false;
   std::vector<std::string> alternatives;
-  if (!look.capture.has_reference() && events == 1.0)
+  if (!look.capture.has_reference() && (events == 1.0 || whole == 0))
     alternatives = other_jumps(effect);
   look.findings.push_back(
       {&effect, {events, samples}, {0.0, std::sqrt(squares)}, alternatives, {}});

@@ -13,6 +13,7 @@
 #include "base/pick.h"
 #include "base/robust.h"
 #include "diagnosis/admission.h"
+#include "diagnosis/along_and_across.h"
 #include "diagnosis/borne_out.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/doubt.h"
@@ -118,13 +119,12 @@ struct Scatter {
 Scatter scatter_of(const Observations &data, const Model &model) {
   const ResidualColumns r = residual_columns(data, model);
   std::vector<double> along, across, steps;
+  split(data, r, along, across);
   double last = 0.0;
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const auto [s, c] = data.outward(r.model_sin[i], r.model_cos[i]);
-    const double now = r.sin[i] * c - r.cos[i] * s;
-    along.push_back(std::abs(r.sin[i] * s + r.cos[i] * c));
-    across.push_back(std::abs(now));
-    steps.push_back(std::abs(now - std::exchange(last, now)));
+    steps.push_back(std::abs(across[i] - std::exchange(last, across[i])));
+    along[i] = std::abs(along[i]);
+    across[i] = std::abs(across[i]);
   }
   return {quantile(std::move(along), kWithinOneSigma), quantile(std::move(across), kWithinOneSigma),
           quantile(std::move(steps), kWithinOneSigma) / std::numbers::sqrt2};

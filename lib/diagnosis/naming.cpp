@@ -136,13 +136,28 @@ void take_back(const Parts &parts, const Model &less, FitResult fitted, SearchRe
   found.fit.model = std::move(fitted.model);
 }
 
+bool holds(const Model &model, const Effect *effect) {
+  return std::any_of(model.effects.begin(), model.effects.end(),
+                     [&](const EffectInstance &e) { return e.effect == effect; });
+}
+
 /// Those of the first model that were not found in the end.
 std::vector<EffectInstance> missing_of(const Model &first, const Model &found) {
   std::vector<EffectInstance> out;
   for (const EffectInstance &e : first.effects)
-    if (std::none_of(found.effects.begin(), found.effects.end(),
-                     [&](const EffectInstance &o) { return o.effect == e.effect; }))
+    if (!holds(found, e.effect))
       out.push_back(e);
+  return out;
+}
+
+/// Places of what was found that the first model had not: what every pair has aside.
+std::vector<std::size_t> stand_ins(const Model &first, const SearchResult &found) {
+  std::vector<std::size_t> out;
+  for (std::size_t place = 0; place < found.order.size(); ++place) {
+    const Effect *effect = found.fit.model.effects[found.order[place]].effect;
+    if (effect->info().prior_rank != 0 && !holds(first, effect))
+      out.push_back(place);
+  }
   return out;
 }
 
@@ -166,15 +181,11 @@ bool each_is_needed(const Parts &parts, const Model &with, std::size_t from) {
 
 /// Beside what was taken back, what had come in its place is needed no more.
 void drop_what_stood_in(const Parts &parts, const Model &first, SearchResult &found) {
-  for (std::size_t place = found.order.size(); place-- > 0;) {
-    const EffectInstance &e = found.fit.model.effects[found.order[place]];
-    const bool was_there =
-        std::any_of(first.effects.begin(), first.effects.end(),
-                    [&](const EffectInstance &o) { return o.effect == e.effect; });
-    if (was_there || e.effect->info().prior_rank == 0 ||
-        is_needed(parts, found.fit.model, found.order[place]))
+  std::vector<std::size_t> places = stand_ins(first, found);
+  for (auto place = places.rbegin(); place != places.rend(); ++place) {
+    if (is_needed(parts, found.fit.model, found.order[*place]))
       continue;
-    found.forget(place);
+    found.forget(*place);
     found.fit.model = fit(parts.train, found.fit.model, kRefit).model;
   }
 }
@@ -184,31 +195,38 @@ void drop_what_stood_in(const Parts &parts, const Model &first, SearchResult &fo
 /// delay.
 bool exchange_what_stands_in(const Scene &scene, const Parts &parts, const Model &first,
                              SearchResult &found) {
+  const std::vector<EffectInstance> missing = missing_of(first, found.fit.model);
+  const std::vector<std::size_t> places = stand_ins(first, found);
+  if (missing.empty() || places.empty())
+    return false;
   bool any = false;
   const double n = static_cast<double>(parts.heldout.size());
-  for (const EffectInstance &missing : missing_of(first, found.fit.model))
-    for (std::size_t place = 0; place < found.order.size(); ++place) {
+  Model now = fit(parts.train, found.fit.model, kRefit).model;
+  double left = left_v2(parts, now), nats = nats_beside_anonymous(scene, parts, now);
+  for (const EffectInstance &instead : missing)
+    for (std::size_t place : places) {
       const std::size_t at = found.order[place];
-      const EffectInstance &e = found.fit.model.effects[at];
-      if (e.effect->info().prior_rank == 0 ||
-          std::any_of(first.effects.begin(), first.effects.end(),
-                      [&](const EffectInstance &o) { return o.effect == e.effect; }))
+      if (holds(now, instead.effect) || holds(first, now.effects[at].effect))
         continue;
-      Model other = found.fit.model;
-      other.effects[at] = missing;
-      const FitResult with = fit(parts.train, other, kRefit),
-                      without = fit(parts.train, found.fit.model, kRefit);
-      if (!with.determined ||
-          n * std::log(left_v2(parts, without.model) /
-                       std::max(left_v2(parts, with.model), criteria::kLeastMeanSquare)) <
-              criteria::kRivalNats ||
-          nats_beside_anonymous(scene, parts, with.model) <
-              nats_beside_anonymous(scene, parts, without.model) - criteria::kRivalNats)
+      Model other = now;
+      other.effects[at] = instead;
+      FitResult with = fit(parts.train, other, kRefit);
+      const double left_with = left_v2(parts, with.model);
+      if (!with.determined || !in_range(with.model.effects[at]) ||
+          n * std::log(left / std::max(left_with, criteria::kLeastMeanSquare)) <
+              criteria::kRivalNats)
         continue;
-      found.fit.model = with.model;
+      const double nats_with = nats_beside_anonymous(scene, parts, with.model);
+      if (nats_with < nats - criteria::kRivalNats)
+        continue;
+      now = std::move(with.model);
+      left = left_with;
+      nats = nats_with;
+      found.fit.model = now;
       found.alternatives[place].clear(); // they were of the other
+      const Model less = fit(parts.train, now.without(at), kRefit).model;
+      found.contribution[place] = std::sqrt(std::max(0.0, left_v2(parts, less) - left));
       any = true;
-      break;
     }
   return any;
 }

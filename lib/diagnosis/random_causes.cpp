@@ -136,36 +136,70 @@ double white_variance(const std::vector<double> &x) {
   return 0.5 * sum / static_cast<double>(keep) / kStays;
 }
 
-/// What the noise of the recorded temperature and supply makes of the model, V^2 along the vector
-/// and across it: a pair that does not follow it is off by that, and its own noise is not more.
+/// What noise of the recorded temperature and supply there is in what is left, V^2 along the vector
+/// and across it: a pair that follows what is recorded is right with it, and one that does not is
+/// off by it.
 struct OfConditions {
   double along_v2 = 0.0, across_v2 = 0.0;
 };
 
-OfConditions noise_of_conditions(const Shape &shape, const Observations *in_order,
-                                 const Model &model) {
+/// Of a column of the residual that goes against what a recorded one moves, the variance that does:
+/// by regression of third differences from row to row, in which neither what is slow has a part nor
+/// a ripple of many rows. A pair that follows leaves a slope of 0, one that does not of -1.
+double against(const std::vector<double> &left, const std::vector<double> &moves,
+               const std::vector<float> &recorded) {
+  constexpr double kSigmas = 5.0;   // e^-12 by chance, as elsewhere
+  constexpr double kSquares = 20.0; // of the weights 1, -3, 3, -1
+  const auto third = [](const auto &v, std::size_t i) {
+    return static_cast<double>(v[i]) - 3.0 * static_cast<double>(v[i - 1]) +
+           3.0 * static_cast<double>(v[i - 2]) - static_cast<double>(v[i - 3]);
+  };
+  double xx = 0.0, xy = 0.0, yy = 0.0, n = 0.0;
+  for (std::size_t i = 3; i < left.size(); ++i, n += 1.0) {
+    const double x = 0.5 * (moves[i - 1] + moves[i - 2]) * third(recorded, i), y = third(left, i);
+    xx += x * x;
+    xy += x * y;
+    yy += y * y;
+  }
+  if (xx <= 0.0 || xy >= 0.0 || xy * xy * n < kSigmas * kSigmas * kSquares * xx * yy)
+    return 0.0;
+  const double slope = std::max(-1.0, xy / xx);
+  return slope * slope * xx / (kSquares * n);
+}
+
+OfConditions noise_of_conditions(const Observations *in_order, const Model &model) {
   OfConditions out;
-  if (!in_order)
+  if (!in_order || (in_order->temp.empty() && in_order->supply.empty()))
     return out;
+  std::vector<std::uint32_t> rows(std::min(in_order->size(), criteria::kFlickerRows));
+  std::iota(rows.begin(), rows.end(),
+            static_cast<std::uint32_t>((in_order->size() - rows.size()) / 2));
+  Observations data = in_order->select(rows);
+  data.coloured.reset();
+  const ResidualColumns rest = residual_columns(data, model);
+  std::vector<double> along, across;
+  split(data, rest, along, across);
   for (auto column : {&Observations::temp, &Observations::supply}) {
-    const std::vector<float> &recorded = in_order->*column;
-    if (recorded.empty() || (shape.data.*column).size() != shape.data.size())
+    const std::vector<float> recorded = data.*column;
+    if (recorded.empty())
       continue;
-    const double sigma =
+    const double by =
         std::sqrt(white_variance(std::vector<double>(recorded.begin(), recorded.end())));
-    Observations moved = shape.data;
+    if (!(by > 0.0))
+      continue;
+    Observations moved = data;
     for (float &v : moved.*column)
-      v += static_cast<float>(sigma);
+      v += static_cast<float>(by);
     const ResidualColumns there = residual_columns(moved, model);
-    ResidualColumns by = shape.rest;
-    for (std::size_t i = 0; i < by.sin.size(); ++i) {
-      by.sin[i] = there.model_sin[i] - by.model_sin[i];
-      by.cos[i] = there.model_cos[i] - by.model_cos[i];
+    ResidualColumns moves = rest;
+    for (std::size_t i = 0; i < moves.sin.size(); ++i) {
+      moves.sin[i] = (there.model_sin[i] - rest.model_sin[i]) / by;
+      moves.cos[i] = (there.model_cos[i] - rest.model_cos[i]) / by;
     }
-    std::vector<double> along, across;
-    split(shape.data, by, along, across);
-    out.along_v2 += mean_square(along);
-    out.across_v2 += mean_square(across);
+    std::vector<double> along_of, across_of;
+    split(data, moves, along_of, across_of);
+    out.along_v2 += against(along, along_of, recorded);
+    out.across_v2 += against(across, across_of, recorded);
   }
   return out;
 }
@@ -254,7 +288,7 @@ double radial_nats(const Anonymous &left, const Parts &parts, const Model &model
 } // namespace
 
 std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model,
-                                     double periods) {
+                                     double periods, bool counts) {
   std::vector<RandomCause> out;
   const double noise2 = left.selection.noise_v2;
   if (left.selection.orders[static_cast<std::size_t>(Axis::time)] == 0)
@@ -264,10 +298,11 @@ std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, 
   const Worth offset = worth_of(left, Pattern::offset), gain = worth_of(left, Pattern::gain);
   const double both_v2 = offset.share_v2 + gain.share_v2;
   // Without a reference what is slow along the circle may be a motion that was followed badly, as
-  // where a shaft turns back: then the radius must have it, too.
+  // where a shaft turns back, and so may it be between the steps of one that counts: then the
+  // radius must have it, too.
   const auto clear = [&](const Worth &w, Pattern pattern) {
     return w.nats > criteria::kNatsOfNoise &&
-           (parts.has_reference ||
+           ((parts.has_reference && !counts) ||
             radial_nats(left, parts, model, pattern) > criteria::kNatsOfNoise) &&
            w.share_v2 > criteria::kWorthAWord * criteria::kWorthAWord * noise2 &&
            w.share_v2 > crosstalk(periods, waves) * both_v2;
@@ -326,11 +361,10 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
     return mean_square(x) <
            criteria::kAlmostWhite * 0.5 * steps / static_cast<double>(x.size() - 1);
   };
-  constexpr double kLeastOwn = 0.25; // of a variance: what the conditions' noise makes is reckoned
   const auto own = [](double v2, double of_conditions) {
-    return std::max({v2 - of_conditions, kLeastOwn * v2, criteria::kLeastMeanSquare});
+    return std::max(v2 - of_conditions, criteria::kLeastMeanSquare);
   };
-  const OfConditions recorded = noise_of_conditions(shape, in_order, model);
+  const OfConditions recorded = noise_of_conditions(in_order, model);
   const double along = own(white_variance(shape.along), recorded.along_v2);
   const double amplitude = model.baseline.amplitude_v;
   // The steps of a reference lie across the vector, too.

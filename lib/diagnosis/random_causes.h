@@ -26,9 +26,10 @@ struct RandomCause {
 bool is_course_of(const Anonymous &left, Eigen::Index column, Pattern pattern);
 
 /// Offsets and a gain that move slowly with time, where nothing that is recorded explains them.
-/// `left`: what the named model leaves over; `periods`: electrical ones in the record.
+/// `left`: what the named model leaves over; `periods`: electrical ones in the record; `counts`:
+/// whether the reference counts in coarse steps.
 std::vector<RandomCause> slow_causes(const Anonymous &left, const Parts &parts, const Model &model,
-                                     double periods);
+                                     double periods, bool counts);
 
 /// Part of the power of one slow process that passes for another one: what is faster than its
 /// functions. Offsets and a gain differ by a turn of the vector, which tells them apart the better

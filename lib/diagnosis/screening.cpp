@@ -488,7 +488,8 @@ bool is_passed_by(const Screened &look, std::size_t at, double departs_rad) {
   constexpr std::size_t kNear = 3, kFar = 7; // rows: beyond what a filter leaves of a spike
   constexpr double kHalf = 0.5;
   const std::vector<double> &angle = look.angle, &time = look.capture.time_s;
-  if (at < kFar || at + kFar >= angle.size()) // an end says nothing
+  if (at < kFar || at + kFar >= angle.size() || !(time[at - kNear] > time[at - kFar]) ||
+      !(time[at + kFar] > time[at + kNear])) // an end says nothing, nor do rows of one time
     return true;
   const auto turned = [&](std::size_t from, std::size_t to) {
     return look.capture.meta.periods_per_turn * (angle[to] - angle[from]);

@@ -142,16 +142,18 @@ void leave_out_wrong_rows(std::vector<double> &reference, Screened &look, Scene 
 
 /// Between its steps a reference that counts is better known by the motion that agrees with it: at
 /// a steady speed the rounding is the same in each turn, and would pass for an error of the sensor.
-/// The few rows of which no motion knows more stand out of the others, and are left out.
+/// The few rows of which no motion knows more stand out of the others, and are left out; where they
+/// are many all stay as they are read.
 void read_between_steps(Screened &look, std::vector<double> &alpha) {
   constexpr double kFew = 0.2; // of the rows
   BetweenSteps read =
       between_steps(look.capture.time_s, alpha, look.usable, reference_step_rad(look.findings));
-  alpha = std::move(read.angle);
   const auto known = std::count(read.known.begin(), read.known.end(), char{1}),
              used = std::count(look.usable.begin(), look.usable.end(), char{1});
-  if (static_cast<double>(known) >= (1.0 - kFew) * static_cast<double>(used))
-    look.usable = std::move(read.known);
+  if (static_cast<double>(known) < (1.0 - kFew) * static_cast<double>(used))
+    return;
+  alpha = std::move(read.angle);
+  look.usable = std::move(read.known);
 }
 
 /// The pair as its own reference: only the radius can be judged then.

@@ -157,6 +157,7 @@ private:
   /// What only turns the vector leaves its length. Where the length changes with the same order,
   /// and that is none of the turn's own, both are one thing, which has another cause.
   bool drop_turns_that_lengthen();
+  bool drop_ripples_by_chance();
   /// Amplitude of an order of the turn in what a model leaves along the vector, V.
   double lengthens(const Model &model, double order) const;
 

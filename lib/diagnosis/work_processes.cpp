@@ -35,7 +35,8 @@ bool Work::take_out_processes() {
   if (slow.selection.noise_v2 - unnamed_.selection.noise_v2 >=
       criteria::kLittle * (whole - unnamed_.selection.noise_v2))
     return false;
-  std::vector<RandomCause> found = slow_causes(slow, white, named, periods_in_all());
+  std::vector<RandomCause> found =
+      slow_causes(slow, white, named, periods_in_all(), reference_step_rad() > 0.0);
   std::erase_if(found, [&](const RandomCause &c) { return goes_on(c); });
   if (found.empty() || goes_with_speed(slow, whole, white, named))
     return false;
@@ -63,7 +64,8 @@ void Work::take_out_rest_of_courses() {
   Model named = out_.extended;
   named.remainder.reset();
   Anonymous slow = anonymous_of(scene_, white, named, {.speed = false, .others = false});
-  std::vector<RandomCause> rest = slow_causes(slow, white, named, periods_in_all());
+  std::vector<RandomCause> rest =
+      slow_causes(slow, white, named, periods_in_all(), reference_step_rad() > 0.0);
   std::erase_if(rest, [&](const RandomCause &c) { return !goes_on(c); });
   if (!rest.empty())
     take_out_courses(std::move(slow), rest);

@@ -13,7 +13,9 @@
 
 #include "base/angle.h"
 #include "diagnosis/admission.h"
+#include "diagnosis/along_and_across.h"
 #include "diagnosis/conditions/reference_zero.h"
+#include "diagnosis/conditions/uneven_motion.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/first_model.h"
 #include "diagnosis/moments.h"
@@ -233,6 +235,39 @@ bool Work::drop_turns_that_lengthen() {
     if (!known && lengthens(model, *order) < criteria::kAsMuchAlong * turns_v)
       continue;
     lengthening_.push_back(*order);
+    found_.forget(place);
+    return true;
+  }
+  return false;
+}
+
+bool Work::drop_ripples_by_chance() {
+  if (scene_.has_reference || scene_.radius_only)
+    return false;
+  // Of rows that follow each other, the used ones of a turn.
+  const Observations &data = scene_.all;
+  const Model &model = found_.fit.model;
+  for (std::size_t place = 0; place < found_.order.size(); ++place) {
+    const EffectInstance &e = model.effects[found_.order[place]];
+    const auto order = chosen(e, "order", "per turn");
+    if (!order || e.effect->info().stage != Stage::motion || *order != std::round(*order))
+      continue;
+    const ResidualColumns rest = residual_columns(data, model.without(found_.order[place]));
+    std::vector<double> along, across;
+    split(data, rest, along, across);
+    Kinematics motion;
+    motion.alpha = data.alpha;
+    motion.omega.assign(data.omega.begin(), data.omega.end());
+    motion.direction.assign(data.direction.begin(), data.direction.end());
+    for (std::size_t i = 0; i < data.size(); ++i)
+      across[i] =
+          data.alpha[i] +
+          across[i] / (scene_.periods * std::max(std::hypot(rest.model_sin[i] - data.centre_sin_v,
+                                                            rest.model_cos[i] - data.centre_cos_v),
+                                                 1e-12));
+    const std::vector<char> all(data.size(), 1);
+    if (!differs_from_turn_to_turn(motion, across, all, static_cast<int>(*order)))
+      continue;
     found_.forget(place);
     return true;
   }

@@ -194,6 +194,11 @@ public:
   virtual bool shows(Values, const Residual &) const { return true; }
   /// Whether what was measured rules these values out, whatever the fit gains by them.
   virtual bool refuted(Values, const Residual &) const { return false; }
+  /// The same by how the shaft moved against a reference: time, s, and angle, rad, of every usable
+  /// sample.
+  virtual bool refuted_by_motion(Values, std::span<const double>, std::span<const double>) const {
+    return false;
+  }
   /// Starting points, best first. Coordinates near zero mean: let the linear fit decide.
   virtual std::vector<std::vector<double>> guesses(const Residual &) const;
   /// Values with another choice of what no search for a place decides; the best is kept.

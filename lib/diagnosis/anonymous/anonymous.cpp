@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "base/angle.h"
+#include "diagnosis/along_and_across.h"
 #include "diagnosis/anonymous/steps.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
@@ -287,14 +288,13 @@ NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &m
   ResidualColumns &r = halves.heldout_left;
   subtract(left.basis, left.selection, halves.heldout, r);
   NoiseShape out;
+  std::vector<double> along, across;
+  split(halves.heldout, r, along, across);
   for (std::size_t i = 0; i < r.sin.size(); ++i) {
-    const auto [s, c] = halves.heldout.outward(r.model_sin[i], r.model_cos[i]);
-    const double along = r.sin[i] * s + r.cos[i] * c;
-    const double across = r.sin[i] * c - r.cos[i] * s;
     out.sin_v += r.sin[i] * r.sin[i];
     out.cos_v += r.cos[i] * r.cos[i];
-    out.along_v += along * along;
-    out.across_v += across * across;
+    out.along_v += along[i] * along[i];
+    out.across_v += across[i] * across[i];
   }
   const double n = static_cast<double>(std::max<std::size_t>(1, r.sin.size()));
   for (double *v : {&out.sin_v, &out.cos_v, &out.along_v, &out.across_v})

@@ -60,11 +60,11 @@ constexpr double kKnownOfTurn = 0.75;
 /// Coefficient of an order in what a smooth motion leaves of the angle along one turn, beside its
 /// mean, from the usable samples; nothing where too much of the turn is missing. What was left out
 /// is no smooth motion, and says nothing of how the ripple differs from turn to turn.
-std::optional<std::complex<double>> left_at_order(const SmoothMotion &smooth,
+std::optional<std::complex<double>> left_at_order(const Kinematics &motion,
                                                   std::span<const double> angle,
                                                   std::span<const char> usable, std::size_t first,
                                                   std::size_t last, int order) {
-  const std::vector<double> &alpha = smooth.motion.alpha;
+  const std::vector<double> &alpha = motion.alpha;
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (std::size_t i = first; i < last; ++i) {
@@ -84,25 +84,24 @@ std::optional<std::complex<double>> left_at_order(const SmoothMotion &smooth,
 /// Whether an order of what a smooth motion leaves of the angle is chance: it differs from turn to
 /// turn by more than its mean over the turns, or stands in too few turns to have been seen again.
 /// Where it falls with the speed each turn counts by its part of it.
-bool differs_by_turn(const SmoothMotion &smooth, std::span<const double> angle,
+bool differs_by_turn(const Kinematics &motion, std::span<const double> angle,
                      std::span<const char> usable,
                      const std::vector<std::pair<std::size_t, std::size_t>> &turns, int order) {
-  const std::vector<double> &alpha = smooth.motion.alpha;
-  const double slowest = slowest_of_range(smooth.motion.omega);
+  const std::vector<double> &alpha = motion.alpha;
+  const double slowest = slowest_of_range(motion.omega);
   std::vector<std::complex<double>> at;
   std::vector<double> part;
   std::complex<double> sum = 0.0;
   double squares = 0.0, fourths = 0.0;
   for (const auto &[first, last] : turns) {
-    const auto of = left_at_order(smooth, angle, usable, first, last, order);
+    const auto of = left_at_order(motion, angle, usable, first, last, order);
     if (!of)
       continue;
     double fall = 1.0;
     if (slowest > 0.0) {
       fall = 0.0;
       for (std::size_t i = first; i < last; ++i)
-        fall +=
-            ripple_at(smooth.motion.omega[i], slowest) * std::abs(alpha[i + 1] - alpha[i]) / kTwoPi;
+        fall += ripple_at(motion.omega[i], slowest) * std::abs(alpha[i + 1] - alpha[i]) / kTwoPi;
     }
     at.push_back(*of);
     part.push_back(fall);
@@ -172,13 +171,19 @@ bool ripples_by_chance(const SmoothMotion &smooth, std::span<const double> time,
     return true;
   if (ripple_rad < smooth.residual_rms_rad)
     return false;
-  if (differs_by_turn(smooth, angle, usable, turns, order))
+  if (differs_by_turn(smooth.motion, angle, usable, turns, order))
     return true;
   std::vector<double> by_turn;
   for (const auto &[first, last] : turns)
     by_turn.push_back(at_order(smooth.motion, first, last, order));
   return most < criteria::kChanceRipple * quantile(by_turn, 0.5) /
                     std::sqrt(static_cast<double>(turns.size()));
+}
+
+bool differs_from_turn_to_turn(const Kinematics &motion, std::span<const double> angle,
+                               std::span<const char> usable, int order) {
+  const auto turns = whole_turns(motion);
+  return turns.size() >= 2 && differs_by_turn(motion, angle, usable, turns, order);
 }
 
 } // namespace ada

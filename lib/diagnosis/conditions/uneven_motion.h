@@ -29,4 +29,10 @@ double beyond_knots(const std::vector<double> &knots, std::span<const double> ti
 bool ripples_by_chance(const SmoothMotion &smooth, std::span<const double> time,
                        std::span<const double> angle, std::span<const char> usable);
 
+/// Whether an order of what is left of an angle beside a smooth motion differs from turn to turn by
+/// more than its mean over the turns would by chance. `angle`: rad of the shaft, the motion and
+/// what is left of it; `usable`: 0 where nothing is known.
+bool differs_from_turn_to_turn(const Kinematics &motion, std::span<const double> angle,
+                               std::span<const char> usable, int order);
+
 } // namespace ada

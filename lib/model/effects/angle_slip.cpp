@@ -33,30 +33,29 @@ constexpr EffectInfo kInfo{.id = "angle-slip",
                            .repeats = true};
 
 /// Whether the shaft turned one way up to a step of the angle and the other way from it on: the
-/// step lies as near to where it turned back as a play of a few times its size is taken up.
+/// step lies where it turned back, or as far behind as a loop or a play of its size is taken up
+/// over.
 bool is_at_only_reversal(double time_s, double step_rad, std::span<const double> time,
                          std::span<const double> alpha) {
-  constexpr double kOneWay = 0.95; // of the way from one end to the other
-  constexpr double kNear = 3.0;    // steps
+  constexpr double kOneWay = 0.95;              // of the way from one end to the other
+  constexpr double kAhead = 0.1, kBehind = 1.5; // steps
   const auto at =
       static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), time_s) - time.begin());
   if (at < 2 || at + 2 > alpha.size())
     return false;
-  const auto before = alpha.first(at), after = alpha.subspan(at);
   const auto way = [](std::span<const double> part) {
     const auto [low, high] = std::minmax_element(part.begin(), part.end());
     const double net = part.back() - part.front();
     return std::abs(net) > kOneWay * (*high - *low) ? net : 0.0;
   };
-  const double there = way(before), back = way(after);
-  if (there * back >= 0.0)
+  const double there = way(alpha.first(at)), back = way(alpha.subspan(at));
+  const double step = std::abs(step_rad);
+  if (there * back >= 0.0 || std::min(std::abs(there), std::abs(back)) < 2.0 * kBehind * step)
     return false;
   const auto [low, high] = std::minmax_element(alpha.begin(), alpha.end());
-  const double end = there > 0.0 ? *high : *low;
-  const double near = kNear * std::abs(step_rad);
-  // Where samples about the step were left out it lies between the two beside them.
-  return std::min(std::abs(there), std::abs(back)) > 2.0 * near &&
-         std::min(std::abs(alpha[at] - end), std::abs(alpha[at - 1] - end)) < near;
+  const auto turn = there > 0.0 ? high : low;
+  const bool ahead = static_cast<std::size_t>(turn - alpha.begin()) >= at;
+  return std::abs(alpha[ahead ? at : at - 1] - *turn) < (ahead ? kAhead : kBehind) * step;
 }
 
 class AngleSlip final : public Effect {
@@ -75,8 +74,9 @@ public:
   }
   /// At the only reversal of a record a slip looks like the loop of a hysteresis, and like a play
   /// between shaft and reference, which is wide the other way and which nothing here knows.
-  bool refuted(Values v, const Residual &r) const override {
-    return r.has_reference && is_at_only_reversal(v[0], v[1] * kRadPerDeg, r.time, r.alpha);
+  bool refuted_by_motion(Values v, std::span<const double> time,
+                         std::span<const double> alpha) const override {
+    return is_at_only_reversal(v[0], v[1] * kRadPerDeg, time, alpha);
   }
   std::string invisible(const Residual &r) const override {
     return r.has_reference ? "" : "without a reference it is looked for on the first look";
