@@ -6,9 +6,9 @@
 # Sourced by tools/demo, tools/package, tests/run and tests/prepare: nothing else installs or
 # downloads, but for what does so in a chroot.
 
-# checksum_package [ARCHITECTURE]: what the build takes checksums from there.
+# checksum_package ARCHITECTURE: what the build takes checksums from there.
 checksum_package() {
-  case ${1:-$(dpkg --print-architecture)} in
+  case $1 in
     amd64 | arm64) echo libisal-dev ;;
     *) echo libdeflate-dev ;;
   esac
@@ -19,7 +19,7 @@ checksum_package() {
 # dt-schema), and what needs it is skipped there.
 declare -A PACKAGES=(
   [build]="g++ cmake ninja-build pkgconf libiio-dev libgpiod-dev libeigen3-dev libhwy-dev
-    libcli11-dev $(checksum_package) libfmt-dev libncurses-dev libtomlplusplus-dev nlohmann-json3-dev
+    libcli11-dev $(checksum_package "$(dpkg --print-architecture)") libfmt-dev libncurses-dev libtomlplusplus-dev nlohmann-json3-dev
     zlib1g-dev libsqlite3-dev libboost-dev python3"
   [python]="pybind11-dev python3-dev python3-numpy"
   [docs]="doxygen mandoc mkdocs device-tree-compiler"

@@ -247,5 +247,101 @@ KIND(a_memory_that_vtemp_measures_is_one_beside_a_smooth_motion) {
   expect_pair(d, bench.pair, 0.002);
 }
 
+/// VDD is noisy and the pair follows it: what the channels have beyond what is stated is theirs.
+KIND(an_excess_is_one_where_the_pair_follows_a_noisy_supply) {
+  Bench bench;
+  bench.pair.noise_v = bench.within(5e-4, 1e-3);
+  const double more = bench.within(1.0, 2.0) * bench.pair.noise_v;
+  Capture c = bench.capture(8000, 1000.0, 1,
+                            wandering(bench, bench.within(2.0, 4.0), 0.3, bench.within(0.05, 0.1)));
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double vdd = 5.0 + bench.normal(4e-3);
+    for (auto *v : {&c.vsin_v, &c.vcos_v})
+      (*v)[i] = (*v)[i] * vdd / 5.0 + bench.normal(more);
+    c.vdd_v.push_back(vdd);
+  }
+  c.reference_deg.clear();
+  c.meta.noise_rms_v = bench.pair.noise_v;
+  const Diagnosis d = diagnose(c, {});
+  const Finding *excess = named(d, "excess-noise");
+  ASSERT_TRUE(excess) << names(d);
+  EXPECT_NEAR(excess->values[0], more, 0.05 * more);
+}
+
+/// Torque turns round where a shaft does, and there a magnet slips: behind the way over which a
+/// play is taken up it is a slip.
+KIND(a_slip_behind_a_reversal_is_one) {
+  Bench bench;
+  const double slip = bench.within(0.5, 4.0) * kRadPerDeg, rate = kTwoPi / 6.0;
+  const double behind = (bench.within(0.0, 1.0) < 0.5 ? -1.0 : 1.0) * bench.within(2.0, 4.0) * slip;
+  const auto angle = [=](double t) { return rate * std::min(t, 20.0 - t); };
+  const double at_s = 10.0 + behind / rate;
+  Capture c =
+      bench.capture(10000, 500.0, 2, [&](double t) { return angle(t) + (t > at_s ? slip : 0.0); });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(angle(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *found = named(d, "angle-slip");
+  ASSERT_TRUE(found) << names(d);
+  EXPECT_NEAR(found->values[1] * kRadPerDeg, slip, 0.05 * slip);
+  expect_none(d, {"propagation-delay", "reference-delay"});
+}
+
+/// A ripple that both see, and that the encoder's steps hide, is no error of either.
+KIND(a_ripple_within_a_step_of_the_encoder_is_no_error_of_the_field) {
+  Bench bench;
+  const int counts = bench.within(0.0, 1.0) < 0.5 ? 256 : 1024;
+  const double order = std::round(bench.within(1.5, 12.5)), hz = bench.within(1.0, 4.0),
+               ripple = bench.within(0.03, 0.06) * kTwoPi / counts;
+  const auto even = wandering(bench, hz, 0.3, bench.within(0.1, 0.3));
+  const auto angle = [=](double t) { return even(t) + ripple * std::sin(order * even(t)); };
+  Capture c = bench.capture(15000, 1000.0, 2, angle);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] =
+        360.0 / counts * std::floor(wrap(angle(c.time_s[i]), kTwoPi) / kTwoPi * counts);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair, 0.002);
+  expect_none(d, {"field-direction-error", "stray-field", "sensor-off-axis", "reference-harmonic",
+                  "reference-eccentricity"});
+}
+
+/// A magnet that slips twice, by no whole number of rows: no loss, or one that a slip is named
+/// beside.
+KIND(two_slips_are_no_loss_without_an_alternative) {
+  Bench bench;
+  const double hz = bench.within(4.0, 6.0), slip = bench.within(7.0, 9.0) * kRadPerDeg;
+  const double rows = slip / (kTwoPi * hz / 1000.0);
+  const double whole = std::abs(rows - std::round(rows));
+  const double by =
+      whole > 0.3 ? slip : slip + 0.5 * kTwoPi * hz / 1000.0 * (whole < 0.2 ? 1.0 : 0.4);
+  Capture c = bench.capture(20000, 1000.0, 2, [&](double t) {
+    return kTwoPi * hz * t + (t > 6.0 ? by : 0.0) + (t > 13.0 ? by : 0.0);
+  });
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  if (const Finding *loss = named(d, "sample-loss")) {
+    EXPECT_EQ(std::count(loss->alternatives.begin(), loss->alternatives.end(), "angle-slip"), 1)
+        << names(d);
+  }
+}
+
+/// A channel's own sixth harmonic keeps step with the shaft, and is in that channel alone.
+KIND(a_harmonic_of_one_channel_is_no_tone) {
+  Bench bench;
+  const double hz = bench.within(1.5, 3.0), phase = bench.within(0.0, kTwoPi),
+               size = bench.within(0.002, 0.004) * bench.pair.amplitude_v;
+  const auto angle = [=](double t) { return kTwoPi * hz * t; };
+  Capture c = bench.capture(20000, 1000.0, 2, angle);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.vsin_v[i] += size * std::cos(6.0 * (2.0 * angle(c.time_s[i]) + bench.pair.zero_rad) + phase);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair);
+  const Finding *f = named(d, "harmonic-distortion");
+  ASSERT_TRUE(f) << names(d);
+  EXPECT_EQ(f->values[0], 6.0);
+  expect_none(d, {"periodic-interference"});
+}
+
 } // namespace
 } // namespace ada::test
