@@ -130,6 +130,7 @@ struct Scene {
   /// Ripples of the reference against smooth time, entry n - 1 is order n of the turn; empty where
   /// there is no reference, or too little steady motion.
   std::vector<Ripple> reference_ripples;
+  double reference_grid_rad = 0.0; ///< of which all its readings are multiples; 0: of none
   WrongRows wrong_rows;
   StaleRows stale;
   OwnJumps own_jumps; ///< where the angle is the pair's own, or a smooth motion leaves rows out

@@ -214,6 +214,7 @@ Kinematics motion_by_reference(Screened &look, Scene &scene) {
     alpha[i] = capture.reference_deg[i] * kRadPerDeg;
   leave_out_wrong_rows(alpha, look, scene);
   unwrap(alpha, kTwoPi);
+  scene.reference_grid_rad = reference_grid_rad(capture.reference_deg);
   scene.stops = find_stops(alpha, noise_between(alpha));
   if (scene.stops)
     return at_rest(std::move(alpha), scene.stops);

@@ -98,6 +98,10 @@ std::vector<double> sums(const std::vector<double> &x) {
 
 } // namespace
 
+double reference_grid_rad(std::span<const double> reference_deg) {
+  return grid_of({reference_deg.begin(), reference_deg.end()}) * kRadPerDeg;
+}
+
 // A grid alone is no evidence: a stage that stops at whole degrees has one as well. A counter that
 // shows steps of width q to a shaft that moves by v = (k + f) q from sample to sample counts k or
 // k + 1, so that its differences scatter by q^2 f (1 - f) about those of the pair.
@@ -106,7 +110,7 @@ double find_reference_step(const Screened &look) {
   if (reference.size() < kFewest || look.angle.size() != reference.size() ||
       look.capture.time_s.size() != reference.size())
     return 0.0;
-  const double step = grid_of(reference) * kRadPerDeg;
+  const double step = reference_grid_rad(reference);
   const double noise = noise_power(look.capture.time_s, look.angle);
   if (!(step * step / 12.0 > kAddsToNoise * noise))
     return 0.0;
@@ -181,7 +185,7 @@ double counted_step(std::span<const double> reference_deg, std::span<const doubl
   const std::size_t n = reference_deg.size();
   if (n < kEnough || off_rad.size() != n)
     return 0.0;
-  const double step = grid_of({reference_deg.begin(), reference_deg.end()}) * kRadPerDeg;
+  const double step = reference_grid_rad(reference_deg);
   const double of_steps = step * step / 12.0, noise = noise_rad * noise_rad;
   if (!(noise_rad < kFine * step))
     return 0.0;

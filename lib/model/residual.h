@@ -130,6 +130,10 @@ struct Screened {
   double turns() const;
 };
 
+/// The spacing, rad, of which all spacings of a reference's readings are multiples; 0 where there
+/// is none.
+double reference_grid_rad(std::span<const double> reference_deg);
+
 bool screen_spikes(Screened &look, const Effect &effect);
 bool screen_stuck(Screened &look, const Effect &effect);
 bool screen_orientation(Screened &look, const Effect &effect);

@@ -343,5 +343,23 @@ KIND(a_harmonic_of_one_channel_is_no_tone) {
   expect_none(d, {"periodic-interference"});
 }
 
+/// What an encoder of twelve bits rounds is less than the noise of a row, and at a steady speed the
+/// same in each turn: some order of the turn has it.
+KIND(the_last_count_of_an_encoder_is_no_harmonic_of_it) {
+  Bench bench;
+  bench.pair.noise_v = bench.within(1.5e-3, 3e-3);
+  constexpr double kCounts = 4096.0;
+  const double rows = std::round(bench.within(150.0, 400.0)), sense_s = 10.0;
+  const auto angle = [=](double t) { // there and back, as many rows in each turn
+    return kTwoPi * 1000.0 / rows * (t < sense_s ? t : 2.0 * sense_s - t);
+  };
+  Capture c = bench.capture(20000, 1000.0, 2, angle);
+  for (double &r : c.reference_deg)
+    r = 360.0 / kCounts * std::floor(r / 360.0 * kCounts);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair, 0.002);
+  expect_none(d, {"reference-harmonic", "field-direction-error"});
+}
+
 } // namespace
 } // namespace ada::test
