@@ -150,6 +150,7 @@ double against(const std::vector<double> &left, const std::vector<double> &moves
                const std::vector<float> &recorded) {
   constexpr double kSigmas = 5.0;   // e^-12 by chance, as elsewhere
   constexpr double kSquares = 20.0; // of the weights 1, -3, 3, -1
+  constexpr double kTogether = 2.3; // products of such differences are worth so many times fewer
   const auto third = [](const auto &v, std::size_t i) {
     return static_cast<double>(v[i]) - 3.0 * static_cast<double>(v[i - 1]) +
            3.0 * static_cast<double>(v[i - 2]) - static_cast<double>(v[i - 3]);
@@ -161,7 +162,7 @@ double against(const std::vector<double> &left, const std::vector<double> &moves
     xy += x * y;
     yy += y * y;
   }
-  if (xx <= 0.0 || xy >= 0.0 || xy * xy * n < kSigmas * kSigmas * kSquares * xx * yy)
+  if (xx <= 0.0 || xy >= 0.0 || xy * xy * n < kSigmas * kSigmas * kTogether * xx * yy)
     return 0.0;
   const double slope = std::max(-1.0, xy / xx);
   return slope * slope * xx / (kSquares * n);
