@@ -140,14 +140,26 @@ void leave_out_wrong_rows(std::vector<double> &reference, Screened &look, Scene 
   }
 }
 
+/// A long capture has no memory to spare, and so many readings tell the grid.
+double grid_of_some(const std::vector<double> &reference_deg) {
+  constexpr std::size_t kEnough = 50000;
+  const std::size_t stride = reference_deg.size() / kEnough + 1;
+  std::vector<double> some;
+  for (std::size_t i = 0; i < reference_deg.size(); i += stride)
+    some.push_back(reference_deg[i]);
+  return reference_grid_rad(some);
+}
+
 /// Between its steps a reference that counts is better known by the motion that agrees with it: at
 /// a steady speed the rounding is the same in each turn, and would pass for an error of the sensor.
 /// The few rows of which no motion knows more stand out of the others, and are left out; where they
 /// are many all stay as they are read.
 void read_between_steps(Screened &look, std::vector<double> &alpha) {
   constexpr double kFew = 0.2; // of the rows
-  BetweenSteps read =
-      between_steps(look.capture.time_s, alpha, look.usable, reference_step_rad(look.findings));
+  const double step = reference_step_rad(look.findings);
+  if (!(step > 0.0))
+    return;
+  BetweenSteps read = between_steps(look.capture.time_s, alpha, look.usable, step);
   const auto known = std::count(read.known.begin(), read.known.end(), char{1}),
              used = std::count(look.usable.begin(), look.usable.end(), char{1});
   if (static_cast<double>(known) < (1.0 - kFew) * static_cast<double>(used))
@@ -214,7 +226,7 @@ Kinematics motion_by_reference(Screened &look, Scene &scene) {
     alpha[i] = capture.reference_deg[i] * kRadPerDeg;
   leave_out_wrong_rows(alpha, look, scene);
   unwrap(alpha, kTwoPi);
-  scene.reference_grid_rad = reference_grid_rad(capture.reference_deg);
+  scene.reference_grid_rad = grid_of_some(capture.reference_deg);
   scene.stops = find_stops(alpha, noise_between(alpha));
   if (scene.stops)
     return at_rest(std::move(alpha), scene.stops);
