@@ -457,10 +457,11 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
     if (!most)
       most = mostly_at(r);
     const double order = round > 0.0 ? std::round(frequency / round) : 0.0;
-    const bool of_angle = may_be_of_the_angle(r, *most, order, frequency, line);
-    return (of_angle && order >= 1.0 && std::abs(frequency - order * round) < kOrderWidth / span &&
-            !told_from_order(r, static_cast<int>(order), frequency)) ||
-           (of_angle && turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line)) ||
+    const bool at_order =
+        (order >= 1.0 && std::abs(frequency - order * round) < kOrderWidth / span &&
+         !told_from_order(r, static_cast<int>(order), frequency)) ||
+        turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line);
+    return (at_order && may_be_of_the_angle(r, *most, order, frequency, line)) ||
            slow_beside_pair(r, frequency) ||
            (rotates_with_pair(r, *most, frequency, line) &&
             (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));

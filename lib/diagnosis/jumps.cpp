@@ -18,7 +18,7 @@ namespace {
 
 /// A change of speed that stands out of the noise of a gap.
 constexpr double kKinkStandsOut = 6.0;
-/// Of a magnet: what jumps back by more is no slip in a record that loses samples.
+/// Of a magnet: what jumps by more, in a record that loses samples or more than once, is no slip.
 constexpr double kWidestSlip = 5.0 * kRadPerDeg;
 
 /// A jump of the angle over time: straight lines over `side` samples before and after meet there

@@ -230,18 +230,20 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
   const double least = !scene.has_reference ? criteria::kLeastCoverage
                        : comes_again        ? criteria::kLeastCoverageByReference
                                             : criteria::kLeastOfOnePass;
-  const FirstHarmonic pair = first_harmonic(all, scene);
-  if (scene
-          .has_reference) // without one the angle is the vector's, and what is left lies along that
+  // Without a reference the angle is the vector's, and what is left lies along that.
+  double error = 0.0; // of the centre
+  if (scene.has_reference) {
+    const FirstHarmonic pair = first_harmonic(all, scene);
+    error = pair.centre_error;
     for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
       o->figure = figure_of(pair.axes);
+  }
   const double seen = share_of_circle(all.alpha, scene.periods);
   if (seen < least)
     scene.insufficient = fmt::format("the record shows {:.0f} of 360 electrical degrees; at least "
                                      "{:.0f} are needed to tell centre and axes apart",
                                      360.0 * seen, 360.0 * least);
-  else if (const double error = scene.has_reference ? pair.centre_error : 0.0;
-           error > criteria::kCentreKnown)
+  else if (error > criteria::kCentreKnown)
     scene.insufficient =
         fmt::format("of {:.0f} electrical degrees and {} samples the centre of the "
                     "pair is known to {:.2g} of its amplitude only",

@@ -244,7 +244,6 @@ bool Work::drop_turns_that_lengthen() {
 bool Work::drop_ripples_by_chance() {
   if (scene_.has_reference || scene_.radius_only)
     return false;
-  // Of rows that follow each other, the used ones of a turn.
   const Observations &data = scene_.all;
   const Model &model = found_.fit.model;
   for (std::size_t place = 0; place < found_.order.size(); ++place) {

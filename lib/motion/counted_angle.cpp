@@ -25,7 +25,8 @@ BetweenSteps between_steps(std::span<const double> time, std::span<const double>
   const std::size_t n = time.size();
   BetweenSteps result{{angle.begin(), angle.end()}, std::vector<char>(n, 0)};
   auto &[out, known] = result;
-  if (n < kFewest || !(step > 0.0) || std::count(usable.begin(), usable.end(), char{1}) == 0)
+  if (n < kFewest || !(step > 0.0) || !(time.back() > time.front()) ||
+      std::count(usable.begin(), usable.end(), char{1}) == 0)
     return result;
   std::vector<std::size_t> ends{0, n - 1}; // samples at the knots
   for (int round = 0; round < kMostRounds; ++round) {
