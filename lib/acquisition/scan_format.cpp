@@ -9,6 +9,7 @@
 #include <cstring>
 #include <type_traits>
 
+#include "base/columns_of_numbers.h"
 #include "base/error.h"
 
 namespace ada {
@@ -153,6 +154,11 @@ template <class Word, bool Swap, bool Signed> struct ElementDecoder::Kernel {
     const unsigned l = left(d.format_), r = right(d.format_);
     const double offset = d.scale_.offset, scale = d.scale_.scale_v;
     const unsigned repeat = d.format_.repeat;
+    if constexpr (sizeof(Word) == 2 && !Swap)
+      if (repeat == 1 && out_stride == 1 && has_vectors_for(stride)) {
+        scaled_words16(p, stride, count, {Signed, l, r}, offset, scale, out);
+        return;
+      }
     if (repeat == 1) {
       for (std::size_t i = 0; i < count; ++i, p += stride, out += out_stride)
         *out = (static_cast<double>(value(p, l, r)) + offset) * scale;

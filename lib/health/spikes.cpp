@@ -168,10 +168,6 @@ Direction direction(const std::vector<double> &angles) {
 
 } // namespace
 
-bool beyond_supply(double volts, double supply_v) {
-  return volts < -kRangeMargin * supply_v || volts > (1 + kRangeMargin) * supply_v;
-}
-
 SpikeFinder::SpikeFinder(const Capture &sample, std::size_t samples,
                          const std::optional<EllipseFit> &ellipse)
     : samples_(samples) {

@@ -28,7 +28,9 @@ struct PairPlaces {
 };
 
 /// What no output does at this supply (kRangeMargin).
-bool beyond_supply(double volts, double supply_v);
+inline bool beyond_supply(double volts, double supply_v) {
+  return volts < -kRangeMargin * supply_v || volts > (1 + kRangeMargin) * supply_v;
+}
 
 /// Finds them in stretches of a recording, by limits that are measured on a sample of it. How rare
 /// they are, and so whether they are spikes at all, shows only in all of it.

@@ -4,7 +4,9 @@
 #include "health/tally.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "base/angle.h"
@@ -185,22 +187,55 @@ private:
     const auto is_beyond = [&](double v) { return beyond_supply(v, supply); };
     const Capture &a = c.around;
     Tally &t = c.tally;
-    auto candidate = c.found.candidates.begin();
-    for (std::size_t i = 0; i < c.angles.count(); ++i) {
-      const std::size_t n = before + i;
-      const double vsin = a.vsin_v[n], vcos = a.vcos_v[n], radius = c.angles.radius[i];
-      t.rails.add(at_rail(vsin) || at_rail(vcos));
-      t.beyond.add(is_beyond(vsin) || is_beyond(vcos));
-      t.radius.add((c.angles.status[i] & ADA4571_SAMPLE_RADIUS) != 0);
-      t.invalid.add((c.angles.status[i] & ADA4571_SAMPLE_INVALID) != 0);
-      t.same_sin.add(n > 0 && vsin == a.vsin_v[n - 1]);
-      t.same_cos.add(n > 0 && vcos == a.vcos_v[n - 1]);
-      t.usable += std::isfinite(vsin) && std::isfinite(vcos);
-      if (candidate != c.found.candidates.end() && candidate->sample == c.angles.block.first + i)
-        ++candidate;
-      else
-        add_radius(t, radius);
+    const std::array<FaultRow *, 6> rows = {&t.rails,   &t.beyond,   &t.radius,
+                                            &t.invalid, &t.same_sin, &t.same_cos};
+    std::size_t sound = 0; // samples since the last faulty one
+    const std::size_t n = c.angles.count();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t k = before + i;
+      const double vsin = a.vsin_v[k], vcos = a.vcos_v[k];
+      const unsigned faulty = (unsigned{at_rail(vsin)} | unsigned{at_rail(vcos)}) |
+                              (unsigned{is_beyond(vsin)} | unsigned{is_beyond(vcos)}) << 1 |
+                              unsigned{(c.angles.status[i] & ADA4571_SAMPLE_RADIUS) != 0} << 2 |
+                              unsigned{(c.angles.status[i] & ADA4571_SAMPLE_INVALID) != 0} << 3 |
+                              unsigned{k > 0 && vsin == a.vsin_v[k - 1]} << 4 |
+                              unsigned{k > 0 && vcos == a.vcos_v[k - 1]} << 5;
+      if (faulty == 0) { // nearly always: nothing six times over is counted at once
+        ++sound;
+        continue;
+      }
+      for (std::size_t r = 0; r < rows.size(); ++r) {
+        rows[r]->add_sound(sound);
+        rows[r]->add((faulty >> r & 1) != 0);
+      }
+      sound = 0;
     }
+    for (FaultRow *row : rows)
+      row->add_sound(sound);
+    for (std::size_t i = 0; i < n; ++i)
+      t.usable += std::isfinite(a.vsin_v[before + i]) && std::isfinite(a.vcos_v[before + i]);
+    add_radii(c);
+  }
+
+  /// Those of all samples but the candidates.
+  static void add_radii(Counted &c) {
+    const auto radius = std::span<const double>(c.angles.radius).first(c.angles.count());
+    std::size_t i = 0;
+    const auto add_until = [&](std::size_t end) {
+      double least = c.tally.least_radius, greatest = c.tally.greatest_radius;
+      for (; i < end; ++i)
+        if (std::isfinite(radius[i])) {
+          least = std::min(least, radius[i]);
+          greatest = std::max(greatest, radius[i]);
+        }
+      c.tally.least_radius = least;
+      c.tally.greatest_radius = greatest;
+    };
+    for (const Candidate &candidate : c.found.candidates) {
+      add_until(candidate.sample - c.angles.block.first);
+      ++i;
+    }
+    add_until(radius.size());
   }
 
   void count_steps(std::size_t before, Counted &c) const {
@@ -345,6 +380,12 @@ bool VtempJumps::after(const Capture &stretch, std::size_t i) const {
 void FaultRow::end_row(std::size_t length, std::size_t end) {
   if (length > faults_.longest)
     faults_ = {faults_.count, length, end - length};
+}
+
+void FaultRow::add_sound(std::size_t samples) {
+  samples_ += samples;
+  if (samples > 0)
+    trailing_ = 0;
 }
 
 void FaultRow::add(bool faulty) {

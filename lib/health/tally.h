@@ -25,6 +25,7 @@ struct Faults {
 class FaultRow {
 public:
   void add(bool faulty);
+  void add_sound(std::size_t samples);
   void append(const FaultRow &next);
   const Faults &faults() const { return faults_; }
 

@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <limits>
 
 #include "base/checksum.h"
+#include "base/columns_of_numbers.h"
 #include "base/parallel.h"
 #include "recording/columns.h"
 #include "recording/fixed_point.h"
@@ -20,22 +19,15 @@ namespace ada {
 
 namespace {
 
-/// One step count as eight bytes, least significant first, whatever the machine.
-std::int64_t little_endian(std::int64_t value) {
-  if constexpr (std::endian::native == std::endian::big)
-    return static_cast<std::int64_t>(__builtin_bswap64(static_cast<std::uint64_t>(value)));
-  return value;
-}
-
 std::uint32_t add_values(std::uint32_t crc, std::span<const double> values, double scale) {
-  constexpr std::int64_t kMissing = std::numeric_limits<std::int64_t>::min();
   std::array<std::int64_t, 4096> steps;
   for (std::size_t first = 0; first < values.size(); first += steps.size()) {
     const std::size_t count = std::min(steps.size(), values.size() - first);
-    for (std::size_t i = 0; i < count; ++i) {
-      const double value = values[first + i];
-      steps[i] = little_endian(std::isfinite(value) ? to_steps(value, scale) : kMissing);
-    }
+    decimal_steps(values.data() + first, scale, count, steps.data());
+    if constexpr (std::endian::native ==
+                  std::endian::big) // least significant byte first everywhere
+      for (std::int64_t &step : steps)
+        step = static_cast<std::int64_t>(__builtin_bswap64(static_cast<std::uint64_t>(step)));
     crc = crc32_of(std::as_bytes(std::span(steps).first(count)), crc);
   }
   return crc;

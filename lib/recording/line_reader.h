@@ -23,6 +23,16 @@ public:
   /// False at the end of the file. `line` is good until the next call.
   bool next(std::string_view &line);
 
+  /// What is in memory behind the lines so far; it may end anywhere in a line.
+  std::string_view ahead() const { return {text_ + begin_, end_ - begin_}; }
+  /// Takes the next line for read, which ends before `behind`, a place of ahead().
+  void skip_line(const char *behind) {
+    const auto bytes = static_cast<std::size_t>(behind - (text_ + begin_));
+    begin_ += bytes;
+    consumed_ += bytes;
+    ++line_number_;
+  }
+
   std::size_t line_number() const { return line_number_; } ///< of the last line, from 1
   std::size_t bytes_read() const { return consumed_; }     ///< by the lines so far
 

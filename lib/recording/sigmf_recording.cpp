@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/checksum.h"
+#include "base/columns_of_numbers.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
@@ -193,9 +194,9 @@ private:
       const std::size_t end = next == meta_.segments.end()
                                   ? out.size()
                                   : std::min(out.size(), next->sample_start - first);
-      const double rate = *meta_.meta.sample_rate_hz;
-      for (; i < end; ++i)
-        out[i] = regular_time(segment, first + i, rate);
+      regular_times(segment.time_s, first + i - segment.sample_start, *meta_.meta.sample_rate_hz,
+                    end - i, out.data() + i);
+      i = end;
     }
   }
 

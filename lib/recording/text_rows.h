@@ -39,6 +39,7 @@ public:
 private:
   static constexpr std::size_t kIgnored = kColumnCount;
 
+  bool read_plain_row(LineReader &lines, ColumnMask wanted, Store &out) const;
   void read_row(std::string_view line, const LineReader &lines, ColumnMask wanted,
                 Store &out) const;
   void check_time(std::string_view line, const LineReader &lines,
