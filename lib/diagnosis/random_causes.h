@@ -39,7 +39,7 @@ double crosstalk(double periods, double waves);
 /// What else is known of the noise.
 struct NoiseSeen {
   double stated_v = 0.0;     ///< by the capture or by a model; 0: not
-  double step_rad = 0.0;     ///< of the reference
+  double step_rad = 0.0;     ///< of the reference, however small: the last count of its readings
   double lines_across = 0.0; ///< of what lies across the vector, the part that comes with the rows
   const Observations *in_order = nullptr; ///< the whole record
   bool even_clock = false;                ///< whether a spectrum of it means anything

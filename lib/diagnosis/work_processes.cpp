@@ -101,8 +101,8 @@ std::vector<RandomCause> Work::read_noise() const {
                             ? std::max(noise_, *named_before_->noise_rms_v)
                             : noise_;
   return noise_causes(unnamed_, uncoloured.parts(), named,
-                      {stated, reference_step_rad(), share_of_lines_across(scene_, out_.extended),
-                       &scene_.all, even_clock()});
+                      {stated, std::max(reference_step_rad(), scene_.reference_grid_rad),
+                       share_of_lines_across(scene_, out_.extended), &scene_.all, even_clock()});
 }
 
 void Work::name_random_causes() {

@@ -145,21 +145,23 @@ void ForwardModel::add_remainder(Wave &w) const {
 
 void ForwardModel::motion(Wave &w, double *shaft, float *speed) const {
   std::copy(w.at.alpha, w.at.alpha + w.n, shaft);
-  for (const Step &step : reference_)
-    step.effect->shaft_from_reference(step.values, w.at, {shaft, w.n});
   if (!reference_.empty()) {
     // The reference's own ripple is in its speed as well: what the shaft does while it moves by a
-    // little.
+    // little. A delay, which is undone last, is one of the shaft's own speed.
     constexpr double kLittle = 1e-4;
+    const float *const of_reference = w.at.omega;
     double moved[kWaveBlock];
     for (std::size_t i = 0; i < w.n; ++i)
       moved[i] = w.at.alpha[i] + kLittle;
-    for (const Step &step : reference_)
+    for (const Step &step : reference_) {
+      step.effect->shaft_from_reference(step.values, w.at, {shaft, w.n});
       step.effect->shaft_from_reference(step.values, w.at, {moved, w.n});
-    if (w.at.omega != nullptr)
+      if (of_reference == nullptr)
+        continue;
       for (std::size_t i = 0; i < w.n; ++i)
-        speed[i] = static_cast<float>(w.at.omega[i] * (moved[i] - shaft[i]) / kLittle);
-    w.at.omega = w.at.omega != nullptr ? speed : nullptr;
+        speed[i] = static_cast<float>(of_reference[i] * (moved[i] - shaft[i]) / kLittle);
+      w.at.omega = speed;
+    }
     w.at.alpha = shaft;
   }
   std::copy(shaft, shaft + w.n, w.alpha);
@@ -289,14 +291,51 @@ void ForwardFamily::add(const Model &other) {
   others_.push_back({std::move(model), same, kept});
 }
 
+namespace {
+
+/// Of a wave that was kept, what the stages behind that place read. Before the vector there is the
+/// field only, and behind the bridge nothing asks for it.
+void take_up(const Wave &kept, bool has_vector, bool has_volts, Wave &w) {
+  const auto array = [&](auto member) { std::copy_n(kept.*member, kept.n, w.*member); };
+  w.n = kept.n;
+  w.at = kept.at;
+  w.mid_v = kept.mid_v;
+  w.periods = kept.periods;
+  w.turns = kept.turns;
+  w.delay_s = kept.delay_s;
+  array(&Wave::alpha);
+  array(&Wave::temp);
+  if (!has_volts) {
+    array(&Wave::fx);
+    array(&Wave::fy);
+  }
+  if (!has_vector)
+    return;
+  for (auto member : {&Wave::ex, &Wave::ey, &Wave::c, &Wave::s})
+    array(member);
+  if (has_volts) {
+    array(&Wave::offset_s);
+    array(&Wave::offset_c);
+  }
+}
+
+} // namespace
+
 void ForwardFamily::evaluate(const Conditions &at, const Take &take) const {
   double s[kWaveBlock], c[kWaveBlock];
   ForwardModel::Motion m;
+  TurnsOfBlock turns;
   Wave w = first_.wave();
+  w.turns = &turns;
   first_.begin(at, w, m);
   const std::vector<double> delays = first_.delays();
   // Not set to zero: each is written before it is read.
   const auto kept = std::make_unique_for_overwrite<Wave[]>(places_.size() * delays.size());
+  const auto behind = [&](ForwardModel::Step::Kind kind, std::size_t steps) {
+    return std::any_of(first_.way_.begin(),
+                       first_.way_.begin() + static_cast<std::ptrdiff_t>(steps),
+                       [kind](const auto &step) { return step.kind == kind; });
+  };
   const auto go_on = [&](const ForwardModel &model, std::size_t from, auto start, auto keep) {
     ForwardModel::Copies sum;
     for (std::size_t d = 0; d < delays.size(); ++d) {
@@ -327,12 +366,14 @@ void ForwardFamily::evaluate(const Conditions &at, const Take &take) const {
     const Other &other = others_[k];
     if (other.same == kNone) {
       w = other.model.wave();
-      other.model.block(at, s, c, w);
+      other.model.block(at, s, c, w); // its angle may be another: it keeps nothing
     } else {
       go_on(
           other.model, other.same,
           [&](std::size_t d) {
-            w = kept[other.kept * delays.size() + d];
+            take_up(kept[other.kept * delays.size() + d],
+                    behind(ForwardModel::Step::field_to_vector, other.same),
+                    behind(ForwardModel::Step::vector_to_volts, other.same), w);
             w.amplitude_v = other.model.baseline_.amplitude_v;
             w.apart_rad = other.model.apart_rad_;
           },

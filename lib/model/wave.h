@@ -5,8 +5,11 @@
 // the shaft to the converter, and the conditions under which each sample was taken.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace ada {
@@ -36,6 +39,34 @@ struct Conditions {
 
 inline constexpr std::size_t kWaveBlock = 256;
 
+/// Turns of a vector by functions of the magnet's angle alone, kept for as long as one block lasts:
+/// the models of a family have most of them in common.
+class TurnsOfBlock {
+public:
+  struct Turn {
+    double cos[kWaveBlock], sin[kWaveBlock];
+  };
+  /// That of these three numbers and this delay of the angle; make(turn) where it is not known.
+  /// `spare` is used where there is no room to keep it.
+  template <class Make>
+  const Turn &of(const std::array<double, 4> &numbers, Turn &spare, Make make) {
+    for (const auto &[key, turn] : kept_)
+      if (key == numbers)
+        return *turn;
+    constexpr std::size_t kMost = 16;
+    if (kept_.size() == kMost) {
+      make(spare);
+      return spare;
+    }
+    kept_.emplace_back(numbers, std::make_unique_for_overwrite<Turn>());
+    make(*kept_.back().second);
+    return *kept_.back().second;
+  }
+
+private:
+  std::vector<std::pair<std::array<double, 4>, std::unique_ptr<Turn>>> kept_;
+};
+
 /// One block. Which members are meaningful follows the stages:
 /// motion: alpha; field: fx, fy; bridge: ex, ey, c, s (amplitude 1); chain: c, s in volts about
 /// mid-supply; sampler and later: c, s in absolute volts.
@@ -58,6 +89,7 @@ struct Wave {
     offset_s[i] += sin_v;
     offset_c[i] += cos_v;
   }
+  TurnsOfBlock *turns = nullptr; ///< where they are kept, if anywhere
   double delay_s = 0.0;    ///< how much earlier than sampled this copy left the sensor
   double temp[kWaveBlock]; ///< temperature of the bridge in V of VTEMP, minus the reference
 };

@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -196,6 +197,46 @@ Followed follow(const Capture &capture, const std::vector<double> &vtemp_v, std:
   return out;
 }
 
+/// What VTEMP keeps of VCOS where the temperature itself moves as fast as the shaft, so that no
+/// spline leaves noise alone. A memory takes the same part of VCOS however finely the temperature
+/// is followed; where the two merely go together, as both may with the sun, the finer spline leaves
+/// less of it. So the error holds how far the part moves with the spline, from one that cannot
+/// follow the shaft to the finest that leaves a tenth of VCOS. What is left over is no white noise:
+/// its sums over parts of the record tell how the part scatters.
+Leak steady_leak(const Capture &capture, const std::vector<double> &vtemp_v, std::size_t few,
+                 std::size_t most) {
+  constexpr double kEnough = 0.1;
+  constexpr std::size_t kParts = 20;
+  const double mean_cos = mean_of(capture.vcos_v);
+  const std::size_t n = capture.size();
+  std::vector<double> slopes;
+  double scatter = 0.0;
+  for (std::size_t pieces = few; pieces <= most; pieces *= 2) {
+    CubicSpline of_cosine(slow_knots(capture, pieces));
+    of_cosine.fit(capture.time_s, capture.vcos_v, {}, 0, {});
+    const Beside fit(capture, vtemp_v, pieces, {}, true);
+    double all = 0.0, fast = 0.0;
+    std::array<double, kParts> scores{};
+    for (std::size_t i = 0; i < n; ++i) {
+      const double faster = capture.vcos_v[i] - of_cosine.value(capture.time_s[i]);
+      all += std::pow(capture.vcos_v[i] - mean_cos, 2);
+      fast += faster * faster;
+      scores[i * kParts / n] += faster * (vtemp_v[i] - fit.at(capture, i));
+    }
+    if (!(fast > kEnough * all))
+      break;
+    slopes.push_back(fit.slope);
+    double squares = 0.0;
+    for (const double score : scores)
+      squares += score * score;
+    scatter = std::sqrt(squares) / fast;
+  }
+  if (slopes.size() < 2)
+    return {};
+  const auto [least, greatest] = std::minmax_element(slopes.begin(), slopes.end());
+  return {slopes.back(), std::hypot(scatter, *greatest - *least)};
+}
+
 /// Whether neighbouring values have something in common, as what is slow has and noise has not.
 bool goes_on(const std::vector<double> &x) {
   constexpr double kErrors = 4.0;
@@ -295,10 +336,19 @@ TemperatureOverTime::TemperatureOverTime(const Capture &capture, const SupplyOve
   const std::size_t wanted = std::clamp<std::size_t>(n / kRowsOfPiece, 4, 100);
   Followed found = follow(capture, vtemp_v, std::min(wanted, slower), slower);
   // Where a spline slower than the shaft leaves more than noise, VTEMP moves as fast as the shaft
-  // does, and maybe with it, as both go with the sun: then the spline may be as fine as rows
-  // confirm, and only what is faster still of VCOS tells what VTEMP keeps of it, if anything is.
-  if (slower < wanted && goes_on(found.left))
+  // does, and maybe with it: then the spline may be as fine as rows confirm. Unless VTEMP is known
+  // to keep a part of VCOS, which is none of the temperature's, only what is faster still of VCOS
+  // tells whether it does, if anything is.
+  if (slower < wanted && goes_on(found.left)) {
+    constexpr double kErrors = 5.0;
+    const Leak leak = steady_leak(capture, vtemp_v, std::min(wanted, slower), wanted);
+    const bool known = leak.error > 0.0 && std::abs(leak.slope) > kErrors * leak.error;
+    for (std::size_t i = 0; known && i < n; ++i)
+      vtemp_v[i] -= leak.slope * (capture.vcos_v[i] - mean_cos);
     found = follow(capture, vtemp_v, wanted, n / kFewestOfPiece);
+    if (known)
+      found.leak = leak;
+  }
   rate.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     vtemp_v[i] = found.temperature.value(capture.time_s[i]);

@@ -361,5 +361,89 @@ KIND(the_last_count_of_an_encoder_is_no_harmonic_of_it) {
   expect_none(d, {"reference-harmonic", "field-direction-error"});
 }
 
+/// Three speeds, one of them backwards, that change within a tenth of a second.
+std::function<double(double)> plateaus(double a, double b, double c, double each_s) {
+  constexpr double kChange_s = 0.1;
+  return [=](double t) {
+    const double speeds[] = {a, b, c};
+    double angle = 0.0, from = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const double begin = k * each_s, change = k == 0 ? 0.0 : kChange_s;
+      const double in = std::clamp(t - begin, 0.0, each_s), rise = std::min(in, change);
+      if (change > 0.0) // the speed goes up in a line
+        angle += from * rise + 0.5 * (speeds[k] - from) * rise * rise / change;
+      angle += speeds[k] * (in - rise);
+      from = speeds[k];
+    }
+    return angle;
+  };
+}
+
+/// An encoder off centre that is latched before the signals are taken: what it errs by is read
+/// where the shaft then is, and the speed that its delay is one of is the shaft's, not its own.
+KIND(an_encoder_off_centre_that_is_read_early_is_off_centre) {
+  Bench bench;
+  const auto angle = plateaus(kTwoPi * bench.within(4.0, 7.0), kTwoPi * bench.within(26.0, 36.0),
+                              -kTwoPi * bench.within(12.0, 16.0), 1.3);
+  const double early_s = bench.within(1e-4, 4e-4), e = bench.within(0.08, 0.2) * kRadPerDeg;
+  const double phase = bench.within(0.0, kTwoPi);
+  Capture c = bench.capture(19000, 5000.0, 2, angle);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double then = angle(c.time_s[i] - early_s);
+    c.reference_deg[i] = wrap((then + e * std::sin(then + phase)) * kDegPerRad, 360.0);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "reference-eccentricity");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], e * kDegPerRad, 4.0 * f->std_errors[0] + 1e-3) << names(d);
+  const Finding *delay = named(d, "reference-delay");
+  ASSERT_TRUE(delay) << left_of(d);
+  EXPECT_NEAR(delay->values[0], -early_s, 4.0 * delay->std_errors[0] + 1e-7) << names(d);
+  expect_none(d, {"stray-field", "sensor-off-axis", "field-direction-error", "reference-harmonic"});
+}
+
+/// A temperature that wanders as fast as the shaft turns, so that no spline leaves noise alone of
+/// it, hides no memory by which VTEMP carries the angle.
+KIND(a_memory_shows_in_a_vtemp_that_wanders) {
+  Bench bench;
+  bench.pair.k = bench.pair.delta_rad = 0.0;
+  Capture c = bench.capture(18000, 1000.0, 1,
+                            plateaus(kTwoPi * 0.4, kTwoPi * bench.within(0.8, 1.5),
+                                     -kTwoPi * bench.within(0.4, 0.8), 6.0));
+  c.reference_deg.clear();
+  const double m = bench.within(0.006, 0.02), step_v = bench.within(8e-5, 1.5e-4);
+  double temperature_v = 1.6, before_v = temperature_v;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    temperature_v += bench.normal(step_v);
+    c.vsin_v[i] += m * (before_v - c.vsin_v[i]);
+    c.vcos_v[i] += m * (c.vsin_v[i] - c.vcos_v[i]);
+    before_v = temperature_v + bench.normal(5e-4);
+    before_v += m * (c.vcos_v[i] - before_v);
+    c.vtemp_v.push_back(before_v);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "multiplexer-memory");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], m, 4.0 * f->std_errors[0] + 2e-5) << names(d);
+  expect_none(d, {"quadrature-error", "offset-temperature-drift"});
+}
+
+/// An encoder of twenty thousand counts beside a quiet pair: what its last count leaves is no noise
+/// of the angle.
+KIND(the_last_count_of_an_encoder_is_no_noise_of_the_angle) {
+  Bench bench;
+  const double rpm = bench.within(80.0, 400.0), slower = bench.within(0.4, 0.8);
+  const double count_deg = 360.0 / (bench.within(0.0, 1.0) < 0.5 ? 20000.0 : 40000.0);
+  const int periods = count_deg > 0.01 ? 2 : 12;
+  Capture c = bench.capture(15000, 1000.0, periods, [=](double t) {
+    return kTwoPi * rpm / 60.0 * (t - 0.5 * (1.0 - slower) * t * t / 15.0);
+  });
+  for (double &r : c.reference_deg)
+    r = wrap(count_deg * std::floor(r / count_deg), 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_none(d, {"angle-noise", "timing-jitter"});
+  expect_pair(d, bench.pair, 0.002);
+}
+
 } // namespace
 } // namespace ada::test

@@ -41,17 +41,24 @@ public:
     const double a = v[1] * kRadPerDeg, phase = v[2] * kRadPerDeg;
     if (a == 0.0)
       return;
-    double turn[kWaveBlock], s[kWaveBlock], c[kWaveBlock];
-    for (std::size_t i = 0; i < w.n; ++i)
-      turn[i] = v[0] * w.alpha[i] + phase;
-    sincos_of(turn, w.n, s, c);
-    for (std::size_t i = 0; i < w.n; ++i)
-      turn[i] = a * s[i];
-    sincos_of(turn, w.n, s, c);
+    const auto make = [&](TurnsOfBlock::Turn &turn) {
+      double by[kWaveBlock];
+      for (std::size_t i = 0; i < w.n; ++i)
+        by[i] = v[0] * w.alpha[i] + phase;
+      sincos_of(by, w.n, turn.sin, turn.cos);
+      for (std::size_t i = 0; i < w.n; ++i)
+        by[i] = a * turn.sin[i];
+      sincos_of(by, w.n, turn.sin, turn.cos);
+    };
+    TurnsOfBlock::Turn own;
+    if (w.turns == nullptr)
+      make(own);
+    const TurnsOfBlock::Turn &turn =
+        w.turns == nullptr ? own : w.turns->of({v[0], a, phase, w.delay_s}, own, make);
     for (std::size_t i = 0; i < w.n; ++i) {
       const double x = w.fx[i];
-      w.fx[i] = x * c[i] - w.fy[i] * s[i];
-      w.fy[i] = x * s[i] + w.fy[i] * c[i];
+      w.fx[i] = x * turn.cos[i] - w.fy[i] * turn.sin[i];
+      w.fy[i] = x * turn.sin[i] + w.fy[i] * turn.cos[i];
     }
   }
   std::string invisible(const Residual &r) const override { return looks_like_ripple(r, ""); }
