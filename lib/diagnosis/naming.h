@@ -21,15 +21,6 @@ struct SearchStart {
 Unnamed unnamed_beside(const Scene &scene, const Parts &parts, const Model &model,
                        const Anonymous &left, double noise_v);
 
-/// What an effect of the model takes of held-out data.
-struct Taken {
-  /// More of what is left above the noise without it than any shape takes by chance, and no single
-  /// column without a name is nearer to what is there.
-  bool most;
-  double of_left; ///< part of all that is left without it, noise and all
-};
-Taken taken(const Scene &scene, Parts parts, const Model &model, std::size_t effect);
-
 /// Goes on from what was found, with what nobody can name as a part of the noise: its coefficients
 /// have the variance that is left of them, which falls with every true cause and rises with every
 /// false one that goes. Thins the training data to what such fits can hold and colours them, unless

@@ -14,6 +14,7 @@
 #include "base/angle.h"
 #include "diagnosis/admission.h"
 #include "diagnosis/along_and_across.h"
+#include "diagnosis/beside_anonymous.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/conditions/uneven_motion.h"
 #include "diagnosis/criteria.h"

@@ -130,14 +130,17 @@ double find_reference_step(const Screened &look) {
   for (std::size_t i = 0; i < moved.size(); ++i)
     apart[i] = moved[i] - sense * seen[i];
   // Differences scatter about their mean over a window, whose speed is that of `of_speed`: by as
-  // much as a counter's do, beside `noise` of theirs. `sigma`: of the speed, in steps a sample;
+  // much as a counter's do, beside `noise` of theirs. So do the reference's by themselves: one that
+  // goes on by the same in each row, as it was told to, has rounded nothing, and it is the pair
+  // that scatters. `sigma`: of the speed, in steps a sample;
   // `least`: f (1 - f) below which it shows nothing of its width, at whole multiples of the step
   // and at rest.
   const auto counts = [&](std::size_t window, const std::vector<double> &of_speed,
                           const std::vector<double> &difference, double own_noise, double sigma,
                           double least) {
-    const std::vector<double> speed = sums(of_speed), mean = sums(difference);
-    double scatter = 0.0, expected = 0.0, count = 0.0, told = 0.0, kept_up = 0.0;
+    const std::vector<double> speed = sums(of_speed), mean = sums(difference),
+                              own_mean = sums(moved);
+    double scatter = 0.0, own_scatter = 0.0, expected = 0.0, count = 0.0, told = 0.0, kept_up = 0.0;
     for (std::size_t i = window; i + window < moved.size(); ++i) {
       const std::size_t from = i - window, to = i + window + 1;
       const double length = static_cast<double>(to - from);
@@ -147,6 +150,7 @@ double find_reference_step(const Screened &look) {
       if (std::abs(e) > 2.0 * step + 6.0 * std::sqrt(own_noise)) // a spike, a loss
         continue;
       scatter += e * e;
+      own_scatter += std::pow(moved[i] - (own_mean[to] - own_mean[from]) / length, 2);
       expected += step * step * f * (1.0 - f);
       count += 1.0;
       // Every count is off by the one part of a step or the other: a shaft that goes from rest to
@@ -161,7 +165,7 @@ double find_reference_step(const Screened &look) {
     // The noise of the speed alone lets f(1 - f) seem as large as its mean deviation, 0.8 sigma.
     const bool shows = expected > (least + 1.5 * sigma) * step * step * count;
     return shows && scatter > 0.5 * expected && scatter < 2.0 * expected &&
-           kept_up <= kMostKeptUp * told;
+           own_scatter > 0.5 * expected && kept_up <= kMostKeptUp * told;
   };
   const double length = 2.0 * kWindow + 1.0, long_length = 2.0 * kLongWindow + 1.0;
   const double sigma = std::sqrt(2.0 * noise) / length / step;
