@@ -159,7 +159,8 @@ double Work::reference_step_rad() const {
 }
 
 void Work::look_for_reference_steps() {
-  if (!scene_.has_reference || reference_step_rad() > 0.0)
+  if (!scene_.has_reference || reference_step_rad() > 0.0 ||
+      goes_on_evenly(worked_on().reference_deg))
     return;
   constexpr std::size_t kEnough = 4000; // for how the counts are spread
   std::vector<std::uint32_t> some(scene_.all.size());

@@ -102,6 +102,22 @@ double reference_grid_rad(std::span<const double> reference_deg) {
   return grid_of({reference_deg.begin(), reference_deg.end()}) * kRadPerDeg;
 }
 
+bool goes_on_evenly(std::span<const double> reference_deg) {
+  constexpr double kNearlyAll = 0.95, kSame_deg = 1e-6;
+  std::vector<double> by;
+  for (std::size_t i = 1; i < reference_deg.size(); ++i)
+    by.push_back(wrap_centred(reference_deg[i] - reference_deg[i - 1], 360.0));
+  if (by.empty())
+    return false;
+  std::vector<double> sorted = by;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double usual = *middle;
+  const auto same = std::count_if(by.begin(), by.end(),
+                                  [usual](double d) { return std::abs(d - usual) < kSame_deg; });
+  return usual != 0.0 && static_cast<double>(same) >= kNearlyAll * static_cast<double>(by.size());
+}
+
 // A grid alone is no evidence: a stage that stops at whole degrees has one as well. A counter that
 // shows steps of width q to a shaft that moves by v = (k + f) q from sample to sample counts k or
 // k + 1, so that its differences scatter by q^2 f (1 - f) about those of the pair.
@@ -112,7 +128,7 @@ double find_reference_step(const Screened &look) {
     return 0.0;
   const double step = reference_grid_rad(reference);
   const double noise = noise_power(look.capture.time_s, look.angle);
-  if (!(step * step / 12.0 > kAddsToNoise * noise))
+  if (!(step * step / 12.0 > kAddsToNoise * noise) || goes_on_evenly(reference))
     return 0.0;
 
   std::vector<double> moved(reference.size() - 1), seen(moved.size()), apart(moved.size());
@@ -130,17 +146,14 @@ double find_reference_step(const Screened &look) {
   for (std::size_t i = 0; i < moved.size(); ++i)
     apart[i] = moved[i] - sense * seen[i];
   // Differences scatter about their mean over a window, whose speed is that of `of_speed`: by as
-  // much as a counter's do, beside `noise` of theirs. So do the reference's by themselves: one that
-  // goes on by the same in each row, as it was told to, has rounded nothing, and it is the pair
-  // that scatters. `sigma`: of the speed, in steps a sample;
+  // much as a counter's do, beside `noise` of theirs. `sigma`: of the speed, in steps a sample;
   // `least`: f (1 - f) below which it shows nothing of its width, at whole multiples of the step
   // and at rest.
   const auto counts = [&](std::size_t window, const std::vector<double> &of_speed,
                           const std::vector<double> &difference, double own_noise, double sigma,
                           double least) {
-    const std::vector<double> speed = sums(of_speed), mean = sums(difference),
-                              own_mean = sums(moved);
-    double scatter = 0.0, own_scatter = 0.0, expected = 0.0, count = 0.0, told = 0.0, kept_up = 0.0;
+    const std::vector<double> speed = sums(of_speed), mean = sums(difference);
+    double scatter = 0.0, expected = 0.0, count = 0.0, told = 0.0, kept_up = 0.0;
     for (std::size_t i = window; i + window < moved.size(); ++i) {
       const std::size_t from = i - window, to = i + window + 1;
       const double length = static_cast<double>(to - from);
@@ -150,7 +163,6 @@ double find_reference_step(const Screened &look) {
       if (std::abs(e) > 2.0 * step + 6.0 * std::sqrt(own_noise)) // a spike, a loss
         continue;
       scatter += e * e;
-      own_scatter += std::pow(moved[i] - (own_mean[to] - own_mean[from]) / length, 2);
       expected += step * step * f * (1.0 - f);
       count += 1.0;
       // Every count is off by the one part of a step or the other: a shaft that goes from rest to
@@ -165,7 +177,7 @@ double find_reference_step(const Screened &look) {
     // The noise of the speed alone lets f(1 - f) seem as large as its mean deviation, 0.8 sigma.
     const bool shows = expected > (least + 1.5 * sigma) * step * step * count;
     return shows && scatter > 0.5 * expected && scatter < 2.0 * expected &&
-           own_scatter > 0.5 * expected && kept_up <= kMostKeptUp * told;
+           kept_up <= kMostKeptUp * told;
   };
   const double length = 2.0 * kWindow + 1.0, long_length = 2.0 * kLongWindow + 1.0;
   const double sigma = std::sqrt(2.0 * noise) / length / step;

@@ -445,5 +445,21 @@ KIND(the_last_count_of_an_encoder_is_no_noise_of_the_angle) {
   expect_pair(d, bench.pair, 0.002);
 }
 
+/// A field that is told its angles, one step a row, and a pair whose map has steps as wide: it is
+/// not the reference that is coarse.
+KIND(an_angle_that_is_told_row_by_row_is_no_coarse_reference) {
+  Bench bench;
+  constexpr double kRows = 2000.0, kStep = kTwoPi / kRows;
+  const double e = bench.within(0.5, 1.5) * kRadPerDeg, phase = bench.within(0.0, kTwoPi);
+  const double from = bench.within(0.0, 1.0);
+  Capture c = bench.capture(2000, kRows, 2, [=](double t) {
+    const double a = kTwoPi * t;
+    return kStep * std::floor((a + e * std::sin(4.0 * a + phase)) / kStep + from);
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = 360.0 / kRows * static_cast<double>(i);
+  expect_none(diagnose(c, {}), {"reference-resolution"});
+}
+
 } // namespace
 } // namespace ada::test
