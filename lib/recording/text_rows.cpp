@@ -166,10 +166,13 @@ bool plain_number_ahead(const char *&at, double &value) {
   return true;
 }
 
-/// Behind the comma that ends a cell of up to fifteen characters; none where there is none.
+/// Behind the comma that ends a cell of up to fifteen characters; none where there is none in this
+/// line.
 const char *behind_comma(const char *at) {
-  const char *const comma = std::find(at, at + kMostDigits + 2, ',');
-  return comma < at + kMostDigits + 2 ? comma + 1 : nullptr;
+  const char *const most = at + kMostDigits + 2;
+  while (at < most && *at != ',' && *at != '\n')
+    ++at;
+  return at < most && *at == ',' ? at + 1 : nullptr;
 }
 
 double number(std::string_view line, std::string_view cell, const Column &column,
@@ -262,7 +265,7 @@ bool TextRows::read_plain_row(LineReader &lines, ColumnMask wanted, Store &out) 
   if constexpr (std::endian::native != std::endian::little)
     return false;
   const std::string_view ahead = lines.ahead();
-  if (ahead.size() <= cells_.size() * kReadAhead)
+  if (ahead.size() <= cells_.size() * kReadAhead || ahead.front() == '#')
     return false;
   const char *at = ahead.data();
   std::array<double, kColumnCount> row;
@@ -284,7 +287,8 @@ bool TextRows::read_plain_row(LineReader &lines, ColumnMask wanted, Store &out) 
     if (!(std::fabs(value) <= kColumns[c].limit))
       return false;
   }
-  if (wanted & kTimeColumn && !out[0].empty() && row[0] < out[0].back())
+  if (at - ahead.data() > static_cast<std::ptrdiff_t>(LineReader::kMaxLine) ||
+      (wanted & kTimeColumn && !out[0].empty() && row[0] < out[0].back()))
     return false;
   for (const std::size_t c : cells_)
     if (wanted & 1u << c)

@@ -260,6 +260,48 @@ const Malformed kMalformed[] = {
 INSTANTIATE_TEST_SUITE_P(Malformed, TextReaderRefuses, testing::ValuesIn(kMalformed),
                          [](const auto &test) { return test.param.name; });
 
+// What is read without looking for the end of a row first, as it stands before many more, is
+// refused as anywhere else.
+TEST(TextReader, RefusesARowAmongManyWithItsPlace) {
+  const struct {
+    const char *header, *row, *message;
+  } cases[] = {
+      {"time_s,vsin_v,vcos_v", "0.5,1.25", ":503:9: the row has 2 cells, the header 3"},
+      {"time_s,vsin_v,vcos_v", "0.5,1.25,2.5,7", ":503:15: the row has 4 cells, the header 3"},
+      {"time_s,vsin_v,vcos_v", "0.4,1.25,2.5", ":503:1: time_s goes back from 0.5 to 0.4"},
+      {"time_s,vsin_v,vcos_v", "0.5,1.25x,2.5", ":503:5: vsin_v is not a number: '1.25x'"},
+      {"time_s,vsin_v,vcos_v", "0.5,,2.5", ":503:5: vsin_v is missing"},
+      {"time_s,vsin_v,vcos_v", "#0.5,1.25,2.5",
+       ":503:1: metadata must stand before the header line"},
+      {"time_s,vsin_v,vcos_v", "", ":504:1: rows go on after the empty line 503"},
+      // Columns that are passed over end with their row, too.
+      {"time_s,a,b,vsin_v,vcos_v", "0.5,1,1.25,2.5", ":503:15: the row has 4 cells, the header 5"},
+      {"time_s,vsin_v,vcos_v,a", "0.5,1.25,2.5", ":503:13: the row has 3 cells, the header 4"},
+      {"a,time_s,vsin_v,vcos_v", "#1,0.5,1.25,2.5",
+       ":503:1: metadata must stand before the header line"},
+  };
+  for (const auto &c : cases) {
+    const std::string header = c.header;
+    const auto row_of = [&](const char *time) {
+      std::string row = header;
+      for (const auto &[name, value] :
+           {std::pair("time_s", time), std::pair("vsin_v", "1.25"), std::pair("vcos_v", "2.5")})
+        row.replace(row.find(name), 6, value);
+      return row + "\n";
+    };
+    std::string content = kHead + header + "\n";
+    for (int i = 0; i < 500; ++i)
+      content += row_of("0.5");
+    content += std::string(c.row) + "\n";
+    for (int i = 0; i < 500; ++i)
+      content += row_of("0.5");
+    const TempFolder folder;
+    const std::string path = folder / "c.csv";
+    write_file(path, content);
+    EXPECT_EQ(failure([&] { read_text_capture(path); }), path + c.message) << c.row;
+  }
+}
+
 TEST(TextReader, RefusesALineWithoutEndInBoundedMemory) {
   EXPECT_EQ(failure([] { read_text_capture("/dev/zero"); }),
             "/dev/zero:1:1: the line is longer than 65536 bytes");
