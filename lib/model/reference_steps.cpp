@@ -103,7 +103,7 @@ double reference_grid_rad(std::span<const double> reference_deg) {
 }
 
 bool goes_on_evenly(std::span<const double> reference_deg) {
-  constexpr double kNearlyAll = 0.95, kSame_deg = 1e-6;
+  constexpr double kNearlyAll = 0.999, kSame_deg = 1e-6;
   std::vector<double> by;
   for (std::size_t i = 1; i < reference_deg.size(); ++i)
     by.push_back(wrap_centred(reference_deg[i] - reference_deg[i - 1], 360.0));
