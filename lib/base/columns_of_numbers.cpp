@@ -4,10 +4,8 @@
 #include "base/columns_of_numbers.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
-#include <type_traits>
 
 #include "base/vectors_of_doubles.h"
 

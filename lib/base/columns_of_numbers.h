@@ -27,7 +27,8 @@ inline bool has_vectors_for(std::size_t stride) {
   return std::endian::native == std::endian::little && (stride == 4 || stride == 8);
 }
 
-/// out[i] = origin + (first + i) / rate; first + count must be below 2^52.
+/// out[i] = origin + (first + i) / rate, as regular_time (recording/sigmf_frame.h) has it; first +
+/// count must be below 2^52.
 void regular_times(double origin, std::uint64_t first, double rate, std::size_t count, double *out);
 
 /// out[i] = to_steps(in[i], scale) (recording/fixed_point.h), of what is no finite number the least

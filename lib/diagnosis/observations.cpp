@@ -38,6 +38,7 @@ Conditions Observations::conditions() const {
           .supply_bend = data(supply_bend),
           .vtemp_scan = vtemp_scanned ? data(temp) : nullptr,
           .frame_period_s = frame_period_s,
+          .speed_reach_s = speed_reach_s,
           .mid_shift_v = mid_shift_v};
 }
 
@@ -97,6 +98,7 @@ template <class Data, class Act> void for_each_column(Data &data, Act act) {
 Observations Observations::select(const std::vector<std::uint32_t> &indices) const {
   Observations out;
   out.frame_period_s = frame_period_s;
+  out.speed_reach_s = speed_reach_s;
   out.vtemp_scanned = vtemp_scanned;
   out.vtemp_on_vcos = vtemp_on_vcos;
   out.vtemp_on_vcos_error = vtemp_on_vcos_error;

@@ -40,6 +40,7 @@ struct Observations {
   std::vector<float> temp_rate;
   std::vector<float> supply, supply_rate, supply_bend; ///< empty without VDD
   double frame_period_s = 0.0;
+  double speed_reach_s = 0.0; ///< of omega, as in Conditions
   bool vtemp_scanned = false;
   /// Slope of VTEMP on VCOS: what a multiplexer would carry over. Standard error 0: not measured.
   double vtemp_on_vcos = 0.0, vtemp_on_vcos_error = 0.0;

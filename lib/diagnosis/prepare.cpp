@@ -137,6 +137,7 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
     if (stands_alone(look.usable, i))
       scene.spiked_index.push_back(i);
   all.frame_period_s = median_step(capture.time_s);
+  all.speed_reach_s = motion.reach_s;
   all.centre_sin_v = look.centre_sin_v;
   all.centre_cos_v = look.centre_cos_v;
   all.time = time_with_losses(look);

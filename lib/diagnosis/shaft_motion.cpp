@@ -226,8 +226,10 @@ Kinematics motion_by_reference(Screened &look, Scene &scene) {
     alpha[i] = capture.reference_deg[i] * kRadPerDeg;
   leave_out_wrong_rows(alpha, look, scene);
   unwrap(alpha, kTwoPi);
-  scene.reference_grid_rad = grid_of_some(capture.reference_deg);
   scene.stops = find_stops(alpha, noise_between(alpha));
+  // Places that a table stops at, or a drive was told, are no rounding.
+  if (!scene.stops && !goes_on_evenly(capture.reference_deg))
+    scene.reference_grid_rad = grid_of_some(capture.reference_deg);
   if (scene.stops)
     return at_rest(std::move(alpha), scene.stops);
   scene.reference_ripples =

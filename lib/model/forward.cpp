@@ -146,20 +146,26 @@ void ForwardModel::add_remainder(Wave &w) const {
 void ForwardModel::motion(Wave &w, double *shaft, float *speed) const {
   std::copy(w.at.alpha, w.at.alpha + w.n, shaft);
   if (!reference_.empty()) {
-    // The reference's own ripple is in its speed as well: what the shaft does while it moves by a
-    // little. A delay, which is undone last, is one of the shaft's own speed.
+    // The reference's own ripple is in its speed as well, as far as that is no mean over it: what
+    // the shaft does while the reference moves by as much. A delay, which is undone last, is one of
+    // the shaft's own speed.
     constexpr double kLittle = 1e-4;
     const float *const of_reference = w.at.omega;
-    double moved[kWaveBlock];
-    for (std::size_t i = 0; i < w.n; ++i)
-      moved[i] = w.at.alpha[i] + kLittle;
+    double reach[kWaveBlock], behind[kWaveBlock], ahead[kWaveBlock];
+    for (std::size_t i = 0; i < w.n; ++i) {
+      reach[i] = of_reference == nullptr
+                     ? kLittle
+                     : std::max(kLittle, std::abs(of_reference[i]) * w.at.speed_reach_s);
+      behind[i] = w.at.alpha[i] - reach[i];
+      ahead[i] = w.at.alpha[i] + reach[i];
+    }
     for (const Step &step : reference_) {
-      step.effect->shaft_from_reference(step.values, w.at, {shaft, w.n});
-      step.effect->shaft_from_reference(step.values, w.at, {moved, w.n});
+      for (double *angle : {shaft, behind, ahead})
+        step.effect->shaft_from_reference(step.values, w.at, {angle, w.n});
       if (of_reference == nullptr)
         continue;
       for (std::size_t i = 0; i < w.n; ++i)
-        speed[i] = static_cast<float>(of_reference[i] * (moved[i] - shaft[i]) / kLittle);
+        speed[i] = static_cast<float>(of_reference[i] * (ahead[i] - behind[i]) / (2.0 * reach[i]));
       w.at.omega = speed;
     }
     w.at.alpha = shaft;

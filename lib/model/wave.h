@@ -30,6 +30,8 @@ struct Conditions {
   const float *supply_bend = nullptr;     ///< its second derivative, 1/s^2; optional
   const float *vtemp_scan = nullptr; ///< VTEMP as converted before VSIN, V; nullptr: not scanned
   double frame_period_s = 0.0;
+  /// `omega` is the mean speed over as much time on either side; 0: the speed there.
+  double speed_reach_s = 0.0;
   /// How far the recorded supply, on average, moves mid-supply from where the model has it, V.
   double mid_shift_v = 0.0;
 

@@ -601,6 +601,10 @@ Kinematics differentiate(std::span<const double> time, std::vector<double> alpha
                          std::size_t half_window) {
   Kinematics out;
   out.omega = local_slopes(time, alpha, half_window);
+  // The straight line over k samples on either side weakens a slow wave as the mean over m of them
+  // does, by 1 - (m w)^2 / 6, where m^2 is the mean of j^4 over that of j^2.
+  if (const auto k = static_cast<double>(half_window); time.size() > 1 && k > 0)
+    out.reach_s = std::sqrt((3 * k * k + 3 * k - 1) / 5) * median_step(time);
   {
     const std::vector<double> accel =
         local_slopes(time, out.omega, std::max<std::size_t>(4 * half_window, 20));

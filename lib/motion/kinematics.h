@@ -16,6 +16,7 @@ struct Kinematics {
   std::vector<float> accel;           ///< rad/s^2
   std::vector<signed char> direction; ///< -1 or +1
   std::vector<float> travel;          ///< rad, since it last turned back; of a reference only
+  double reach_s = 0.0;               ///< omega is about the mean over as much on either side
 };
 
 /// Takes the jumps by whole periods out of an angle in place.

@@ -170,30 +170,76 @@ struct Followed {
   std::vector<double> left;
 };
 
+/// A channel without what a slow spline in so many pieces follows of it.
+std::vector<double> faster_than(const Capture &capture, const std::vector<double> &channel,
+                                std::size_t pieces) {
+  CubicSpline slow(slow_knots(capture, pieces));
+  slow.fit(capture.time_s, channel, {}, 0, {});
+  std::vector<double> out(channel.size());
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = channel[i] - slow.value(capture.time_s[i]);
+  return out;
+}
+
+double squares(const std::vector<double> &x) {
+  return std::inner_product(x.begin(), x.end(), x.begin(), 0.0);
+}
+
+/// A slope on a column, with an error from the sums over parts of the record: what is left over
+/// need not be white.
+struct Slope {
+  double value, error;
+};
+
+Slope slope_on(const std::vector<double> &column, const std::vector<double> &left) {
+  constexpr std::size_t kParts = 20;
+  std::array<double, kParts> parts{};
+  for (std::size_t i = 0; i < column.size(); ++i)
+    parts[i * kParts / column.size()] += column[i] * left[i];
+  double sum = 0.0, squared = 0.0;
+  for (const double part : parts) {
+    sum += part;
+    squared += part * part;
+  }
+  const double all = std::max(squares(column), 1e-30);
+  return {sum / all, std::sqrt(squared) / all};
+}
+
+/// How much of VSIN is in what a part of VCOS leaves of VTEMP, beyond doubt. A memory gives it
+/// none, as VCOS was converted last; a temperature that goes with the shaft lags it by some angle,
+/// and has none by chance only.
+double carried_of_sine(const Capture &capture, std::size_t pieces,
+                       const std::vector<double> &fast_cosine, const std::vector<double> &left) {
+  constexpr double kErrors = 3.0;
+  std::vector<double> sine = faster_than(capture, capture.vsin_v, pieces);
+  const double along = std::inner_product(sine.begin(), sine.end(), fast_cosine.begin(), 0.0) /
+                       std::max(squares(fast_cosine), 1e-30);
+  for (std::size_t i = 0; i < sine.size(); ++i)
+    sine[i] -= along * fast_cosine[i];
+  const Slope slope = slope_on(sine, left);
+  return std::max(0.0, std::abs(slope.value) - kErrors * slope.error);
+}
+
 /// A slow shaft would pass for a temperature: both are fitted jointly, and only what of VCOS no
 /// temperature could follow measures it.
 Followed follow(const Capture &capture, const std::vector<double> &vtemp_v, std::size_t few,
                 std::size_t most) {
-  const std::size_t pieces = pieces_for(capture, vtemp_v, few, most);
-  CubicSpline of_cosine(slow_knots(capture, pieces));
-  of_cosine.fit(capture.time_s, capture.vcos_v, {}, 0, {});
-  const double mean_cos = mean_of(capture.vcos_v);
-  double all = 0.0, fast = 0.0;
-  for (std::size_t i = 0; i < capture.size(); ++i) {
-    all += std::pow(capture.vcos_v[i] - mean_cos, 2);
-    fast += std::pow(capture.vcos_v[i] - of_cosine.value(capture.time_s[i]), 2);
-  }
   constexpr double kEnough = 0.01;
+  const std::size_t pieces = pieces_for(capture, vtemp_v, few, most);
+  const std::vector<double> faster = faster_than(capture, capture.vcos_v, pieces);
+  const double mean_cos = mean_of(capture.vcos_v), fast = squares(faster);
+  double all = 0.0;
+  for (const double v : capture.vcos_v)
+    all += std::pow(v - mean_cos, 2);
   const bool measured = fast > kEnough * all;
   const Beside fit(capture, vtemp_v, pieces, {}, measured);
   Followed out{fit.spline, {}, {}};
-  double rest = 0.0;
-  for (std::size_t i = 0; i < capture.size(); ++i) {
+  for (std::size_t i = 0; i < capture.size(); ++i)
     out.left.push_back(vtemp_v[i] - fit.at(capture, i));
-    rest += out.left[i] * out.left[i] / static_cast<double>(capture.size());
-  }
+  const double rest = squares(out.left) / static_cast<double>(capture.size());
   if (measured)
-    out.leak = {fit.slope, std::sqrt(rest / fast)};
+    out.leak = {fit.slope, std::hypot(std::sqrt(rest / fast),
+                                      carried_of_sine(capture, pieces, faster, out.left))};
   return out;
 }
 
@@ -201,40 +247,32 @@ Followed follow(const Capture &capture, const std::vector<double> &vtemp_v, std:
 /// spline leaves noise alone. A memory takes the same part of VCOS however finely the temperature
 /// is followed; where the two merely go together, as both may with the sun, the finer spline leaves
 /// less of it. So the error holds how far the part moves with the spline, from one that cannot
-/// follow the shaft to the finest that leaves a tenth of VCOS. What is left over is no white noise:
-/// its sums over parts of the record tell how the part scatters.
+/// follow the shaft to the finest that leaves a tenth of VCOS, besides what VTEMP has of VSIN.
 Leak steady_leak(const Capture &capture, const std::vector<double> &vtemp_v, std::size_t few,
                  std::size_t most) {
   constexpr double kEnough = 0.1;
-  constexpr std::size_t kParts = 20;
   const double mean_cos = mean_of(capture.vcos_v);
-  const std::size_t n = capture.size();
+  double all = 0.0;
+  for (const double v : capture.vcos_v)
+    all += std::pow(v - mean_cos, 2);
   std::vector<double> slopes;
-  double scatter = 0.0;
+  double error = 0.0;
   for (std::size_t pieces = few; pieces <= most; pieces *= 2) {
-    CubicSpline of_cosine(slow_knots(capture, pieces));
-    of_cosine.fit(capture.time_s, capture.vcos_v, {}, 0, {});
-    const Beside fit(capture, vtemp_v, pieces, {}, true);
-    double all = 0.0, fast = 0.0;
-    std::array<double, kParts> scores{};
-    for (std::size_t i = 0; i < n; ++i) {
-      const double faster = capture.vcos_v[i] - of_cosine.value(capture.time_s[i]);
-      all += std::pow(capture.vcos_v[i] - mean_cos, 2);
-      fast += faster * faster;
-      scores[i * kParts / n] += faster * (vtemp_v[i] - fit.at(capture, i));
-    }
-    if (!(fast > kEnough * all))
+    const std::vector<double> faster = faster_than(capture, capture.vcos_v, pieces);
+    if (!(squares(faster) > kEnough * all))
       break;
+    const Beside fit(capture, vtemp_v, pieces, {}, true);
+    std::vector<double> left(capture.size());
+    for (std::size_t i = 0; i < left.size(); ++i)
+      left[i] = vtemp_v[i] - fit.at(capture, i);
     slopes.push_back(fit.slope);
-    double squares = 0.0;
-    for (const double score : scores)
-      squares += score * score;
-    scatter = std::sqrt(squares) / fast;
+    error =
+        std::hypot(slope_on(faster, left).error, carried_of_sine(capture, pieces, faster, left));
   }
   if (slopes.size() < 2)
     return {};
   const auto [least, greatest] = std::minmax_element(slopes.begin(), slopes.end());
-  return {slopes.back(), std::hypot(scatter, *greatest - *least)};
+  return {slopes.back(), std::hypot(error, *greatest - *least)};
 }
 
 /// Whether neighbouring values have something in common, as what is slow has and noise has not.

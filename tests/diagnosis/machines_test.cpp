@@ -461,5 +461,70 @@ KIND(an_angle_that_is_told_row_by_row_is_no_coarse_reference) {
   expect_none(diagnose(c, {}), {"reference-resolution"});
 }
 
+/// A heat that comes and goes with the electrical period, late by its own time constant, is in
+/// VTEMP with both channels: a memory gives it VCOS alone.
+KIND(a_heat_wave_of_the_electrical_period_is_no_memory) {
+  Bench bench;
+  bench.pair.delta_rad = 0.0; // which a memory would have to hide
+  const double hz = bench.within(0.4, 1.2), late = bench.within(0.4, 1.2);
+  Capture c = bench.capture(20000, 500.0, 1, [=](double t) { return kTwoPi * hz * t; });
+  c.reference_deg.clear();
+  const double wave_v = bench.within(0.005, 0.02);
+  for (const double t : c.time_s)
+    c.vtemp_v.push_back(1.6 + wave_v * std::cos(kTwoPi * hz * t + bench.pair.zero_rad - late) +
+                        bench.normal(4e-4));
+  expect_none(diagnose(c, {}), {"multiplexer-memory", "quadrature-error"});
+}
+
+/// A table that stops at whole and half degrees, and vibrates there: its places are no rounding
+/// that could be what the angle scatters by.
+KIND(a_table_that_vibrates_at_its_places_has_a_noisy_angle) {
+  Bench bench;
+  bench.pair.noise_v = bench.within(3e-4, 6e-4);
+  const double place_deg = bench.within(0.0, 1.0) < 0.5 ? 0.5 : 1.0;
+  const double vibrates = bench.within(0.15, 0.3) * place_deg;
+  constexpr int kReadings = 8;
+  std::vector<double> shaft_deg;
+  for (int i = 0; i < 720 * kReadings; ++i)
+    shaft_deg.push_back(place_deg * (i / kReadings) + bench.normal(vibrates));
+  Capture c = bench.capture(shaft_deg.size(), 200.0, 2, [&](double t) {
+    return shaft_deg[static_cast<std::size_t>(std::lround(t * 200.0))] * kRadPerDeg;
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] =
+        wrap(place_deg * static_cast<double>(i / static_cast<std::size_t>(kReadings)), 360.0);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "angle-noise");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], vibrates, 4.0 * f->std_errors[0] + 0.02 * vibrates) << names(d);
+}
+
+/// An encoder whose interpolation errs forty times a turn and which is read early, up to speeds at
+/// which the speed that it shows is a mean over a good part of such a wave.
+KIND(a_fast_ripple_of_an_encoder_beside_its_delay_has_its_size) {
+  Bench bench;
+  constexpr int kOrder = 40;
+  const double slow_hz = bench.within(3.0, 6.0), fast_hz = bench.within(20.0, 28.0);
+  constexpr double kLong_s = 2.0;
+  const auto angle = [=](double t) {
+    return kTwoPi * (slow_hz * t + 0.5 * (fast_hz - slow_hz) / kLong_s * t * t);
+  };
+  const double early_s = bench.within(1e-4, 3e-4), e = bench.within(0.1, 0.2) * kRadPerDeg;
+  const double phase = bench.within(0.0, kTwoPi);
+  Capture c = bench.capture(20000, 20000.0 / kLong_s, 2, angle);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double then = angle(c.time_s[i] - early_s);
+    c.reference_deg[i] = wrap((then + e * std::sin(kOrder * then + phase)) * kDegPerRad, 360.0);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "reference-harmonic");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], kOrder, 0.01) << names(d);
+  EXPECT_NEAR(f->values[1], e * kDegPerRad, 0.02 * e * kDegPerRad) << names(d);
+  const Finding *delay = named(d, "reference-delay");
+  ASSERT_TRUE(delay) << left_of(d);
+  EXPECT_NEAR(delay->values[0], -early_s, 0.02 * early_s) << names(d);
+}
+
 } // namespace
 } // namespace ada::test

@@ -13,6 +13,7 @@
 #include "diagnosis/anonymous/steps.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
+#include "model/forward.h"
 
 namespace ada {
 
@@ -33,14 +34,11 @@ Observations at_zero_of(const Model &model, Observations data) {
 /// The data at the angle of the shaft, which the reference reads with its errors. What repeats with
 /// the angle repeats with the shaft's.
 Observations at_shaft(const Model &model, Observations data) {
-  const Conditions at = data.conditions();
-  std::vector<double> shaft = data.alpha;
-  for (std::size_t first = 0; first < shaft.size(); first += kWaveBlock) {
-    const std::size_t n = std::min(kWaveBlock, shaft.size() - first);
-    for (std::size_t k = model.effects.size(); k-- > 0;) // undone in the reverse of their order
-      model.effects[k].effect->shaft_from_reference(model.effects[k].values, at.slice(first, n),
-                                                    std::span(shaft).subspan(first, n));
-  }
+  Model of_reference = model;
+  std::erase_if(of_reference.effects,
+                [](const EffectInstance &e) { return e.effect->info().stage != Stage::record; });
+  std::vector<double> shaft(data.size());
+  ForwardModel(of_reference, AlphaIs::reference).magnet_angle(data.conditions(), shaft.data());
   data.alpha = std::move(shaft);
   return data;
 }
