@@ -13,6 +13,7 @@
 #include "base/pick.h"
 #include "base/robust.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/edges.h"
 #include "diagnosis/spectrum.h"
 #include "model/residual.h"
 #include "motion/kinematics.h"
@@ -23,7 +24,8 @@ namespace {
 
 constexpr double kAbsentLevel = std::numeric_limits<double>::quiet_NaN();
 
-/// Below this what comes with time cannot be told from what comes with the angle.
+/// Below this what comes with time cannot be told from what comes with the angle, but for what is
+/// faster than any angle.
 constexpr double kFewestRounds = criteria::kFewestTurnsToRepeat;
 
 /// How often the shaft comes round, whatever its sense: by a turn, or to and fro over a part of
@@ -308,30 +310,56 @@ bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
          line_along(r, [&](std::size_t i) { return order * r.alpha[i]; }).power > 0.2 * tone.power;
 }
 
-/// Whether a cause that goes with the angle could make a line at an order of a steady rotation:
-/// what a channel makes of its own value comes at multiples of the period and may be in that
-/// channel alone, and an error of the angle, whatever its order, turns the pair to and fro and so
-/// has a fellow. A line of both channels beyond those, without one, is a tone, though it keeps step
-/// with the shaft as the mains do with a motor.
-bool may_be_of_the_angle(const Residual &r, const MostlyAt &at, double order, double frequency,
+/// Highest order of the turn that a named cause may have.
+double highest_named(const Residual &r) {
+  return (criteria::kNamedPeriods + 1) * r.periods;
+}
+
+/// Whether a line at a multiple of the period stands out of those at the multiples beside it: what
+/// a converter makes of its channel has many of about one size.
+bool stands_alone(const Residual &r, int order, const Line &line) {
+  constexpr int kBeside = 6;
+  constexpr double kOut = 4.0; // of power, of the strongest of them
+  double strongest = 0.0;
+  for (int k = 1; k <= kBeside; ++k)
+    for (int beside : {order - k * r.periods, order + k * r.periods})
+      if (beside > 0)
+        strongest = std::max(
+            strongest, line_along(r, [&](std::size_t i) { return beside * r.alpha[i]; }).power);
+  return line.power > kOut * strongest;
+}
+
+/// Whether a cause that goes with the angle could make a line at an order of a steady rotation. To
+/// the highest named order it could. Beyond, what a channel makes of its own value comes at many
+/// multiples of the period, may be in that channel alone, and is the steps of its converter; an
+/// error of the angle turns the pair to and fro and so has a fellow. A line that has none of that
+/// is a tone, though it keeps step with the shaft as the mains do with a motor, or the shaft came
+/// round too seldom to tell.
+bool may_be_of_the_angle(const Residual &r, const MostlyAt &at, int order, double frequency,
                          const Line &line) {
   constexpr double kInBoth = 0.2;
   const auto &a = line.amplitudes;
   const double sin = std::hypot(a[0], a[1]), cos = std::hypot(a[2], a[3]);
-  return order <= (criteria::kNamedPeriods + 1) * r.periods ||
-         std::fmod(order, static_cast<double>(r.periods)) == 0.0 ||
-         std::min(sin, cos) < kInBoth * std::max(sin, cos) || has_fellow(r, at, frequency);
+  const bool of_channel =
+      order % r.periods == 0 || std::min(sin, cos) < kInBoth * std::max(sin, cos);
+  return order <= highest_named(r) || has_fellow(r, at, frequency) ||
+         (of_channel && !stands_alone(r, order, line));
 }
 
-/// The two strongest lines of the spectrum that `skip` lets pass, with their frequencies in Hz.
+/// Whether the shaft came round too seldom to tell a tone from what repeats with the angle: at one
+/// speed the two are one but for the width of a line.
+bool too_few_rounds_for_lines(const Residual &r) {
+  return rounds_of(r) < (r.several_speeds ? kFewestRounds : criteria::kFewestUnits);
+}
+
+/// The two strongest lines of the spectrum above a frequency in Hz that `skip` lets pass, with
+/// their frequencies.
 template <class Skip>
-std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, Skip skip) {
+std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, double above_hz,
+                                                     Skip skip) {
   const std::size_t n = r.time.size();
   const double span = n > 1 ? r.time.back() - r.time.front() : 0.0;
   if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0)
-    return {};
-  // At one speed a tone and what repeats with the angle are one but for the width of a line.
-  if (rounds_of(r) < (r.several_speeds ? kFewestRounds : criteria::kFewestUnits))
     return {};
   const double resolution = 1.0 / span;
   PowerOverTime spectrum;
@@ -347,7 +375,8 @@ std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, Skip ski
     some.push_back(power[k]);
   const double floor = quantile(std::move(some), 0.5);
   std::vector<std::pair<double, std::size_t>> peaks;
-  const auto first = static_cast<std::size_t>(std::ceil(4.0 * resolution / bin));
+  const auto first =
+      static_cast<std::size_t>(std::ceil(std::max(4.0 * resolution, above_hz) / bin));
   for (std::size_t k = std::max<std::size_t>(first, 2); k + 1 < power.size(); ++k)
     if (power[k] > 12.0 * floor && power[k] >= power[k - 1] && power[k] >= power[k + 1])
       peaks.emplace_back(power[k], k);
@@ -376,6 +405,73 @@ std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, Skip ski
       out.emplace_back(centre, best);
   }
   return out;
+}
+
+/// Whether a line is stronger seen from the turning pair, along the radius or across it: there a
+/// gain or an angle that swings is one line, of which either channel has the two beside it.
+bool is_of_the_turning_pair(const Residual &r, double frequency, const Line &line) {
+  std::vector<double> along, across;
+  double turning = 0.0; // of the pair, Hz
+  for (std::size_t i = 0; i < r.time.size(); ++i) {
+    const double c = r.model_cos_v[i] - r.centre_cos_v, s = r.model_sin_v[i] - r.centre_sin_v;
+    const double inverse = 1.0 / std::max(std::hypot(c, s), 1e-9);
+    along.push_back(inverse * (r.cos_v[i] * c + r.sin_v[i] * s));
+    across.push_back(inverse * (r.sin_v[i] * c - r.cos_v[i] * s));
+    turning += std::abs(double{r.omega[i]}) * r.periods / kTwoPi;
+  }
+  turning /= static_cast<double>(std::max<std::size_t>(1, r.time.size()));
+  Residual turned = r;
+  turned.sin_v = along;
+  turned.cos_v = across;
+  double strongest = 0.0;
+  for (double f : {frequency - turning, frequency, frequency + turning}) {
+    const auto a = line_at(turned, f).amplitudes;
+    strongest = std::max({strongest, a[0] * a[0] + a[1] * a[1], a[2] * a[2] + a[3] * a[3]});
+  }
+  return strongest > line.power;
+}
+
+/// Of some lines, the strongest first, those that stand still and stand out of all that is left
+/// beside them once they are taken out, as a tone does and none of the many lines of a function of
+/// the angle.
+void keep_single_lines(Residual r, std::vector<std::pair<double, Line>> &lines) {
+  constexpr double kBeside = 1.5; // of the frequency
+  constexpr double kOut = 10.0;   // of power
+  std::array<std::vector<double>, 2> left{std::vector(r.sin_v.begin(), r.sin_v.end()),
+                                          std::vector(r.cos_v.begin(), r.cos_v.end())};
+  r.sin_v = left[0];
+  r.cos_v = left[1];
+  const auto spectrum = [&] {
+    PowerOverTime out;
+    for (const std::vector<double> &x : left)
+      add_power_over_time(
+          r.time, r.sample_period_s, [&](std::size_t i) { return x[i]; }, out);
+    return out;
+  };
+  PowerOverTime before = spectrum();
+  std::erase_if(lines, [&](const auto &found) {
+    const double frequency = found.first;
+    const Line line = line_at(r, frequency);
+    const bool turning = rotates(line) || is_of_the_turning_pair(r, frequency, line);
+    for (std::size_t i = 0; i < left[0].size(); ++i) {
+      double s, c;
+      sincos(kTwoPi * frequency * r.time[i], &s, &c);
+      for (std::size_t k : {0, 1})
+        left[k][i] -= line.amplitudes[2 * k] * s + line.amplitudes[2 * k + 1] * c;
+    }
+    PowerOverTime after = spectrum();
+    const auto strongest = [&](const PowerOverTime &of) {
+      const auto at = [&](double hz) {
+        return of.power.begin() + std::min(static_cast<std::ptrdiff_t>(of.power.size()),
+                                           static_cast<std::ptrdiff_t>(hz / of.bin_hz));
+      };
+      const auto first = at(frequency / kBeside), end = at(frequency * kBeside);
+      return first < end ? *std::max_element(first, end) : 0.0F;
+    };
+    const bool many = strongest(before) < kOut * strongest(after);
+    before = std::move(after);
+    return many || turning;
+  });
 }
 
 /// Where the mean changes most between a short stretch before and one after, all in one sense of
@@ -427,15 +523,28 @@ std::size_t largest_split(const std::vector<double> &a, const std::vector<double
 
 std::vector<StepGuess> find_steps(const Residual &r, StepIn where) {
   const std::size_t n = r.time.size();
-  if (n < 100 || rounds_of(r) < kFewestRounds)
+  if (n < 100)
     return {};
+  std::vector<double> of_a(n), of_b(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    of_a[i] = where == StepIn::angle ? angle_residual(r, i) : r.sin_v[i];
+    of_b[i] = where == StepIn::angle ? 0.0 : r.cos_v[i];
+  }
+  constexpr std::size_t kMostEdges = 2;
+  std::vector<StepGuess> out;
+  const double rounds = rounds_of(r);
+  if (rounds < criteria::kFewestUnits)
+    for (const Edge &edge :
+         find_edges(of_a, of_b, r.omega, reach_of_edges(n, rounds, r.periods), kMostEdges))
+      out.push_back({r.time[edge.at], edge.first, edge.second});
+  if (rounds < kFewestRounds)
+    return out;
   // Running sums of both components.
   std::vector<double> a(n + 1, 0.0), b(n + 1, 0.0);
   for (std::size_t i = 0; i < n; ++i) {
-    a[i + 1] = a[i] + (where == StepIn::angle ? angle_residual(r, i) : r.sin_v[i]);
-    b[i + 1] = b[i] + (where == StepIn::angle ? 0.0 : r.cos_v[i]);
+    a[i + 1] = a[i] + of_a[i];
+    b[i + 1] = b[i] + of_b[i];
   }
-  std::vector<StepGuess> out;
   for (std::size_t at : {sudden_step(r, a, b), largest_split(a, b)}) {
     if (at == 0)
       continue;
@@ -456,17 +565,27 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
   const auto no_tone = [&](double frequency, const Line &line) {
     if (!most)
       most = mostly_at(r);
-    const double order = round > 0.0 ? std::round(frequency / round) : 0.0;
-    const bool at_order =
-        (order >= 1.0 && std::abs(frequency - order * round) < kOrderWidth / span &&
-         !told_from_order(r, static_cast<int>(order), frequency)) ||
-        turns_with_shaft(r, order_near(r, frequency, 1.0 / span), line);
-    return (at_order && may_be_of_the_angle(r, *most, order, frequency, line)) ||
+    const auto of_round = static_cast<int>(round > 0.0 ? std::round(frequency / round) : 0.0);
+    const int of_speed = order_near(r, frequency, 1.0 / span);
+    const bool at_round = of_round >= 1 &&
+                          std::abs(frequency - of_round * round) < kOrderWidth / span &&
+                          !told_from_order(r, of_round, frequency);
+    const bool at_order = at_round || turns_with_shaft(r, of_speed, line);
+    return (at_order &&
+            may_be_of_the_angle(r, *most, of_round > 0 ? of_round : of_speed, frequency, line)) ||
            slow_beside_pair(r, frequency) ||
            (rotates_with_pair(r, *most, frequency, line) &&
             (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));
   };
-  for (const auto &[frequency, line] : strongest_lines(r, no_tone)) {
+  double fastest = 0.0;
+  if (too_few_rounds_for_lines(r))
+    for (double w : r.omega)
+      fastest = std::max(fastest, std::abs(w) / kTwoPi);
+  const double above_hz = fastest * highest_named(r);
+  auto lines = strongest_lines(r, above_hz, no_tone);
+  if (above_hz > 0.0)
+    keep_single_lines(r, lines);
+  for (const auto &[frequency, line] : lines) {
     const auto a = line_at(residual, frequency).amplitudes;
     tones.push_back({frequency, std::hypot(a[0], a[1]), std::hypot(a[2], a[3]),
                      std::atan2(a[1], a[0]) * kDegPerRad, std::atan2(a[3], a[2]) * kDegPerRad});
@@ -475,6 +594,8 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
 }
 
 std::vector<double> find_modulations(const Residual &r) {
+  if (too_few_rounds_for_lines(r))
+    return {};
   std::vector<double> along(r.time.size()), across(r.time.size());
   for (std::size_t i = 0; i < r.time.size(); ++i) {
     double s, c;
@@ -486,7 +607,7 @@ std::vector<double> find_modulations(const Residual &r) {
   turned.cos_v = along;
   turned.sin_v = across;
   std::vector<double> out;
-  for (const auto &line : strongest_lines(turned, [](double, const Line &) { return false; }))
+  for (const auto &line : strongest_lines(turned, 0.0, [](double, const Line &) { return false; }))
     out.push_back(line.first);
   return out;
 }

@@ -24,6 +24,9 @@ constexpr double kStandsOut = 5.5;       ///< standard deviations
 /// A choice: one to three samples may be the edges of something else. Below sixteen nothing tells
 /// whether they come at one place in the turn (come_with_the_angle).
 constexpr std::size_t kFewestSpikes = 4;
+/// What has no name is so many times what neighbours differ by: nothing that is white is more than
+/// nine tenths of it (the middle of four has a variance of 0.3).
+constexpr double kDrowned = 2.0;
 
 using Pair = std::array<double, 2>; ///< VSIN, VCOS
 
@@ -86,6 +89,87 @@ Pair beside(const ResidualColumns &r, std::size_t before, std::size_t after) {
     return v.empty() ? 0.0 : 0.5 * (v[(v.size() - 1) / 2] + v[v.size() / 2]);
   };
   return {middle(near[0]), middle(near[1])};
+}
+
+/// What a sample is apart from where those beside it lead, by the line before it, by the line
+/// behind it or by the curve through both, whichever comes nearest: what the model misses is
+/// smooth, so the neighbours have it as well, and one of them may have a spike of its own. Where
+/// rows are missing nothing is known: 0. `at`: its row; `next`: the first of `rows` behind it,
+/// `before`: those ahead.
+double apart_from(const std::vector<double> &x, const std::vector<std::uint32_t> &rows,
+                  double value, std::uint32_t at, std::size_t before, std::size_t next) {
+  if (before < kEach || next + kEach > rows.size() || at - rows[before - kEach] > 2 * kEach ||
+      rows[next + kEach - 1] - at > 2 * kEach)
+    return 0.0;
+  const std::array<std::size_t, 4> near{before - 2, before - 1, next, next + 1};
+  std::array<double, 4> t, v;
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    t[k] = static_cast<double>(rows[near[k]]) - static_cast<double>(at);
+    v[k] = x[near[k]];
+  }
+  // Polynomials through some of them, at 0 (Lagrange).
+  const auto led_to = [&](std::size_t first, std::size_t end) {
+    double sum = 0.0;
+    for (std::size_t k = first; k < end; ++k) {
+      double part = v[k];
+      for (std::size_t m = first; m < end; ++m)
+        if (m != k)
+          part *= t[m] / (t[m] - t[k]);
+      sum += part;
+    }
+    return sum;
+  };
+  double least = value - led_to(0, 4);
+  for (std::size_t first : {0, 2})
+    if (const double off = value - led_to(first, first + 2); std::abs(off) < std::abs(least))
+      least = off;
+  return least;
+}
+
+void hold_against_neighbours(const std::vector<std::uint32_t> &rows, ResidualColumns &r) {
+  for (std::vector<double> *of : {&r.sin, &r.cos}) {
+    const std::vector<double> all = *of;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      (*of)[i] = apart_from(all, rows, all[i], rows[i], i, i + 1);
+  }
+}
+
+/// The same of samples that stand apart, of these rows; `next`: the first sample of `r` behind
+/// each.
+void hold_against(const ResidualColumns &r, const std::vector<std::uint32_t> &rows,
+                  const std::vector<std::uint32_t> &apart_rows,
+                  const std::vector<std::size_t> &next, ResidualColumns &apart) {
+  for (std::size_t k = 0; k < next.size(); ++k) {
+    apart.sin[k] = apart_from(r.sin, rows, apart.sin[k], apart_rows[k], next[k], next[k]);
+    apart.cos[k] = apart_from(r.cos, rows, apart.cos[k], apart_rows[k], next[k], next[k]);
+  }
+}
+
+/// Noise where it is loudest, V rms of a channel: of stretches of samples in a row.
+double loudest_of(const ResidualColumns &r) {
+  constexpr std::size_t kStretch = 64; // samples
+  constexpr double kMost = 0.9;        // of the stretches; a tenth of them may hold spikes
+  std::vector<double> rms;
+  for (std::size_t from = 0; from + kStretch <= r.sin.size(); from += kStretch) {
+    double sum = 0.0;
+    for (std::size_t i = from; i < from + kStretch; ++i)
+      sum += r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
+    rms.push_back(std::sqrt(0.5 * sum / kStretch));
+  }
+  return quantile(std::move(rms), kMost);
+}
+
+/// Whether what stands out is apart from the rest, and not the tail of what jumps by all sizes: no
+/// more lie in the last third below the limit than above it, beyond those of normal noise.
+bool are_apart(const ResidualColumns &r, const ResidualColumns &others, double noise_v) {
+  constexpr double kTwoThirds = 2.0 / 3.0 * kStandsOut;
+  const double by_chance = std::erfc(kTwoThirds / std::numbers::sqrt2); // of one channel
+  double below = 0.0, above = 0.0;
+  for (const std::vector<double> *of : {&r.sin, &r.cos, &others.sin, &others.cos})
+    for (double v : *of)
+      (std::abs(v) > kStandsOut * noise_v ? above : below) +=
+          std::abs(v) > kTwoThirds * noise_v ? 1.0 : 0.0;
+  return below <= above + by_chance * 2.0 * static_cast<double>(r.sin.size());
 }
 
 /// Whether a sample stands out of those about it. Where the model misses those as well it says
@@ -219,8 +303,8 @@ Spikes spikes_against(const Scene &scene, const Model &model,
                       const std::vector<std::uint32_t> &heldout, double noise_v) {
   Spikes out;
   out.hit.assign(scene.all.size(), 0);
-  const ResidualColumns plain = residuals_alone(scene.all, model);
-  const ResidualColumns apart = residual_columns(scene.spiked, model);
+  ResidualColumns plain = residuals_alone(scene.all, model);
+  ResidualColumns apart = residual_columns(scene.spiked, model);
   ResidualColumns weighed, apart_weighed;
   if (scene.all.weight_along != 1.0)
     weighed = whitened(scene.all, residual_columns(scene.all, model));
@@ -228,6 +312,23 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   const bool supply = scene.all.disturbed == Direction::supply && scene.all.weight_along != 1.0;
   if (supply)
     apart_weighed = whitened(scene.spiked, apart);
+  std::vector<std::size_t> next_of; // of those apart, the first usable sample behind each
+  for (std::uint32_t row : scene.spiked_index)
+    next_of.push_back(static_cast<std::size_t>(
+        std::lower_bound(scene.index.begin(), scene.index.end(), row) - scene.index.begin()));
+  // Where what has no name drowns a spike that its neighbours show, those are what it is held
+  // against.
+  ResidualColumns held = plain, held_apart = apart;
+  hold_against(plain, scene.index, scene.spiked_index, next_of, held_apart);
+  hold_against_neighbours(scene.index, held);
+  if (const double local_v = std::max(loudest_of(held), scene.white_noise_v);
+      !supply && local_v > 0.0 && kDrowned * local_v < noise_v &&
+      are_apart(held, held_apart, local_v)) {
+    noise_v = local_v;
+    plain = std::move(held);
+    apart = std::move(held_apart);
+    weighed = {}; // the motion that is read off the pair is smooth as well
+  }
   const ResidualColumns &white = weighed.sin.empty() ? plain : weighed;
   const ResidualColumns &here = supply ? white : plain;
   const ResidualColumns &there = supply ? apart_weighed : apart;
@@ -252,9 +353,7 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   const std::vector<std::uint32_t> motion =
       moved_on(scene, scene.spiked, scene.spiked_index, std::move(asked), model, noise_v);
   for (std::size_t i = 0; i < apart.sin.size(); ++i) {
-    const auto next = static_cast<std::size_t>(
-        std::lower_bound(scene.index.begin(), scene.index.end(), scene.spiked_index[i]) -
-        scene.index.begin());
+    const std::size_t next = next_of[i];
     if (std::binary_search(motion.begin(), motion.end(), static_cast<std::uint32_t>(i)) ||
         !stands_out(there.sin[i], there.cos[i], beside(here, next, next), noise_v))
       continue;
@@ -326,11 +425,7 @@ Spikes spikes_against(const Scene &scene, const Model &model,
     if (judged[i])
       add(plain, i, out.hit[i] ? test.spiked : test.plain);
   for (std::size_t k = 0; k < scene.spiked_index.size(); ++k) {
-    const auto next =
-        std::lower_bound(scene.index.begin(), scene.index.end(), scene.spiked_index[k]);
-    const auto at =
-        std::min(static_cast<std::size_t>(next - scene.index.begin()), judged.size() - 1);
-    if (judged[at])
+    if (judged[std::min(next_of[k], judged.size() - 1)])
       add(apart, k, test.spiked);
   }
   const double variance = mean_square(test.plain);
@@ -363,17 +458,7 @@ double rms_in_any_direction(const Observations &data, const Model &model, bool h
 }
 
 double loudest_noise(const Observations &data, const Model &model) {
-  constexpr std::size_t kStretch = 64; // samples
-  constexpr double kMost = 0.9;        // of the stretches; a tenth of them may hold spikes
-  const ResidualColumns r = residuals_alone(data, model);
-  std::vector<double> rms;
-  for (std::size_t from = 0; from + kStretch <= r.sin.size(); from += kStretch) {
-    double sum = 0.0;
-    for (std::size_t i = from; i < from + kStretch; ++i)
-      sum += r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
-    rms.push_back(std::sqrt(0.5 * sum / kStretch));
-  }
-  return quantile(std::move(rms), kMost);
+  return loudest_of(residuals_alone(data, model));
 }
 
 } // namespace ada

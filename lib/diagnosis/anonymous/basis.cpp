@@ -215,17 +215,18 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
       out.add(Axis::supply, 1, m, {Modulation::supply});
   // Slow in time: half waves that each last two electrical periods or more, so that none of them
   // follows the shaft, and half of what repeats with the angle. Where no angle comes twice, time
-  // and angle are one.
+  // and angle are one, but for what is faster than any angle: an edge, of which the gain and the
+  // angle before and after it are all that is told (an offset that jumps has a name).
   const double rounds = scene.rounds(1.0 / step);
   const double waves =
       std::min({criteria::kMostTrends, scene.rounds(1.0 / p) / criteria::kPeriodsPerTrend,
                 criteria::kTrendsPerRound * rounds});
-  asked.over_time = asked.over_time && rounds >= criteria::kFewestTurnsToRepeat;
+  const bool comes_again = rounds >= criteria::kFewestTurnsToRepeat;
   if (asked.over_time)
     for (std::size_t k = 0; k < steps_s.size(); ++k)
-      for (int m : pair)
+      for (int m : comes_again ? pair : std::vector{p})
         out.add(Axis::time, static_cast<int>(k) + 1, m, {Modulation::step, 0, steps_s[k]});
-  for (int order = 1; asked.over_time && order <= static_cast<int>(waves); ++order)
+  for (int order = 1; asked.over_time && comes_again && order <= static_cast<int>(waves); ++order)
     for (int m : pair)
       if (asked.speed || asked.others || m != -p) // a process moves offsets and gain
         out.add(Axis::time, order, m, {Modulation::trend, order});
