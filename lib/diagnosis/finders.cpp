@@ -523,7 +523,8 @@ std::size_t largest_split(const std::vector<double> &a, const std::vector<double
 
 std::vector<StepGuess> find_steps(const Residual &r, StepIn where) {
   const std::size_t n = r.time.size();
-  if (n < 100)
+  constexpr std::size_t kFewest = 40; // twice the margin of a split
+  if (n < kFewest)
     return {};
   std::vector<double> of_a(n), of_b(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -537,15 +538,16 @@ std::vector<StepGuess> find_steps(const Residual &r, StepIn where) {
     for (const Edge &edge :
          find_edges(of_a, of_b, r.omega, reach_of_edges(n, rounds, r.periods), kMostEdges))
       out.push_back({r.time[edge.at], edge.first, edge.second});
-  if (rounds < kFewestRounds)
-    return out;
   // Running sums of both components.
   std::vector<double> a(n + 1, 0.0), b(n + 1, 0.0);
   for (std::size_t i = 0; i < n; ++i) {
     a[i + 1] = a[i] + of_a[i];
     b[i + 1] = b[i] + of_b[i];
   }
-  for (std::size_t at : {sudden_step(r, a, b), largest_split(a, b)}) {
+  if (rounds < kFewestRounds && !r.has_reference) // the motion is the pair's own
+    return out;
+  const std::size_t sudden = rounds < kFewestRounds ? 0 : sudden_step(r, a, b);
+  for (std::size_t at : {sudden, largest_split(a, b)}) {
     if (at == 0)
       continue;
     const double left = static_cast<double>(at), right = static_cast<double>(n - at);

@@ -408,7 +408,8 @@ double most_moved_within(std::span<const double> values, std::span<const double>
 bool screen_stuck(Screened &look, const Effect &effect) {
   const Capture &c = look.capture;
   const std::size_t n = c.size();
-  const std::size_t tail = std::max<std::size_t>(50, n / 50);
+  // What the other channel does meanwhile tells, and not how long it lasts: a dozen readings do.
+  const std::size_t tail = std::max<std::size_t>(12, n / 50);
   if (n < 4 * tail)
     return false;
   const std::vector<double> *channels[2] = {&c.vsin_v, &c.vcos_v};
@@ -438,9 +439,15 @@ bool screen_stuck(Screened &look, const Effect &effect) {
     const double least = whole * (1.0 - std::sqrt(1.0 - moved * moved));
     if (least < step_v || bulk({values + first, n - first}).width() > criteria::kStuckMoves * least)
       continue;
-    // The record may end on a peak that is cut off, as all before it are.
+    // The record may end on a peak that is cut off, as all before it are, or on the only one: that
+    // is the highest or lowest that the channel reads, and lasts for less than a peak cut at 0.7.
     if (width <
         criteria::kLongerThanCut * most_moved_within({values, first}, {others, first}, held, band))
+      continue;
+    constexpr double kCutPeak = 1.4; // half ranges that the other moves by meanwhile
+    const auto [lowest, highest] = std::minmax_element(values, values + first);
+    if (first > 0 && width < kCutPeak * whole &&
+        (held > *highest - band || held < *lowest + band))
       continue;
     std::fill(look.usable.begin() + static_cast<std::ptrdiff_t>(first), look.usable.end(), char{0});
     const double step = median_step(c.time_s);

@@ -18,6 +18,9 @@
 namespace ada {
 
 bool Work::take_out_processes() {
+  // In less than two turns a magnet whose poles differ, as all do, and what wanders are one.
+  if (scene_.periods > 2 && scene_.rounds(1.0) < criteria::kFewestTurnsToRepeat)
+    return false;
   if (found_.disturbed == Direction::supply) // what goes on slowly along it is the supply's
     return false;
   const Uncoloured uncoloured(parts_);

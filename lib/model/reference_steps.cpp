@@ -104,6 +104,11 @@ double reference_grid_rad(std::span<const double> reference_deg) {
 
 bool goes_on_evenly(std::span<const double> reference_deg) {
   constexpr double kNearlyAll = 0.999, kSame_deg = 1e-6;
+  constexpr double kDecimals = 100.0; // in a step that is none of them
+  const std::vector<double> all(reference_deg.begin(), reference_deg.end());
+  const double decimal_deg = last_decimal(all);
+  const double same_deg =
+      kSame_deg + (grid_of(all) > kDecimals * decimal_deg ? 1.5 * decimal_deg : 0.0);
   std::vector<double> by;
   for (std::size_t i = 1; i < reference_deg.size(); ++i)
     by.push_back(wrap_centred(reference_deg[i] - reference_deg[i - 1], 360.0));
@@ -114,7 +119,7 @@ bool goes_on_evenly(std::span<const double> reference_deg) {
   std::nth_element(sorted.begin(), middle, sorted.end());
   const double usual = *middle;
   const auto same = std::count_if(by.begin(), by.end(),
-                                  [usual](double d) { return std::abs(d - usual) < kSame_deg; });
+                                  [=](double d) { return std::abs(d - usual) < same_deg; });
   return usual != 0.0 && static_cast<double>(same) >= kNearlyAll * static_cast<double>(by.size());
 }
 

@@ -136,13 +136,86 @@ KIND(one_turn_shows_a_gain_that_jumps_and_has_no_name) {
                   "offset-wander", "impulse-noise"});
 }
 
+KIND(one_turn_shows_a_level_at_which_both_channels_stop) {
+  Bench bench;
+  Capture c = one_turn(bench).capture;
+  const double level = 2.5 + bench.within(0.8, 0.92) * bench.pair.amplitude_v;
+  for (auto *column : {&c.vsin_v, &c.vcos_v})
+    for (double &v : *column)
+      v = std::min(v, level + bench.normal(bench.pair.noise_v));
+  const Diagnosis d = diagnose(c, {});
+  const Finding *stop = named(d, "clipping");
+  ASSERT_TRUE(stop) << left_of(d);
+  EXPECT_NEAR(stop->values[1], level, 0.02 * bench.pair.amplitude_v);
+  expect_none(d, {"stuck-channel", "offset-step", "cubic-nonlinearity"});
+}
+
+KIND(noise_beyond_what_is_stated_is_named_beside_much_that_has_no_name) {
+  Bench bench;
+  Capture c = one_turn(bench).capture;
+  const double more = bench.within(2.0, 4.0) * bench.pair.noise_v;
+  c.meta.noise_rms_v = bench.pair.noise_v;
+  for (auto *column : {&c.vsin_v, &c.vcos_v})
+    for (double &v : *column)
+      v += bench.normal(more);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *noise = named(d, "excess-noise");
+  ASSERT_TRUE(noise) << left_of(d);
+  EXPECT_NEAR(noise->values[0], more, 0.15 * more);
+}
+
+/// A table that is read once at each of so many places: its angles are what it was told.
+Capture told_places(Bench &bench, std::size_t places) {
+  Capture c = bench.capture(
+      places, 2.0, 1, [=](double t) { return kTwoPi * 2.0 * t / static_cast<double>(places); });
+  for (double &a : c.reference_deg) // as text has them
+    a = std::round(1e4 * a) / 1e4;
+  return c;
+}
+
+KIND(a_channel_that_sticks_is_seen_in_a_hundred_readings) {
+  Bench bench;
+  const auto places = static_cast<std::size_t>(bench.within(90.0, 180.0));
+  Capture c = told_places(bench, places);
+  const auto at = static_cast<std::size_t>(bench.within(0.4, 0.7) * static_cast<double>(places));
+  // Where it sticks at a peak nobody can tell.
+  if (std::abs(c.vsin_v[at] - 2.5) > 0.9 * bench.pair.amplitude_v)
+    return;
+  for (std::size_t i = at; i < places; ++i)
+    c.vsin_v[i] = c.vsin_v[at];
+  const Diagnosis d = diagnose(c, {});
+  const Finding *stuck = named(d, "stuck-channel");
+  ASSERT_TRUE(stuck) << left_of(d);
+  EXPECT_NEAR(stuck->values[1], c.time_s[at], 2.0);
+  expect_none(d, {"clipping", "reference-resolution"});
+}
+
+KIND(angles_that_are_told_count_in_no_steps_though_the_magnet_slips) {
+  Bench bench;
+  const auto places = static_cast<std::size_t>(bench.within(90.0, 180.0));
+  Capture c = told_places(bench, places);
+  const double step_deg = bench.within(2.0, 5.0);
+  const auto at = static_cast<std::size_t>(bench.within(0.4, 0.6) * static_cast<double>(places));
+  const Capture whole = c;
+  for (std::size_t i = at; i < places; ++i) {
+    const double turn = step_deg * kRadPerDeg, s = whole.vsin_v[i] - 2.5, k = whole.vcos_v[i] - 2.5;
+    c.vsin_v[i] = 2.5 + s * std::cos(turn) + k * std::sin(turn);
+    c.vcos_v[i] = 2.5 + k * std::cos(turn) - s * std::sin(turn);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *slip = named(d, "angle-slip");
+  ASSERT_TRUE(slip) << left_of(d);
+  EXPECT_NEAR(slip->values[1], step_deg, 0.1 * step_deg);
+  expect_none(d, {"reference-resolution", "offset-step"});
+}
+
 /// A ring of many poles, each of another length, turned by an uneven hand without a reference: what
 /// its model leaves is much more than its noise, and smooth.
-Capture uneven_ring(Bench &bench) {
+Capture uneven_ring(Bench &bench, double turns = 3.5) {
   constexpr int kPoles = 25;
   const auto turned = many_orders(bench, 70, bench.within(0.02, 0.06) / kPoles);
   const auto longer = many_orders(bench, 70, bench.within(0.04, 0.08));
-  const double hz = bench.within(0.5, 0.9);
+  const double hz = turns / 4.8;
   Capture c = bench.capture(4800, 1000.0, kPoles, [&](double t) {
     const double angle = kTwoPi * hz * t;
     return angle + turned(angle);
@@ -159,6 +232,12 @@ Capture uneven_ring(Bench &bench) {
 KIND(a_ring_that_nothing_describes_has_no_spikes) {
   Bench bench;
   expect_none(diagnose(uneven_ring(bench), {}), {"impulse-noise", "periodic-interference"});
+}
+
+KIND(poles_that_differ_are_no_wander_where_no_pole_comes_twice) {
+  Bench bench;
+  expect_none(diagnose(uneven_ring(bench, bench.within(1.2, 1.9)), {}),
+              {"gain-wander", "offset-wander", "flicker-noise", "supply-variation"});
 }
 
 KIND(spikes_stand_out_of_their_neighbours_beside_much_that_has_no_name) {
