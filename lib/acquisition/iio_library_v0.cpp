@@ -182,11 +182,11 @@ class ContextV0 final : public IioContext {
 public:
   ContextV0(ContextPointer context, std::string port, std::vector<OpenSocket> sockets,
             std::vector<OddFormat> odd_formats)
-      : context_(std::move(context)), port_(std::move(port)), sockets_(std::move(sockets)),
-        odd_formats_(std::move(odd_formats)) {}
+      : context_(std::move(context)), port_(std::move(port)),
+        watch_(port_, std::move(sockets), kMostTime), odd_formats_(std::move(odd_formats)) {}
 
   std::vector<IioDevice> devices() const override {
-    const ServerWatch watch = watched();
+    const DialogueWatch::Dialogue watched(watch_);
     std::vector<IioDevice> out;
     for (unsigned i = 0; i < iio_context_get_devices_count(context_.get()); ++i) {
       const iio_device *device = iio_context_get_device(context_.get(), i);
@@ -245,12 +245,9 @@ private:
                                             std::size_t frames, unsigned kernel_buffers,
                                             const Cancellation &cancellation, int &error);
 
-  /// For one dialogue with the server; libiio itself gives up one that is silent.
-  ServerWatch watched() const { return {port_, sockets_, ServerWatch::Which::these, kMostTime}; }
-
   ContextPointer context_;
-  std::string port_;                ///< of a server
-  std::vector<OpenSocket> sockets_; ///< libiio's to that
+  std::string port_;            ///< of a server
+  mutable DialogueWatch watch_; ///< libiio itself gives up a server that is silent
   std::vector<OddFormat> odd_formats_;
   std::chrono::milliseconds timeout_{5000};
 };
@@ -258,7 +255,7 @@ private:
 std::optional<std::string> ContextV0::read(const std::string &device_id,
                                            const std::string &channel_id,
                                            const std::string &name) const {
-  const ServerWatch watch = watched();
+  const DialogueWatch::Dialogue watched(watch_);
   if (!channel_id.empty())
     return read_attribute(channel(device_id, channel_id), name.c_str());
   const iio_device *dev = device(device_id);
@@ -271,7 +268,7 @@ std::optional<std::string> ContextV0::read(const std::string &device_id,
 
 int ContextV0::write(const std::string &device_id, const std::string &channel_id,
                      const std::string &name, const std::string &value) {
-  const ServerWatch watch = watched();
+  const DialogueWatch::Dialogue watched(watch_);
   ssize_t n;
   if (!channel_id.empty()) {
     const iio_channel *chn = channel(device_id, channel_id);
@@ -288,7 +285,7 @@ int ContextV0::write(const std::string &device_id, const std::string &channel_id
 }
 
 std::string ContextV0::trigger(const std::string &device_id) const {
-  const ServerWatch watch = watched();
+  const DialogueWatch::Dialogue watched(watch_);
   const iio_device *found = nullptr;
   if (iio_device_get_trigger(device(device_id), &found) < 0 || !found)
     return {};
@@ -296,7 +293,7 @@ std::string ContextV0::trigger(const std::string &device_id) const {
 }
 
 void ContextV0::set_trigger(const std::string &device_id, const std::string &trigger) {
-  const ServerWatch watch = watched();
+  const DialogueWatch::Dialogue watched(watch_);
   const iio_device *found = iio_context_find_device(context_.get(), trigger.c_str());
   if (!found || !iio_device_is_trigger(found))
     throw Error(ADA4571_ERROR_NOT_FOUND, "no IIO trigger \"" + trigger + "\"");

@@ -44,6 +44,12 @@ bool is_still(const OpenSocket &socket) {
   return socket_of(socket.fd) == socket.inode;
 }
 
+void shut_down(const std::vector<OpenSocket> &sockets) {
+  for (const OpenSocket &socket : sockets)
+    if (is_still(socket))
+      ::shutdown(socket.fd, SHUT_RDWR);
+}
+
 } // namespace
 
 std::vector<OpenSocket> sockets_to(const std::string &port) {
@@ -91,9 +97,52 @@ void ServerWatch::run() {
       return std::find(sockets_.begin(), sockets_.end(), s) != sockets_.end();
     });
   }
-  for (const OpenSocket &socket : watched)
-    if (is_still(socket))
-      ::shutdown(socket.fd, SHUT_RDWR);
+  shut_down(watched);
+}
+
+DialogueWatch::DialogueWatch(std::string port, std::vector<OpenSocket> sockets,
+                             std::chrono::milliseconds limit)
+    : limit_(limit) {
+  if (!port.empty())
+    sockets_ = std::move(sockets);
+}
+
+DialogueWatch::~DialogueWatch() {
+  {
+    const std::lock_guard lock(mutex_);
+    done_ = true;
+  }
+  wake_.ring();
+  if (thread_.joinable())
+    thread_.join();
+}
+
+void DialogueWatch::set_deadline(bool begins) {
+  if (sockets_.empty())
+    return;
+  if (!thread_.joinable())
+    thread_ = std::thread([this] { run(); });
+  const std::lock_guard lock(mutex_);
+  deadline_ = begins ? std::chrono::steady_clock::now() + limit_ : Time::max();
+  // That of a dialogue before is always earlier: then the thread looks in time of its own accord.
+  if (deadline_ < looks_again_)
+    wake_.ring();
+}
+
+void DialogueWatch::run() {
+  for (;;) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (done_)
+        return;
+      if (deadline_ <= std::chrono::steady_clock::now()) {
+        shut_down(sockets_);
+        deadline_ = Time::max();
+      }
+      looks_again_ = deadline_;
+    }
+    wake_.wait(looks_again_);
+  }
 }
 
 } // namespace ada

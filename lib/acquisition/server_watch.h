@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -58,6 +59,43 @@ private:
   WakeUp done_;
   std::atomic<bool> over_{false};
   std::thread thread_; ///< none where there is nothing to watch
+};
+
+/// The same for one dialogue after another over the same connections, by one thread: to make one
+/// for each took longer than the dialogue. For one thread at a time.
+class DialogueWatch {
+public:
+  DialogueWatch(std::string port, std::vector<OpenSocket> sockets, std::chrono::milliseconds limit);
+  ~DialogueWatch();
+  DialogueWatch(const DialogueWatch &) = delete;
+  DialogueWatch &operator=(const DialogueWatch &) = delete;
+
+  /// One dialogue; it may take no longer than the limit. One at a time.
+  class Dialogue {
+  public:
+    explicit Dialogue(DialogueWatch &watch) : watch_(watch) { watch_.set_deadline(true); }
+    ~Dialogue() { watch_.set_deadline(false); }
+    Dialogue(const Dialogue &) = delete;
+    Dialogue &operator=(const Dialogue &) = delete;
+
+  private:
+    NoPipeSignal quiet_;
+    DialogueWatch &watch_;
+  };
+
+private:
+  using Time = std::chrono::steady_clock::time_point;
+  void set_deadline(bool begins);
+  void run();
+
+  std::vector<OpenSocket> sockets_;
+  std::chrono::milliseconds limit_;
+  WakeUp wake_;
+  std::mutex mutex_;
+  Time deadline_ = Time::max();    ///< of the dialogue that goes on
+  Time looks_again_ = Time::max(); ///< when the thread wakes without being woken
+  bool done_ = false;
+  std::thread thread_; ///< from the first dialogue on; none where there is nothing to watch
 };
 
 } // namespace ada

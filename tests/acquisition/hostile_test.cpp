@@ -315,22 +315,53 @@ TEST(HostileServer, with_an_odd_description_is_refused_before_anybody_prints_it)
   }
 }
 
+/// A socket that listens at a port of this machine.
+struct Listener {
+  Descriptor fd{socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+  int port = 0;
+  Listener() {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(bind(fd.get(), reinterpret_cast<sockaddr *>(&address), size), 0);
+    EXPECT_EQ(listen(fd.get(), 4), 0);
+    EXPECT_EQ(getsockname(fd.get(), reinterpret_cast<sockaddr *>(&address), &size), 0);
+    port = ntohs(address.sin_port);
+  }
+};
+
+TEST(HostileServer, has_the_time_of_one_dialogue_for_each_of_many) {
+  const Listener listener;
+  const Descriptor ours = connect_to(listener.port);
+  const Descriptor theirs(accept(listener.fd.get(), nullptr, nullptr));
+  const std::string text = std::to_string(listener.port);
+  constexpr std::chrono::milliseconds kLimit(400);
+  DialogueWatch watch(text, sockets_to(text), kLimit);
+  char c = 0;
+  for (int k = 0; k < 8; ++k) { // together longer than one may take
+    const DialogueWatch::Dialogue dialogue(watch);
+    std::this_thread::sleep_for(kLimit / 4);
+    EXPECT_EQ(recv(ours.get(), &c, 1, MSG_DONTWAIT), -1) << k;
+    EXPECT_EQ(errno, EAGAIN);
+  }
+  std::this_thread::sleep_for(2 * kLimit); // between two nobody waits for anything
+  EXPECT_EQ(recv(ours.get(), &c, 1, MSG_DONTWAIT), -1);
+  const auto begun = std::chrono::steady_clock::now();
+  const DialogueWatch::Dialogue dialogue(watch);
+  EXPECT_EQ(recv(ours.get(), &c, 1, 0), 0) << "it was not cut off";
+  EXPECT_GE(std::chrono::steady_clock::now() - begun, kLimit);
+}
+
 /// What is read byte by byte, each in time, and never ends.
 TEST(HostileServer, that_goes_on_sending_is_cut_off_when_the_time_is_over) {
-  Descriptor listener(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  ASSERT_EQ(bind(listener.get(), reinterpret_cast<sockaddr *>(&address), size), 0);
-  ASSERT_EQ(listen(listener.get(), 4), 0);
-  ASSERT_EQ(getsockname(listener.get(), reinterpret_cast<sockaddr *>(&address), &size), 0);
-  const int port = ntohs(address.sin_port);
+  const Listener listener;
+  const int port = listener.port;
   const std::string text = std::to_string(port);
   using Which = ServerWatch::Which;
   for (const Which which : {Which::these, Which::all_but}) {
     const Descriptor other = connect_to(port); // of somebody else, before
-    const Descriptor other_end(accept(listener.get(), nullptr, nullptr));
+    const Descriptor other_end(accept(listener.fd.get(), nullptr, nullptr));
     const auto before = sockets_to(text);
     ASSERT_EQ(before.size(), 1u);
     std::vector<OpenSocket> watched = before;
@@ -344,7 +375,7 @@ TEST(HostileServer, that_goes_on_sending_is_cut_off_when_the_time_is_over) {
     ServerWatch watch(text, watched, which, std::chrono::milliseconds(300));
     if (which == Which::all_but)
       ours = connect_to(port);
-    const Descriptor theirs(accept(listener.get(), nullptr, nullptr));
+    const Descriptor theirs(accept(listener.fd.get(), nullptr, nullptr));
     std::thread sender([&] {
       while (send(theirs.get(), "\n", 1, MSG_NOSIGNAL) == 1)
         usleep(1000);
