@@ -489,33 +489,41 @@ bool Search::leaves_noise(const State &now) const {
   return unknown_v(now) < criteria::kOfUnknown * std::max(noise_v_, data_.scene->white_noise_v);
 }
 
-/// Whether what seems to come with the time may be something else: the shaft came round too seldom
-/// to tell. An event then has an edge, or leaves nothing but noise beside it; a reference that counts
-/// in coarse steps has lines at any order, as a tone has. And two events at one moment are one: the
-/// second is the shape of the first.
-bool Search::may_be_of_the_angle(const State &state, std::size_t effect) const {
+/// Two events at one moment are one: the second is the shape of the first.
+bool Search::is_shape_of_event(const Model &model, std::size_t effect) const {
+  if (!has_moment(*model.effects[effect].effect))
+    return false;
+  const double period_s = median_step(data_.scene->capture->time_s);
+  for (std::size_t k = 0; k < effect; ++k)
+    if (has_moment(*model.effects[k].effect) &&
+        std::abs(model.effects[k].values[0] - model.effects[effect].values[0]) < 2.0 * period_s)
+      return true;
+  return false;
+}
+
+/// Whether what seems to come with the time may be of the angle, or of the reference: the shaft
+/// came round too seldom to tell. An event then has an edge, or leaves nothing but noise beside it;
+/// a reference that counts in coarse steps has lines at any order, as a tone has.
+bool Search::may_not_be_of_time(const State &state, std::size_t effect) const {
   const Model &model = state.fit.model;
   const Scene &scene = *data_.scene;
   const EffectInstance &e = model.effects[effect];
-  const bool few = scene.has_reference && scene.rounds(1.0) < criteria::kFewestTurnsToRepeat;
+  if (!scene.has_reference || scene.rounds(1.0) >= criteria::kFewestTurnsToRepeat)
+    return false;
   if (!has_moment(*e.effect)) {
     const auto line = e.effect->one_line(e.values);
-    return few && line && line->per == OneLine::Per::second &&
-           reference_step_rad(scene.screened) > 0.0;
+    return line && line->per == OneLine::Per::second && reference_step_rad(scene.screened) > 0.0;
   }
-  const double moment = e.values[0], period_s = median_step(scene.capture->time_s);
-  for (std::size_t k = 0; k < effect; ++k)
-    if (has_moment(*model.effects[k].effect) &&
-        std::abs(model.effects[k].values[0] - moment) < 2.0 * period_s)
-      return true;
-  if (!few || leaves_noise(state))
+  if (leaves_noise(state))
     return false;
   const ResidualColumns rest = residual_columns(quick_, model.without(effect));
   const std::size_t reach =
       reach_of_edges(quick_.size(), scene.rounds(1.0), model.periods_per_turn);
-  const auto edges = find_edges(rest.sin, rest.cos, quick_.omega, reach, criteria::kMostSteps);
+  const auto edges =
+      find_edges(quick_.time, rest.sin, rest.cos, quick_.omega, reach, criteria::kMostSteps);
   return std::none_of(edges.begin(), edges.end(), [&](const Edge &edge) {
-    return quick_.time[edge.at - reach] <= moment && moment <= quick_.time[edge.at + reach - 1];
+    return quick_.time[edge.at - reach] <= e.values[0] &&
+           e.values[0] <= quick_.time[edge.at + reach - 1];
   });
 }
 

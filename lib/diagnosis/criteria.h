@@ -338,6 +338,9 @@ inline constexpr double kNearlyAll = 0.01;
 inline constexpr double kNatsOfNoise = 12.0;
 /// Ratio of two variances from which on they are told apart by more than a detail: 5 % of the rms.
 inline constexpr double kMoreVariance = 1.1;
+/// The same beside what goes on slowly and has no name: what of that is fast is no more than the
+/// noise.
+inline constexpr double kTwiceAsMuch = 2.0;
 /// Mean step of an even clock over its median one, with a third of the turns held out.
 inline constexpr double kUneven = 1.2;
 /// Highest corner of flicker noise that is tried, over half the sample rate: the density there

@@ -330,20 +330,21 @@ bool stands_alone(const Residual &r, int order, const Line &line) {
 }
 
 /// Whether a cause that goes with the angle could make a line at an order of a steady rotation. To
-/// the highest named order it could. Beyond, what a channel makes of its own value comes at many
-/// multiples of the period, may be in that channel alone, and is the steps of its converter; an
-/// error of the angle turns the pair to and fro and so has a fellow. A line that has none of that
-/// is a tone, though it keeps step with the shaft as the mains do with a motor, or the shaft came
-/// round too seldom to tell.
+/// the highest named order it could. Beyond, what a channel makes of its own value comes at
+/// multiples of the period and may be in that channel alone, and an error of the angle, whatever
+/// its order, turns the pair to and fro and so has a fellow. A line of both channels beyond those,
+/// without one, is a tone, though it keeps step with the shaft as the mains do with a motor. `few`:
+/// the shaft came round too seldom for a line to be at an order by more than chance. What a channel
+/// makes of its own value there is the steps of its converter, of which there are many lines.
 bool may_be_of_the_angle(const Residual &r, const MostlyAt &at, int order, double frequency,
-                         const Line &line) {
+                         const Line &line, bool few) {
   constexpr double kInBoth = 0.2;
   const auto &a = line.amplitudes;
   const double sin = std::hypot(a[0], a[1]), cos = std::hypot(a[2], a[3]);
   const bool of_channel =
       order % r.periods == 0 || std::min(sin, cos) < kInBoth * std::max(sin, cos);
   return order <= highest_named(r) || has_fellow(r, at, frequency) ||
-         (of_channel && !stands_alone(r, order, line));
+         (of_channel && !(few && stands_alone(r, order, line)));
 }
 
 /// Whether the shaft came round too seldom to tell a tone from what repeats with the angle: at one
@@ -534,18 +535,20 @@ std::vector<StepGuess> find_steps(const Residual &r, StepIn where) {
   constexpr std::size_t kMostEdges = 2;
   std::vector<StepGuess> out;
   const double rounds = rounds_of(r);
+  const std::size_t reach = reach_of_edges(n, rounds, r.periods);
   if (rounds < criteria::kFewestUnits)
-    for (const Edge &edge :
-         find_edges(of_a, of_b, r.omega, reach_of_edges(n, rounds, r.periods), kMostEdges))
+    for (const Edge &edge : find_edges(r.time, of_a, of_b, r.omega, reach, kMostEdges))
       out.push_back({r.time[edge.at], edge.first, edge.second});
+  // Of rows so far apart that no edge shows, the means of two parts may still tell, where the
+  // motion is not the pair's own.
+  if (rounds < kFewestRounds && !(r.has_reference && reach == kFewestOfEdge))
+    return out;
   // Running sums of both components.
   std::vector<double> a(n + 1, 0.0), b(n + 1, 0.0);
   for (std::size_t i = 0; i < n; ++i) {
     a[i + 1] = a[i] + of_a[i];
     b[i + 1] = b[i] + of_b[i];
   }
-  if (rounds < kFewestRounds && !r.has_reference) // the motion is the pair's own
-    return out;
   const std::size_t sudden = rounds < kFewestRounds ? 0 : sudden_step(r, a, b);
   for (std::size_t at : {sudden, largest_split(a, b)}) {
     if (at == 0)
@@ -562,6 +565,7 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
   const Residual &r = rounded.view;
   const double span = r.time.empty() ? 0.0 : r.time.back() - r.time.front();
   const double round = comes_round(r);
+  const bool few = too_few_rounds_for_lines(r);
   std::optional<MostlyAt> most;
   std::vector<std::vector<double>> tones;
   const auto no_tone = [&](double frequency, const Line &line) {
@@ -574,18 +578,19 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
                           !told_from_order(r, of_round, frequency);
     const bool at_order = at_round || turns_with_shaft(r, of_speed, line);
     return (at_order &&
-            may_be_of_the_angle(r, *most, of_round > 0 ? of_round : of_speed, frequency, line)) ||
+            may_be_of_the_angle(r, *most, of_round > 0 ? of_round : of_speed, frequency, line,
+                                few)) ||
            slow_beside_pair(r, frequency) ||
            (rotates_with_pair(r, *most, frequency, line) &&
             (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));
   };
   double fastest = 0.0;
-  if (too_few_rounds_for_lines(r))
+  if (few)
     for (double w : r.omega)
       fastest = std::max(fastest, std::abs(w) / kTwoPi);
   const double above_hz = fastest * highest_named(r);
   auto lines = strongest_lines(r, above_hz, no_tone);
-  if (above_hz > 0.0)
+  if (few)
     keep_single_lines(r, lines);
   for (const auto &[frequency, line] : lines) {
     const auto a = line_at(residual, frequency).amplitudes;

@@ -321,8 +321,13 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   ResidualColumns held = plain, held_apart = apart;
   hold_against(plain, scene.index, scene.spiked_index, next_of, held_apart);
   hold_against_neighbours(scene.index, held);
-  if (const double local_v = std::max(loudest_of(held), scene.white_noise_v);
-      !supply && local_v > 0.0 && kDrowned * local_v < noise_v &&
+  // A reading that flickers by a count of the converter is no spike, nor are moves from one place
+  // to the next smooth.
+  constexpr double kCounts = 2.5; // that stand out
+  const double step_v = std::max(converter_step(scene.all.vsin), converter_step(scene.all.vcos));
+  if (const double local_v =
+          std::max({loudest_of(held), scene.white_noise_v, kCounts / kStandsOut * step_v});
+      !supply && !scene.stops && local_v > 0.0 && kDrowned * local_v < noise_v &&
       are_apart(held, held_apart, local_v)) {
     noise_v = local_v;
     plain = std::move(held);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <numeric>
+#include <optional>
 
 #include "base/angle.h"
 #include "base/robust.h"
@@ -137,19 +138,35 @@ double white_variance(const std::vector<double> &x) {
   return 0.5 * sum / static_cast<double>(keep) / kStays;
 }
 
-/// Whether what is fast in a column is white, whatever else is in it that is slow: third differences
-/// tell the same variance as first ones, of which a few are known to twice the error of a mean square.
-bool is_white_where_fast(const std::vector<double> &x) {
+/// White part of a column, where what is fast in it is white, whatever else is in it that is slow:
+/// first and third differences tell one variance, each to a few times the error of a mean square,
+/// and the smaller is that of the noise; third differences further apart than they reach have
+/// nothing in common, as those of a tone have. Nothing: it is not.
+std::optional<double> white_where_fast(const std::vector<double> &x) {
   constexpr double kSquares = 20.0; // of the weights 1, -3, 3, -1
-  constexpr double kErrors = 3.0;
+  constexpr double kErrors = 6.0, kStandsOut = 4.0, kInCommon = 0.1;
+  constexpr std::size_t kReach = 3, kFurthest = 12; // rows
   std::vector<double> third;
   for (std::size_t i = 3; i < x.size(); ++i)
     third.push_back(x[i] - 3.0 * x[i - 1] + 3.0 * x[i - 2] - x[i - 3]);
-  if (third.empty())
-    return false;
-  const double spread = robust_spread(third), first = white_variance(x);
-  const double slack = kErrors * 2.0 * std::sqrt(2.0 / static_cast<double>(x.size()));
-  return first < (criteria::kAlmostWhite + slack) * spread * spread / kSquares;
+  if (third.size() < 2 * kFurthest)
+    return std::nullopt;
+  const double n = static_cast<double>(third.size()), spread = robust_spread(third);
+  const double faster = spread * spread / kSquares, fast = white_variance(x);
+  const double most = criteria::kAlmostWhite + kErrors * std::sqrt(2.0 / n);
+  if (fast > most * faster || faster > most * fast)
+    return std::nullopt;
+  for (double &v : third)
+    v = std::clamp(v, -kStandsOut * spread, kStandsOut * spread);
+  const double power = mean_square(third) * n;
+  for (std::size_t lag = kReach + 1; lag <= kFurthest; ++lag) {
+    double common = 0.0;
+    for (std::size_t i = lag; i < third.size(); ++i)
+      common += third[i] * third[i - lag];
+    if (std::abs(common) > (kInCommon + kErrors / std::sqrt(n)) * power)
+      return std::nullopt;
+  }
+  return std::min(fast, faster);
 }
 
 /// What noise of the recorded temperature and supply there is in what is left, V^2 along the vector
@@ -466,15 +483,21 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
     }
   // White noise shows in both directions alike; what is more along one of them has been named.
   const bool one = differ || !parts.has_reference;
-  const double white2 = of_gain.v2 > 0.0       ? along - of_gain.v2
-                        : !parts.has_reference ? along
-                        : differ               ? std::min(along, across)
-                                               : 0.5 * (along + across);
+  double white2 = of_gain.v2 > 0.0       ? along - of_gain.v2
+                  : !parts.has_reference ? along
+                  : differ               ? std::min(along, across)
+                                         : 0.5 * (along + across);
   const Effect *excess = effect_of(Evidence::noise, "noise", Pattern::offset, Character::white);
   const bool by_across = along > across && !parts.own_angle;
   const std::vector<double> &judged = by_across ? shape.across : shape.along;
-  if (excess && stated_v > 0.0 && (white(judged) || is_white_where_fast(judged)) &&
-      white2 > criteria::kMoreVariance * stated_v * stated_v) {
+  // Beside what goes on slowly and has no name what is fast tells, and it alone.
+  const auto fast = white_where_fast(judged);
+  const bool plain = white(judged);
+  const bool is_white = fast && (plain || flicker.corner_hz <= 0.0);
+  const double most = plain ? criteria::kMoreVariance : criteria::kTwiceAsMuch;
+  if (!plain && fast)
+    white2 = std::min(white2, *fast);
+  if (excess && stated_v > 0.0 && is_white && white2 > most * stated_v * stated_v) {
     const double more = std::sqrt(white2 - stated_v * stated_v);
     const double ratio = white2 / (stated_v * stated_v);
     // What differences tell of a variance is worth fewer samples: 2 over the square of its error.

@@ -174,7 +174,8 @@ bool Search::forward(State &now) {
     if (refuted(state, given_, last + 1) ||
         !(all_stand_alone(state.fit.model) || leaves_noise(state)))
       continue;
-    if (the_records_could(state, last) || may_be_of_the_angle(state, last))
+    if (the_records_could(state, last) || is_shape_of_event(state.fit.model, last) ||
+        may_not_be_of_time(state, last))
       continue;
     const double worth = against_unnamed(state, now, last) - price(c.start.effects.back());
     const bool clear = worth > criteria::kFarMoreNats && !c.effect->info().signature;
@@ -220,7 +221,8 @@ bool Search::backward(State &now) {
     const auto at = static_cast<Eigen::Index>(k);
     const double own_v = std::sqrt(std::max(0.0, own(at, at)));
     const bool possible = in_range(now.fit.model.effects[k]) && !refuted(now, k) &&
-                          !the_records_could(now, k) && !may_be_of_the_angle(now, k) &&
+                          !the_records_could(now, k) && !is_shape_of_event(now.fit.model, k) &&
+                          !may_not_be_of_time(now, k) &&
                           (stands_alone(own, k) || leaves_noise(now));
     const bool worth_it =
         possible && worth_keeping(worth, effect) &&

@@ -99,7 +99,8 @@ private:
   double moved_off_angle_v(const Model &model, std::size_t effect) const;
   bool stands_out(const State &now, std::size_t effect, double size_v) const;
   bool leaves_noise(const State &now) const;
-  bool may_be_of_the_angle(const State &state, std::size_t effect) const;
+  bool is_shape_of_event(const Model &model, std::size_t effect) const;
+  bool may_not_be_of_time(const State &state, std::size_t effect) const;
   void measure_discrepancy();
   Eigen::MatrixXd own_moves(const Model &model) const;
   bool stands_alone(const Eigen::MatrixXd &own, std::size_t effect) const;

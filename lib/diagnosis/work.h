@@ -269,7 +269,6 @@ private:
   static bool is_white(const EffectInfo &info);
   static bool is_coloured_noise(const EffectInfo &info);
   static bool is_white_noise(const EffectInstance &e) { return is_white(e.effect->info()); }
-  static bool finds_white_noise(const Finding &f) { return is_white(f.effect->info()); }
   /// V rms of a channel above the expected noise, where a white noise has a name.
   double white_v() const;
 

@@ -115,6 +115,22 @@ double Work::motion_v() const {
 }
 
 void Work::drop_what_is_random() {
+  const double accounted = std::hypot(random_v(), white_v());
+  const bool noise_only = white_v() > 0.0;
+  const auto too_much = [&](const Structure &s) {
+    return (s.along == "angle" || s.along == "frequency") &&
+           s.rms_v > criteria::kOfRandom * accounted;
+  };
+  // Noise of both channels is told by what is fast in it, whatever else is left.
+  const auto by_what_is_left = [](const auto &named) {
+    const EffectInfo &info = named.effect->info();
+    return is_white(info) && info.pattern != Pattern::offset;
+  };
+  if (noise_only && std::any_of(out_.structure.begin(), out_.structure.end(), too_much)) {
+    std::erase_if(recorded_, by_what_is_left);
+    std::erase_if(random_, by_what_is_left);
+    std::erase_if(seen_random_, by_what_is_left);
+  }
   drop_processes_that_leave_more();
   std::erase_if(out_.structure, [&](const Structure &s) {
     const bool in_time = s.along == axis_name(Axis::time) || s.along == axis_name(Axis::frequency);

@@ -63,7 +63,8 @@ public:
     return std::vector<double>(to_coordinates(v).size(), 1e-3);
   }
   /// A channel that stops at a level never passes it by more than noise. Isolated spikes may. While
-  /// the model leaves more than noise the fit may lay the level below the true one by as much.
+  /// the model leaves more than noise against a reference, the fit may lay the level below the true
+  /// one by as much; without one a motion read off the pair bends along.
   bool refuted(Values v, const Residual &r) const override {
     constexpr double kNoise = 4.5;    // standard deviations: by chance 3 in a million samples
     constexpr double kSpikes = 0.002; // share of the samples, as much as impulse noise has
@@ -72,7 +73,7 @@ public:
       left_v2 += 0.5 * (r.sin_v[i] * r.sin_v[i] + r.cos_v[i] * r.cos_v[i]);
     left_v2 /= static_cast<double>(std::max<std::size_t>(1, r.time.size()));
     const double beyond_noise_v = std::sqrt(std::max(0.0, left_v2 - r.noise_v * r.noise_v));
-    const double reach = kNoise * r.noise_v + beyond_noise_v;
+    const double reach = kNoise * r.noise_v + (r.has_reference ? beyond_noise_v : 0.0);
     std::size_t beyond = 0;
     for (double channel : {0.0, 1.0}) {
       if (!std::isnan(v[2]) && v[2] != channel)
