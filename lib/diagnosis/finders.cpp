@@ -561,11 +561,16 @@ std::vector<StepGuess> find_steps(const Residual &r, StepIn where) {
 }
 
 std::vector<std::vector<double>> find_tones(const Residual &residual) {
-  const Rounded rounded(residual);
+  Rounded rounded(residual);
   const Residual &r = rounded.view;
   const double span = r.time.empty() ? 0.0 : r.time.back() - r.time.front();
   const double round = comes_round(r);
   const bool few = too_few_rounds_for_lines(r);
+  // Of a long record in few rounds, tones of up to so many half periods in all: there is one line
+  // to look for, and many spectra to do it.
+  constexpr double kMostHalfPeriods = 131072.0;
+  if (few)
+    rounded.view.sample_period_s = std::max(r.sample_period_s, span / kMostHalfPeriods);
   std::optional<MostlyAt> most;
   std::vector<std::vector<double>> tones;
   const auto no_tone = [&](double frequency, const Line &line) {
