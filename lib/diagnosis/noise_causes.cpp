@@ -24,8 +24,7 @@ constexpr double kStandsOut = 5.5;       ///< standard deviations
 /// A choice: one to three samples may be the edges of something else. Below sixteen nothing tells
 /// whether they come at one place in the turn (come_with_the_angle).
 constexpr std::size_t kFewestSpikes = 4;
-/// What has no name is so many times what neighbours differ by: nothing that is white is more than
-/// nine tenths of it (the middle of four has a variance of 0.3).
+/// What has no name is so many times what neighbours leave: white noise is 0.9 times that.
 constexpr double kDrowned = 2.0;
 
 using Pair = std::array<double, 2>; ///< VSIN, VCOS
@@ -318,21 +317,22 @@ Spikes spikes_against(const Scene &scene, const Model &model,
         std::lower_bound(scene.index.begin(), scene.index.end(), row) - scene.index.begin()));
   // Where what has no name drowns a spike that its neighbours show, those are what it is held
   // against.
-  ResidualColumns held = plain, held_apart = apart;
-  hold_against(plain, scene.index, scene.spiked_index, next_of, held_apart);
-  hold_against_neighbours(scene.index, held);
   // A reading that flickers by a count of the converter is no spike, nor are moves from one place
   // to the next smooth.
   constexpr double kCounts = 2.5; // that stand out
   const double step_v = std::max(converter_step(scene.all.vsin), converter_step(scene.all.vcos));
-  if (const double local_v =
-          std::max({loudest_of(held), scene.white_noise_v, kCounts / kStandsOut * step_v});
-      !supply && !scene.stops && local_v > 0.0 && kDrowned * local_v < noise_v &&
-      are_apart(held, held_apart, local_v)) {
-    noise_v = local_v;
-    plain = std::move(held);
-    apart = std::move(held_apart);
-    weighed = {}; // the motion that is read off the pair is smooth as well
+  const double least_v = std::max(scene.white_noise_v, kCounts / kStandsOut * step_v);
+  if (!supply && !scene.stops && kDrowned * least_v < noise_v) {
+    ResidualColumns held = plain, held_apart = apart;
+    hold_against(plain, scene.index, scene.spiked_index, next_of, held_apart);
+    hold_against_neighbours(scene.index, held);
+    const double local_v = std::max(loudest_of(held), least_v);
+    if (local_v > 0.0 && kDrowned * local_v < noise_v && are_apart(held, held_apart, local_v)) {
+      noise_v = local_v;
+      plain = std::move(held);
+      apart = std::move(held_apart);
+      weighed = {}; // the motion that is read off the pair is smooth as well
+    }
   }
   const ResidualColumns &white = weighed.sin.empty() ? plain : weighed;
   const ResidualColumns &here = supply ? white : plain;

@@ -491,13 +491,13 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   const bool by_across = along > across && !parts.own_angle;
   const std::vector<double> &judged = by_across ? shape.across : shape.along;
   // Beside what goes on slowly and has no name what is fast tells, and it alone.
-  const auto fast = white_where_fast(judged);
+  const auto fast = stated_v > 0.0 ? white_where_fast(judged) : std::nullopt;
   const bool plain = white(judged);
   const bool is_white = fast && (plain || flicker.corner_hz <= 0.0);
   const double most = plain ? criteria::kMoreVariance : criteria::kTwiceAsMuch;
   if (!plain && fast)
     white2 = std::min(white2, *fast);
-  if (excess && stated_v > 0.0 && is_white && white2 > most * stated_v * stated_v) {
+  if (excess && is_white && white2 > most * stated_v * stated_v) {
     const double more = std::sqrt(white2 - stated_v * stated_v);
     const double ratio = white2 / (stated_v * stated_v);
     // What differences tell of a variance is worth fewer samples: 2 over the square of its error.

@@ -146,9 +146,9 @@ void ForwardModel::add_remainder(Wave &w) const {
 void ForwardModel::motion(Wave &w, double *shaft, float *speed) const {
   std::copy(w.at.alpha, w.at.alpha + w.n, shaft);
   if (!reference_.empty()) {
-    // The reference's own ripple is in its speed as well, as far as that is no mean over it: what
-    // the shaft does while the reference moves by as much. A delay, which is undone last, is one of
-    // the shaft's own speed.
+    // The reference's own ripple is in its speed as well. That speed is a mean over its reach: it
+    // is taken for the shaft's by what the shaft does while the reference moves by as much. A
+    // delay, which is undone last, is one of the shaft's own speed.
     constexpr double kLittle = 1e-4;
     const float *const of_reference = w.at.omega;
     double reach[kWaveBlock], behind[kWaveBlock], ahead[kWaveBlock];

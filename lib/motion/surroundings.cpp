@@ -185,6 +185,14 @@ double squares(const std::vector<double> &x) {
   return std::inner_product(x.begin(), x.end(), x.begin(), 0.0);
 }
 
+double squares_about_mean(const std::vector<double> &x) {
+  const double mean = mean_of(x);
+  double sum = 0.0;
+  for (const double v : x)
+    sum += std::pow(v - mean, 2);
+  return sum;
+}
+
 /// A slope on a column, with an error from the sums over parts of the record: what is left over
 /// need not be white.
 struct Slope {
@@ -227,11 +235,8 @@ Followed follow(const Capture &capture, const std::vector<double> &vtemp_v, std:
   constexpr double kEnough = 0.01;
   const std::size_t pieces = pieces_for(capture, vtemp_v, few, most);
   const std::vector<double> faster = faster_than(capture, capture.vcos_v, pieces);
-  const double mean_cos = mean_of(capture.vcos_v), fast = squares(faster);
-  double all = 0.0;
-  for (const double v : capture.vcos_v)
-    all += std::pow(v - mean_cos, 2);
-  const bool measured = fast > kEnough * all;
+  const double fast = squares(faster);
+  const bool measured = fast > kEnough * squares_about_mean(capture.vcos_v);
   const Beside fit(capture, vtemp_v, pieces, {}, measured);
   Followed out{fit.spline, {}, {}};
   for (std::size_t i = 0; i < capture.size(); ++i)
@@ -251,10 +256,7 @@ Followed follow(const Capture &capture, const std::vector<double> &vtemp_v, std:
 Leak steady_leak(const Capture &capture, const std::vector<double> &vtemp_v, std::size_t few,
                  std::size_t most) {
   constexpr double kEnough = 0.1;
-  const double mean_cos = mean_of(capture.vcos_v);
-  double all = 0.0;
-  for (const double v : capture.vcos_v)
-    all += std::pow(v - mean_cos, 2);
+  const double all = squares_about_mean(capture.vcos_v);
   std::vector<double> slopes;
   double error = 0.0;
   for (std::size_t pieces = few; pieces <= most; pieces *= 2) {
