@@ -85,6 +85,9 @@ inline constexpr std::size_t kArcs = 240;
 /// A stop: neighbours further apart than this many times the noise at rest, and than this, rad,
 /// have moved. Eight standard deviations come by chance once in 1e15.
 inline constexpr double kStopMovesNoise = 8.0, kStopMovesRad = 0.1 * kRadPerDeg;
+/// Play of the way that an angle goes, in standard deviations of its noise: one sample in 16,000
+/// lies outside.
+inline constexpr double kPlayNoise = 4.0;
 /// Records of one sensor from which on every third judges as a whole: two conditions of six. Of
 /// fewer each may be the only one at its temperature or its speed, which the others must not have
 /// to guess.

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/angle.h"
+#include "diagnosis/conditions/travel.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/spectrum.h"
@@ -40,11 +41,8 @@ std::vector<Part> parts_of(const Scene &scene, const Observations &data, const R
 
 /// Turns that all rows stand for, each as far as from one to the next.
 double turns_of(const Observations &data) {
-  double travel = 0.0;
-  for (std::size_t i = 1; i < data.size(); ++i)
-    travel += std::abs(data.alpha[i] - data.alpha[i - 1]);
   const double rows = static_cast<double>(data.size());
-  return travel / kTwoPi * rows / (rows - 1.0);
+  return travel_of(data.alpha) / kTwoPi * rows / (rows - 1.0);
 }
 
 } // namespace

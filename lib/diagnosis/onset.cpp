@@ -13,6 +13,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/moments.h"
 
@@ -23,6 +24,13 @@ namespace {
 /// The effect as it would be at one sample, had it always been there, and what is seen there.
 struct Sight {
   double effect[2], seen[2], speed;
+};
+
+/// What is seen on both sides of the moment, in the order of time.
+struct Beside {
+  std::vector<Sight> before, after;
+  bool enough() const { return before.size() >= kFewest && after.size() >= kFewest; }
+  static constexpr std::size_t kFewest = 8; ///< on a side
 };
 
 /// Part of the record that is looked at on either side.
@@ -49,27 +57,34 @@ Side look_at(const std::vector<Sight> &sights) {
   return side;
 }
 
-/// Sum of squares that is left where the effect's size may be a constant and, on top of it, a step
-/// (`terms` of 2) or a second-order polynomial of the speed (3).
-double left_over(const std::vector<Sight> &before, const std::vector<Sight> &after, double fastest,
-                 int terms) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Identity() * 1e-12;
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+/// Sum of squares that is left of what is seen by a combination of `N` functions,
+/// `functions(sample, place, channel)`.
+template <int N, class Functions>
+double left_over(const std::vector<Sight> &sights, Functions functions) {
+  using Vector = Eigen::Matrix<double, N, 1>;
+  Eigen::Matrix<double, N, N> normal = Eigen::Matrix<double, N, N>::Identity() * 1e-12;
+  Vector right = Vector::Zero();
   double sum = 0.0;
-  for (const auto *side : {&before, &after})
-    for (const Sight &s : *side) {
-      const double speed = s.speed / fastest;
-      const Eigen::Vector3d basis = terms == 2
-                                        ? Eigen::Vector3d(1.0, side == &after ? 1.0 : 0.0, 0.0)
-                                        : Eigen::Vector3d(1.0, speed, speed * speed);
-      for (int c = 0; c < 2; ++c) {
-        const Eigen::Vector3d row = basis * s.effect[c];
-        normal += row * row.transpose();
-        right += row * s.seen[c];
-        sum += s.seen[c] * s.seen[c];
-      }
+  for (std::size_t k = 0; k < sights.size(); ++k)
+    for (int c = 0; c < 2; ++c) {
+      const Vector row = functions(sights[k], k, c);
+      normal += row * row.transpose();
+      right += row * sights[k].seen[c];
+      sum += sights[k].seen[c] * sights[k].seen[c];
     }
   return sum - right.dot(normal.ldlt().solve(right));
+}
+
+/// The same of an effect that comes in with the place, as `part(place)` of it has; what else the
+/// channels do meanwhile is a line of each.
+template <class Part> double left_by(const std::vector<Sight> &sights, Part part) {
+  const double middle = 0.5 * static_cast<double>(sights.size());
+  return left_over<6>(sights, [&](const Sight &s, std::size_t k, int c) {
+    const double line = (static_cast<double>(k) - middle) / middle;
+    Eigen::Matrix<double, 6, 1> row;
+    row << 1 - c, (1 - c) * line, c, c * line, s.effect[c], s.effect[c] * part(k);
+    return row;
+  });
 }
 
 /// Without the samples on the way from one speed to another: the motion is smooth, and where the
@@ -98,20 +113,51 @@ void keep_settled(std::vector<Sight> &before, std::vector<Sight> &after) {
   std::erase_if(after, on_the_way);
 }
 
+std::vector<Sight> both(const Beside &of) {
+  std::vector<Sight> out = of.before;
+  out.insert(out.end(), of.after.begin(), of.after.end());
+  return out;
+}
+
 /// Whether an offset that follows the speed would be seen just so.
-bool goes_with_the_speed(std::vector<Sight> before, std::vector<Sight> after) {
-  keep_settled(before, after);
+bool goes_with_the_speed(Beside of) {
+  keep_settled(of.before, of.after);
   constexpr double kNoWorse = 10.0; // nats, of the noise that the step leaves
+  const std::vector<Sight> sights = both(of);
   double fastest = 0.0;
-  for (const auto *side : {&before, &after})
-    for (const Sight &s : *side)
-      fastest = std::max(fastest, std::abs(s.speed));
+  for (const Sight &s : sights)
+    fastest = std::max(fastest, std::abs(s.speed));
   if (!(fastest > 0.0))
     return false;
-  const double step = left_over(before, after, fastest, 2);
-  const double speed = left_over(before, after, fastest, 3);
-  const double n = static_cast<double>(before.size() + after.size());
+  const double step = left_over<2>(sights, [&](const Sight &s, std::size_t k, int c) {
+    return Eigen::Vector2d(s.effect[c], k >= of.before.size() ? s.effect[c] : 0.0);
+  });
+  const double speed = left_over<3>(sights, [&](const Sight &s, std::size_t, int c) {
+    const double part = s.speed / fastest;
+    return Eigen::Vector3d(s.effect[c] * Eigen::Vector3d(1.0, part, part * part));
+  });
+  const double n = static_cast<double>(sights.size());
   return speed < step * (1.0 + 2.0 * kNoWorse / n);
+}
+
+/// By how much a step at the moment is likelier than what comes in evenly over an eighth of the
+/// samples or more, nats.
+double likelier_than_slopes(const Beside &of) {
+  constexpr double kWays[] = {0.125, 0.25, 0.5, 1.0};
+  constexpr double kPlaces[] = {-0.4, -0.2, 0.0, 0.2, 0.4}; // of the way, from the moment
+  const std::vector<Sight> sights = both(of);
+  const double n = static_cast<double>(sights.size());
+  const auto from = [&](std::size_t k) {
+    return static_cast<double>(k) - static_cast<double>(of.before.size());
+  };
+  const double step = left_by(sights, [&](std::size_t k) { return from(k) >= 0.0 ? 1.0 : 0.0; });
+  double least = std::numeric_limits<double>::infinity();
+  for (double way : kWays)
+    for (double place : kPlaces)
+      least = std::min(least, left_by(sights, [&](std::size_t k) {
+                         return std::clamp(from(k) / (way * n) - place + 0.5, 0.0, 1.0);
+                       }));
+  return 0.5 * n * std::log(least / step);
 }
 
 /// What the samples of a part of the record, in time order, say of an effect that begins.
@@ -159,13 +205,14 @@ private:
 
 } // namespace
 
-bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) {
-  constexpr std::size_t kFewest = 8, kEnough = 4000;
-  constexpr double kSure = 0.15, kWhole = 0.5;
+namespace {
+
+/// What is seen in the turns on both sides of the moment.
+Beside turns_beside(const Scene &scene, const Model &model, std::size_t effect) {
   const double moment = model.effects[effect].values[0];
   const Beginning near(scene, model, effect, scene.all.select(samples_near(scene, moment, kReach)));
   if (near.middle == near.size())
-    return true;
+    return {};
   // Where rough motion was left out, the turns are those beside it: a few readings between the
   // moment and such a stretch are not a turn.
   const auto beside = [&](std::size_t first, bool on) {
@@ -173,7 +220,7 @@ bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) 
     std::size_t of = first;
     for (std::size_t k = first; k < near.size(); on ? ++k : --k) { // below 0: beyond the size
       if (std::abs(near.alpha(k) - near.alpha(of)) > kTwoPi) {
-        if (out.size() >= kFewest)
+        if (out.size() >= Beside::kFewest)
           break;
         of = k;
       }
@@ -181,25 +228,50 @@ bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) 
     }
     return out;
   };
-  std::vector<Sight> before = beside(near.middle - 1, false), after = beside(near.middle, true);
-  if (before.size() < kFewest || after.size() < kFewest)
+  Beside out{beside(near.middle - 1, false), beside(near.middle, true)};
+  std::reverse(out.before.begin(), out.before.end());
+  return out;
+}
+
+/// The same of the whole record.
+Beside whole_record(const Scene &scene, const Model &model, std::size_t effect) {
+  constexpr std::size_t kEnough = 4000;
+  std::vector<std::uint32_t> all(scene.all.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const Beginning whole(scene, model, effect, scene.all.select(thin(all, kEnough, 100)));
+  Beside out;
+  for (std::size_t k = 0; k < whole.size(); ++k)
+    (k < whole.middle ? out.before : out.after).push_back(whole.at(k));
+  return out;
+}
+
+} // namespace
+
+bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) {
+  constexpr double kSure = 0.15, kWhole = 0.5;
+  Beside near = turns_beside(scene, model, effect);
+  if (!near.enough())
     return true;
-  const Side first = look_at(before), second = look_at(after);
+  const Side first = look_at(near.before), second = look_at(near.after);
   if (first.variance + second.variance > kSure * kSure)
     return true;
   if (!(second.part - first.part > kWhole))
     return false;
-  if (!goes_with_the_speed(std::move(before), std::move(after)))
+  if (!goes_with_the_speed(std::move(near)))
     return true;
   // Where the speed changes at that moment the turns beside it do not tell the two apart. In the
   // whole record an offset that follows the speed comes again with each speed.
-  std::vector<std::uint32_t> all(scene.all.size());
-  std::iota(all.begin(), all.end(), 0u);
-  const Beginning whole(scene, model, effect, scene.all.select(thin(all, kEnough, 100)));
-  std::vector<Sight> sooner, later;
-  for (std::size_t k = 0; k < whole.size(); ++k)
-    (k < whole.middle ? sooner : later).push_back(whole.at(k));
-  return !goes_with_the_speed(std::move(sooner), std::move(later));
+  return !goes_with_the_speed(whole_record(scene, model, effect));
+}
+
+bool comes_in_slowly(const Scene &scene, const Model &model, std::size_t effect) {
+  const Beside near = turns_beside(scene, model, effect);
+  if (!near.enough())
+    return false;
+  const double here = likelier_than_slopes(near);
+  if (std::abs(here) > criteria::kRivalNats)
+    return here < 0.0;
+  return likelier_than_slopes(whole_record(scene, model, effect)) < -criteria::kRivalNats;
 }
 
 } // namespace ada

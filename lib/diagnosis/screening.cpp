@@ -18,6 +18,7 @@
 #include "base/robust.h"
 #include "calibration/ellipse_fit.h"
 #include "diagnosis/conditions/over_supply.h"
+#include "diagnosis/conditions/travel.h"
 #include "diagnosis/criteria.h"
 #include "motion/followed_gaps.h"
 
@@ -380,10 +381,7 @@ double share_of_circle(std::span<const double> angle, int periods) {
 }
 
 double Screened::turns() const {
-  double travel = 0.0;
-  for (std::size_t i = 1; i < angle.size(); ++i)
-    travel += std::abs(angle[i] - angle[i - 1]);
-  return travel / kTwoPi;
+  return travel_of(angle) / kTwoPi;
 }
 
 namespace {

@@ -137,6 +137,9 @@ private:
   /// stays in one of them: what moves the angle by less than a step may be that.
   bool drop_slips_within_a_step();
 
+  /// What comes in evenly over a part of a turn is no step, however well one fits.
+  bool drop_what_comes_in_slowly();
+
   /// Without a reference what lies across the vector is the motion's as well. What changes the
   /// figure that the pair draws is seen in the length of held-out data.
   bool drop_what_the_length_denies();

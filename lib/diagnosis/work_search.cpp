@@ -21,6 +21,7 @@
 #include "diagnosis/first_model.h"
 #include "diagnosis/moments.h"
 #include "diagnosis/naming.h"
+#include "diagnosis/onset.h"
 #include "diagnosis/unseen_supply.h"
 #include "motion/surroundings.h"
 
@@ -197,6 +198,18 @@ bool Work::drop_slips_within_a_step() {
         found_.forget(place);
         return true;
       }
+  }
+  return false;
+}
+
+bool Work::drop_what_comes_in_slowly() {
+  for (std::size_t place = 0; place < found_.order.size(); ++place) {
+    const std::size_t at = found_.order[place];
+    if (!has_moment(*found_.fit.model.effects[at].effect) ||
+        !comes_in_slowly(scene_, found_.fit.model, at))
+      continue;
+    found_.forget(place);
+    return true;
   }
   return false;
 }

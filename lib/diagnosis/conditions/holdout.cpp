@@ -7,18 +7,13 @@
 #include <cmath>
 
 #include "base/angle.h"
+#include "base/robust.h"
+#include "diagnosis/conditions/travel.h"
 #include "diagnosis/criteria.h"
 
 namespace ada {
 
 namespace {
-
-double travel_of(std::span<const double> alpha) {
-  double travel = 0.0;
-  for (std::size_t i = 1; i < alpha.size(); ++i)
-    travel += std::abs(alpha[i] - alpha[i - 1]);
-  return travel;
-}
 
 /// Of all readings, those of stops in which several readings differ by no more than at rest: a
 /// shaft that only turns slowly now and then creeps on in what looks like one stop.
@@ -70,10 +65,9 @@ Holdout split(std::span<const double> alpha, int periods, const Stops &stops) {
                                                                 : HoldoutUnit::arcs;
   const double unit_rad = out.unit == HoldoutUnit::turns ? kTwoPi : kTwoPi / periods;
   const std::size_t run = std::max<std::size_t>(1, alpha.size() / criteria::kArcs);
-  double travel = 0.0;
+  Travel way(noise_between(alpha));
   for (std::size_t i = 0; i < alpha.size(); ++i) {
-    if (i > 0)
-      travel += std::abs(alpha[i] - alpha[i - 1]);
+    const double travel = way.to(alpha[i]);
     const std::size_t number = out.unit == HoldoutUnit::stops  ? stops.of[i]
                                : out.unit == HoldoutUnit::arcs ? i / run
                                                                : static_cast<std::size_t>(travel / unit_rad);
