@@ -26,6 +26,7 @@ constexpr double kPeakSector = 0.2;     ///< sine of half the sector about a pea
 constexpr double kClippedSlope = 0.5;
 constexpr double kFlat = 0.25;         ///< of the variance that an arch has
 constexpr double kMaxSlopeError = 0.1; ///< a slope less certain than this is no evidence
+constexpr double kOfStep = 0.5; ///< of the converter's step: any peak that has less rms looks flat
 constexpr double kMinSectorSamples = 20;
 
 std::string number(const char *format, double x) {
@@ -66,8 +67,8 @@ public:
         accumulate(expected, measured);
   }
 
-  bool clipped(double noise_v) const {
-    if (n_ < kMinSectorSamples || !(xx_ > 0))
+  bool clipped(double noise_v, double step_v) const {
+    if (n_ < kMinSectorSamples || !(xx_ > kOfStep * step_v * kOfStep * step_v * n_))
       return false;
     // A distorted peak may have two humps, which have no slope either, but a spread of their own.
     if (yy_ > kFlat * xx_ + 1.5 * noise_v * noise_v * n_)
@@ -108,9 +109,10 @@ std::string clipped_channel(const char *name, const std::vector<double> &v, doub
     else
       bottom.add(amplitude * (tilt - arch), v[i]);
   }
+  const double step_v = converter_step(v);
   for (PeakSlope *side : {&top, &bottom}) {
     side->draw(amplitude);
-    if (side->clipped(noise_v))
+    if (side->clipped(noise_v, step_v))
       return std::string(name) + " is clipped at about " + number("%.3f", side->level()) +
              " V: its peaks are cut off, so amplitude and offset cannot be measured";
   }

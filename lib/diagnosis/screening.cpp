@@ -172,9 +172,9 @@ Differences differences(const Screened &look, const std::vector<std::size_t> &or
   return out;
 }
 
-/// The samples in the order of their places in the turn, where the shaft turns so far from one sample
-/// to the next that the pair's differences are signal; empty elsewhere. The place is that of the
-/// reference, or else the pair's own.
+/// The samples in the order of their places in the turn, where the shaft turns so far from one
+/// sample to the next, each fourth time at least, that the pair's differences are signal; empty
+/// elsewhere. The place is that of the reference, or else the pair's own.
 std::vector<std::size_t> by_place_in_turn(const Screened &look) {
   constexpr double kFar = 0.35; // rad, electrical: beyond it the differences hold much of a turn
   const Capture &c = look.capture;
@@ -187,7 +187,7 @@ std::vector<std::size_t> by_place_in_turn(const Screened &look) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < c.size(); ++i)
     steps.push_back(std::abs(wrap_centred(place_rad[i] - place_rad[i - 1], round)));
-  if (quantile(std::move(steps), 0.5) < kFar)
+  if (quantile(std::move(steps), 0.75) < kFar)
     return {};
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < c.size(); ++i) {
