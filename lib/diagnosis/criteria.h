@@ -98,6 +98,24 @@ inline constexpr double kFewestReadings = 3.0;
 /// Of all readings, those at rest. The others were taken on the way to a stop.
 inline constexpr double kLeastAtRest = 0.75;
 
+// --- peaks that are cut off
+
+/// Noise of a level on either side, in standard deviations: of 10,000 readings one is beyond.
+inline constexpr double kLevelNoise = 4.0;
+/// So many times as many readings on a level as in the next band below: 2.4 at the top of a
+/// parabola, 5.3 of a fourth power, which is a peak as flat as a smooth one can be.
+inline constexpr double kOnLevel = 8.0;
+/// Readings beyond a level, of all: spikes, as many as impulse noise has.
+inline constexpr double kSpikesAboveLevel = 0.002;
+/// Readings on a level, peaks that reach it, and readings in each.
+inline constexpr double kFewestOnLevel = 12.0;
+inline constexpr std::size_t kFewestCutPeaks = 2, kFewestInPeak = 3;
+/// While a channel is on a level the other one goes on, by as much as would have it fall by so many
+/// bands on an ellipse: of a peak that is not cut it is one, however long the shaft stays there.
+/// The readings before and after are lower by less than this part of half its range: it does not
+/// jump. Of three readings the other channel's larger step is half of its way, or somewhat more.
+inline constexpr double kCutBands = 3.0, kJoins = 0.5, kLargestStep = 0.7;
+
 // --- the anonymous model
 
 /// Samples that it is fitted to and judged on: enough for 0.5 % of the noise in each of 100

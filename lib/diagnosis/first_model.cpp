@@ -40,7 +40,7 @@ Model first_model(const Scene &scene, const Model *given) {
     turned = turned || e.effect->info().evidence == Evidence::screening;
   // Wiring is settled before any fit; a screened effect without action on the pair does nothing.
   for (const ScreenFinding &f : scene.screened)
-    if (f.effect->info().correctable && !turned)
+    if (f.effect->info().correctable && f.effect->info().evidence == Evidence::screening && !turned)
       model.effects.insert(model.effects.begin(), {f.effect, f.values, f.std_errors});
 
   const auto span_of = [](const std::vector<float> &v) {

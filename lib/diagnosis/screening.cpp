@@ -173,8 +173,8 @@ Differences differences(const Screened &look, const std::vector<std::size_t> &or
 }
 
 /// The samples in the order of their places in the turn, where the shaft turns so far from one
-/// sample to the next, each fourth time at least, that the pair's differences are signal; empty
-/// elsewhere. The place is that of the reference, or else the pair's own.
+/// sample to the next that the pair's differences are signal; empty elsewhere. The place is that of
+/// the reference, or else the pair's own.
 std::vector<std::size_t> by_place_in_turn(const Screened &look) {
   constexpr double kFar = 0.35; // rad, electrical: beyond it the differences hold much of a turn
   const Capture &c = look.capture;
@@ -187,7 +187,7 @@ std::vector<std::size_t> by_place_in_turn(const Screened &look) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < c.size(); ++i)
     steps.push_back(std::abs(wrap_centred(place_rad[i] - place_rad[i - 1], round)));
-  if (quantile(std::move(steps), 0.75) < kFar)
+  if (quantile(std::move(steps), 0.5) < kFar)
     return {};
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < c.size(); ++i) {
@@ -563,6 +563,8 @@ Screened first_look(const Capture &capture, std::vector<char> usable) {
   Screened look{.capture = capture, .usable = std::move(usable)};
   // A dead channel would spoil every other look, spikes those for jumps: they go first.
   the_effect_that_spoils(Spoils::channel).screen(look);
+  if (!capture.has_reference()) // which says where in its peak a reading is
+    the_effect_that_spoils(Spoils::peaks).screen(look);
   rough_angle(look);
   look.white_noise_v = white_noise(look);
   if (look.turns() < criteria::kFewestUnits ||
@@ -579,7 +581,8 @@ Screened first_look(const Capture &capture, std::vector<char> usable) {
 
 void look_at_record(Screened &look) {
   for (const Effect *effect : look.smooth ? catalogue() : std::span<const Effect *const>())
-    if (effect->info().spoils != Spoils::channel && effect->info().spoils != Spoils::readings)
+    if (const Spoils of = effect->info().spoils;
+        of != Spoils::channel && of != Spoils::peaks && of != Spoils::readings)
       effect->screen(look);
   look.white_noise_v = white_noise(look);
 }

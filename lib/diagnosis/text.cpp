@@ -62,9 +62,11 @@ std::string to_text(const Diagnosis &d) {
     if (before.residual_rms_v != after.residual_rms_v)
       out += fmt::format("   held-out residual {:.4g} -> {:.4g} mV rms",
                          1e3 * before.residual_rms_v, 1e3 * after.residual_rms_v);
-    else
+    else if (before.log_likelihood != after.log_likelihood)
       out += fmt::format("   held-out log likelihood {:.4f} -> {:.4f} a sample",
                          before.log_likelihood, after.log_likelihood);
+    else
+      out += "   seen in the readings themselves, before any fit";
     if (before.angle_error_rms_deg && after.angle_error_rms_deg)
       out += fmt::format(", angle error {:.4f} -> {:.4f} deg rms", *before.angle_error_rms_deg,
                          *after.angle_error_rms_deg);

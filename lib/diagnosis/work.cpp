@@ -285,7 +285,7 @@ std::vector<Finding> Work::screened_findings() {
     out.push_back(
         {f.effect, f.values, f.std_errors, f.alternatives, {}, {}, first_, first_, correctable});
     put_in_words(out.back());
-    if (!correctable)
+    if (!correctable || f.effect->info().evidence != Evidence::screening)
       recorded_.push_back({f.effect, f.values, f.std_errors});
   }
   return out;

@@ -82,7 +82,7 @@ enum class Character {
 };
 
 /// What of the record it makes useless.
-enum class Spoils { nothing, readings, rows, channel };
+enum class Spoils { nothing, readings, rows, peaks, channel };
 
 struct EffectInfo {
   std::string_view id;    ///< identifier of the catalogue

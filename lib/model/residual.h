@@ -140,6 +140,15 @@ bool goes_on_evenly(std::span<const double> reference_deg);
 
 bool screen_spikes(Screened &look, const Effect &effect);
 bool screen_stuck(Screened &look, const Effect &effect);
+/// Levels that the readings of a channel reach in several peaks, stay on while the other channel
+/// goes on, and never pass: findings of [low, high, channel], V. The readings on them are not
+/// usable then: where the motion is the pair's own they give a wrong angle.
+///
+/// Any smooth peak is a parabola at its top: of two equal bands below the highest reading the upper
+/// one holds 2.4 times as many readings of an even motion as the lower one, and while the channel
+/// is in it the other one goes on by what lets it fall by one band. On a level there are far more,
+/// and the other one goes on further.
+bool screen_cut_peaks(Screened &look, const Effect &effect);
 bool screen_orientation(Screened &look, const Effect &effect);
 bool screen_losses(Screened &look, const Effect &effect);
 /// Width of the steps in which the reference moves, degrees; 0 where it does not, or where they are

@@ -25,7 +25,8 @@ constexpr EffectInfo kInfo{.id = "clipping",
                            .stage = Stage::chain,
                            .parameters = kParameters,
                            .correctable = true,
-                           .separations = kSeparations};
+                           .separations = kSeparations,
+                           .spoils = Spoils::peaks};
 
 class Clipping final : public Effect {
 public:
@@ -86,6 +87,7 @@ public:
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     return find_clipping(r);
   }
+  bool screen(Screened &look) const override { return screen_cut_peaks(look, *this); }
 };
 
 } // namespace
