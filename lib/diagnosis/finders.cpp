@@ -12,6 +12,7 @@
 #include "base/angle.h"
 #include "base/pick.h"
 #include "base/robust.h"
+#include "base/sincos.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/edges.h"
 #include "diagnosis/spectrum.h"
@@ -55,14 +56,12 @@ struct Line {
 /// `phase` gives rad for sample i.
 template <class Phase> Line line_along(const Residual &r, Phase phase) {
   std::array<double, 4> sum{};
-  for (std::size_t i = 0; i < r.time.size(); ++i) {
-    double s, c;
-    sincos(phase(i), &s, &c);
+  for_each_sincos(r.time.size(), phase, [&](std::size_t i, double s, double c) {
     sum[0] += r.sin_v[i] * s;
     sum[1] += r.sin_v[i] * c;
     sum[2] += r.cos_v[i] * s;
     sum[3] += r.cos_v[i] * c;
-  }
+  });
   Line line{0.0, sum};
   for (double &a : line.amplitudes) {
     a *= 2.0 / static_cast<double>(r.time.size());
@@ -232,14 +231,17 @@ bool one_sided(const Residual &r, const MostlyAt &at, double frequency) {
   bool out = false;
   for (double f : {std::abs(frequency - at.turning), frequency + at.turning}) {
     std::complex<double> radial, tangential;
-    for (std::size_t i : at.samples) {
-      const double c = r.model_cos_v[i] - r.centre_cos_v;
-      const double s = r.model_sin_v[i] - r.centre_sin_v;
-      const double inverse = 1.0 / std::max(std::hypot(c, s), 1e-9);
-      const std::complex<double> wave = std::polar(inverse, kTwoPi * f * r.time[i]);
-      radial += wave * (r.cos_v[i] * c + r.sin_v[i] * s);
-      tangential += wave * (r.sin_v[i] * c - r.cos_v[i] * s);
-    }
+    for_each_sincos(
+        at.samples.size(), [&](std::size_t k) { return kTwoPi * f * r.time[at.samples[k]]; },
+        [&](std::size_t k, double sine, double cosine) {
+          const std::size_t i = at.samples[k];
+          const double c = r.model_cos_v[i] - r.centre_cos_v;
+          const double s = r.model_sin_v[i] - r.centre_sin_v;
+          const double inverse = 1.0 / std::max(std::hypot(c, s), 1e-9);
+          const std::complex<double> wave(inverse * cosine, inverse * sine);
+          radial += wave * (r.cos_v[i] * c + r.sin_v[i] * s);
+          tangential += wave * (r.sin_v[i] * c - r.cos_v[i] * s);
+        });
     const double u = std::norm(radial), v = std::norm(tangential);
     if (u + v > strongest) {
       strongest = u + v;
@@ -255,11 +257,13 @@ bool has_fellow(const Residual &r, const MostlyAt &at, double frequency) {
   constexpr double kAlike = 0.3, kWidths = 3.0;
   const auto power = [&](double f) {
     std::complex<double> sin, cos;
-    for (std::size_t i : at.samples) {
-      const std::complex<double> wave = std::polar(1.0, kTwoPi * f * r.time[i]);
-      sin += wave * r.sin_v[i];
-      cos += wave * r.cos_v[i];
-    }
+    for_each_sincos(
+        at.samples.size(), [&](std::size_t k) { return kTwoPi * f * r.time[at.samples[k]]; },
+        [&](std::size_t k, double sine, double cosine) {
+          const std::complex<double> wave(cosine, sine);
+          sin += wave * r.sin_v[at.samples[k]];
+          cos += wave * r.cos_v[at.samples[k]];
+        });
     return std::norm(sin) + std::norm(cos);
   };
   const double here = power(frequency);
@@ -289,13 +293,19 @@ bool slow_beside_pair(const Residual &r, double frequency) {
 bool told_from_order(const Residual &r, int order, double frequency) {
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, 4, 2> onto = Eigen::Matrix<double, 4, 2>::Zero();
-  Eigen::Vector4d row;
-  for (std::size_t i = 0; i < r.time.size(); ++i) {
-    sincos(order * r.alpha[i], &row[0], &row[1]);
-    sincos(kTwoPi * frequency * r.time[i], &row[2], &row[3]);
-    normal += row * row.transpose();
-    onto += row * Eigen::RowVector2d(r.sin_v[i], r.cos_v[i]);
-  }
+  std::vector<std::array<double, 2>> of_order(r.time.size());
+  for_each_sincos(
+      r.time.size(), [&](std::size_t i) { return order * r.alpha[i]; },
+      [&](std::size_t i, double s, double c) {
+        of_order[i] = {s, c};
+      });
+  for_each_sincos(
+      r.time.size(), [&](std::size_t i) { return kTwoPi * frequency * r.time[i]; },
+      [&](std::size_t i, double s, double c) {
+        const Eigen::Vector4d row(of_order[i][0], of_order[i][1], s, c);
+        normal += row * row.transpose();
+        onto += row * Eigen::RowVector2d(r.sin_v[i], r.cos_v[i]);
+      });
   const auto taken = [&](Eigen::Index columns) { // by the first of them, V^2
     const Eigen::MatrixXd a = normal.topLeftCorner(columns, columns), b = onto.topRows(columns);
     return (b.array() * a.ldlt().solve(b).array()).sum();
@@ -609,12 +619,12 @@ std::vector<double> find_modulations(const Residual &r) {
   if (too_few_rounds_for_lines(r))
     return {};
   std::vector<double> along(r.time.size()), across(r.time.size());
-  for (std::size_t i = 0; i < r.time.size(); ++i) {
-    double s, c;
-    sincos(r.periods * r.alpha[i], &s, &c);
-    along[i] = r.cos_v[i] * c + r.sin_v[i] * s;
-    across[i] = r.sin_v[i] * c - r.cos_v[i] * s;
-  }
+  for_each_sincos(
+      r.time.size(), [&](std::size_t i) { return r.periods * r.alpha[i]; },
+      [&](std::size_t i, double s, double c) {
+        along[i] = r.cos_v[i] * c + r.sin_v[i] * s;
+        across[i] = r.sin_v[i] * c - r.cos_v[i] * s;
+      });
   Residual turned = r;
   turned.cos_v = along;
   turned.sin_v = across;
