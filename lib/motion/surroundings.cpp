@@ -300,6 +300,72 @@ std::vector<double> vtemp_of_temperature(const Capture &capture, const SupplyOve
   return out;
 }
 
+std::vector<double> third_differences(const std::vector<double> &x) {
+  std::vector<double> out;
+  for (std::size_t i = 3; i < x.size(); ++i)
+    out.push_back(x[i] - 3.0 * x[i - 1] + 3.0 * x[i - 2] - x[i - 3]);
+  return out;
+}
+
+/// Whether what VDD does from row to row is noise of its own reading: outputs that follow the
+/// supply would have as much of it in their sum, about their mid-supply each half.
+bool is_own_noise(const Capture &capture) {
+  constexpr double kErrors = 3.0, kHalf = 0.5;
+  const std::vector<double> vdd = third_differences(capture.vdd_v),
+                            sin = third_differences(capture.vsin_v),
+                            cos = third_differences(capture.vcos_v);
+  double xx = 0.0, xy = 0.0, yy = 0.0;
+  for (std::size_t i = 0; i < vdd.size(); ++i) {
+    const double x = vdd[i], y = sin[i] + cos[i];
+    if (!std::isfinite(x) || !std::isfinite(y))
+      continue;
+    xx += x * x;
+    xy += x * y;
+    yy += y * y;
+  }
+  if (!(xx > 0.0))
+    return false;
+  const double n = static_cast<double>(vdd.size());
+  return xy / xx + kErrors * std::sqrt(yy / (xx * n)) < kHalf;
+}
+
+/// Mean of `reach` values on either side of each; near an end of as many as there are.
+std::vector<double> running_mean(const std::vector<double> &x, std::size_t reach) {
+  std::vector<double> sum(x.size() + 1, 0.0);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    sum[i + 1] = sum[i] + (x[i] - x[0]);
+  std::vector<double> out(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const std::size_t here = std::min({reach, i, x.size() - 1 - i});
+    out[i] = x[0] + (sum[i + here + 1] - sum[i - here]) / (2.0 * static_cast<double>(here) + 1.0);
+  }
+  return out;
+}
+
+/// VDD, where its reading has noise of its own smoothed over as many rows as leave no more than
+/// that noise: what is left of it stands in the model of every output.
+std::vector<double> vdd_of_supply(const Capture &capture) {
+  constexpr std::size_t kLongest = 256;
+  constexpr double kMore = 1.05; // of the noise: a third of it in quadrature
+  const std::vector<double> &vdd = capture.vdd_v;
+  const double noise = noise_between(vdd);
+  if (!(noise > 0.0) || !std::ranges::all_of(vdd, [](double v) { return std::isfinite(v); }) ||
+      !is_own_noise(capture))
+    return vdd;
+  std::vector<double> out = vdd;
+  for (std::size_t reach = 1; reach <= kLongest && 8 * reach < vdd.size(); reach *= 2) {
+    std::vector<double> smooth = running_mean(vdd, reach);
+    double squares = 0.0;
+    for (std::size_t i = 0; i < vdd.size(); ++i)
+      squares += (vdd[i] - smooth[i]) * (vdd[i] - smooth[i]);
+    const double own = 1.0 - 1.0 / (2.0 * static_cast<double>(reach) + 1.0); // of the noise
+    if (!(squares < kMore * kMore * own * noise * noise * static_cast<double>(vdd.size())))
+      break;
+    out = std::move(smooth);
+  }
+  return out;
+}
+
 } // namespace
 
 SupplyOverTime::SupplyOverTime(const Capture &capture, std::optional<double> level_v) {
@@ -309,10 +375,11 @@ SupplyOverTime::SupplyOverTime(const Capture &capture, std::optional<double> lev
   const double mean = mean_of(capture.vdd_v);
   if (!(mean > 0.0))
     return;
+  const std::vector<double> vdd = vdd_of_supply(capture);
   mean_v = mean;
   mid_shift_v = 0.5 * (mean - capture.meta.supply_v);
   double sum = 0.0;
-  for (double v : capture.vdd_v)
+  for (double v : vdd)
     sum += (v / mean - 1.0) * (v / mean - 1.0);
   rms = std::sqrt(sum / static_cast<double>(capture.size()));
   const double level = level_v.value_or(mean), away = std::abs(mean / level - 1.0);
@@ -320,7 +387,7 @@ SupplyOverTime::SupplyOverTime(const Capture &capture, std::optional<double> lev
   if (scale < kConstant)
     return;
   unit.reserve(capture.size());
-  for (double v : capture.vdd_v)
+  for (double v : vdd)
     unit.push_back(static_cast<float>((v / level - 1.0) / scale));
 }
 

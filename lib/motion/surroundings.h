@@ -11,7 +11,8 @@
 
 namespace ada {
 
-/// VDD over time. All zero without the channel.
+/// VDD over time, freed of noise of its own reading that the outputs do not follow. All zero
+/// without the channel.
 struct SupplyOverTime {
   std::vector<float> unit;  ///< (VDD/level - 1)/scale; empty where the supply stays at its level
   double mean_v = 0.0;      ///< of VDD

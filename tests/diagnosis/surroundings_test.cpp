@@ -73,6 +73,36 @@ KIND(a_supply_that_sags_is_no_episode_of_the_pair) {
 
 /// A water wheel of which a row is kept every so many turns: from one to the next the pair is
 /// anywhere on its circle, and only the circle tells what noise is.
+/// A pair whose supply sags by a percent now and then and has `ripple_v` from row to row, read with
+/// `noise_v`; and how far the supply that is taken from it lies off, V rms.
+double supply_off_v(Bench &bench, double ripple_v, double noise_v) {
+  const double hz = bench.within(0.5, 2.0), at = bench.within(0.0, kTwoPi);
+  Capture c = bench.capture(8000, 2000.0, 2, [](double t) { return 20.0 * t + std::sin(3.0 * t); });
+  std::vector<double> supply;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    supply.push_back(5.0 - 0.05 * std::pow(std::sin(hz * c.time_s[i] + at), 2) +
+                     bench.normal(ripple_v));
+    for (auto *v : {&c.vsin_v, &c.vcos_v})
+      (*v)[i] *= supply[i] / 5.0;
+    c.vdd_v.push_back(supply[i] + bench.normal(noise_v));
+  }
+  const SupplyOverTime over(c);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < c.size(); ++i)
+    squares += std::pow(over.mean_v * (1.0 + over.scale * over.unit[i]) - supply[i], 2);
+  return std::sqrt(squares / static_cast<double>(c.size()));
+}
+
+TEST(Supply, NoiseOfItsOwnReadingIsNoneOfTheOutputs) {
+  Bench bench;
+  EXPECT_LT(supply_off_v(bench, 0.0, 2e-3), 0.5e-3);
+}
+
+TEST(Supply, WhatTheOutputsFollowStays) {
+  Bench bench;
+  EXPECT_LT(supply_off_v(bench, 10e-3, 1e-4), 0.2e-3);
+}
+
 KIND(a_wheel_that_is_read_every_few_turns_turns) {
   Bench bench;
   constexpr double kEach_s = 20.0;
