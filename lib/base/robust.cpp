@@ -197,6 +197,13 @@ template <class T> double step_of(std::span<const T> values) {
 
 } // namespace
 
+double half_range(std::span<const double> values) {
+  constexpr double kSpikes = 0.002;
+  std::vector<double> finite(values.begin(), values.end());
+  std::erase_if(finite, [](double x) { return !std::isfinite(x); });
+  return finite.empty() ? 0.0 : 0.5 * (quantile(finite, 1.0 - kSpikes) - quantile(finite, kSpikes));
+}
+
 double converter_step(std::span<const double> values) {
   return step_of(values);
 }

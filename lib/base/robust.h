@@ -106,6 +106,10 @@ inline double median_step(std::span<const double> time) {
   return quantile(std::move(dt), 0.5);
 }
 
+/// Half of the range of finite values but for one in 500 at either end, which may be spikes; 0 of
+/// none.
+double half_range(std::span<const double> values);
+
 /// The step of the converter as its values show it, in their unit; 0 when they show none.
 double converter_step(std::span<const double> values);
 double converter_step(std::span<const float> values);

@@ -546,6 +546,23 @@ OwnJumps unnamed_jumps(const Screened &look) {
   return out;
 }
 
+/// Whether the vector changes its length where it jumps by more than half of its way: a magnet that
+/// turns on its shaft does not, and on an ellipse the length changes by an axis' error of the way.
+bool jumps_in_length(const Screened &look, const Jump &jump) {
+  constexpr std::size_t kSide = 6;
+  constexpr double kOfWay = 0.5;
+  const Capture &c = look.capture;
+  if (jump.at < kSide || jump.at + kSide > c.size())
+    return false;
+  std::vector<double> length(c.size(), 0.0);
+  const double half_sin = half_range(c.vsin_v), half_cos = half_range(c.vcos_v);
+  for (std::size_t i = jump.at - kSide; i < jump.at + kSide; ++i)
+    length[i] = std::hypot((c.vsin_v[i] - look.centre_sin_v) / half_sin,
+                           (c.vcos_v[i] - look.centre_cos_v) / half_cos);
+  return std::abs(lines_meet(look, length, jump.at, kSide).gap) >
+         kOfWay * std::abs(jump.gap) * c.meta.periods_per_turn;
+}
+
 bool screen_slip(Screened &look, const Effect &effect) {
   if (look.capture.has_reference())
     return false;
@@ -565,7 +582,8 @@ bool screen_slip(Screened &look, const Effect &effect) {
     if (&jump != largest && std::abs(jump.gap) > 0.5 * std::abs(largest->gap))
       return false;
   // A slip turns everything after it; a step of an offset only some angles, to either side.
-  if (turns_deny(look, look.angle, *largest) || !is_at_once(look, look.angle, *largest))
+  if (turns_deny(look, look.angle, *largest) || !is_at_once(look, look.angle, *largest) ||
+      jumps_in_length(look, *largest))
     return false;
   look.jumps.push_back(largest->at);
   look.jump_rad.push_back(largest->gap);

@@ -37,15 +37,6 @@ Band band_of(std::span<const double> v, std::span<const char> usable) {
   return {step, std::max(step, 2.0 * criteria::kLevelNoise * noise_between(v, usable))};
 }
 
-double half_range(std::span<const double> v) {
-  std::vector<double> finite(v.begin(), v.end());
-  std::erase_if(finite, [](double x) { return !std::isfinite(x); });
-  if (finite.empty())
-    return 0.0;
-  return 0.5 * (quantile(finite, 1.0 - criteria::kSpikesAboveLevel) -
-                quantile(finite, criteria::kSpikesAboveLevel));
-}
-
 /// A channel, whose readings times `sense` have their end at the top, and the other one, which goes
 /// on while this one is on its level.
 struct Channels {
