@@ -197,11 +197,30 @@ template <class T> double step_of(std::span<const T> values) {
 
 } // namespace
 
-double half_range(std::span<const double> values) {
+namespace {
+
+struct Ends {
+  double low = 0.0, high = 0.0;
+};
+
+Ends ends_of(std::span<const double> values) {
   constexpr double kSpikes = 0.002;
   std::vector<double> finite(values.begin(), values.end());
   std::erase_if(finite, [](double x) { return !std::isfinite(x); });
-  return finite.empty() ? 0.0 : 0.5 * (quantile(finite, 1.0 - kSpikes) - quantile(finite, kSpikes));
+  if (finite.empty())
+    return {};
+  return {quantile(finite, kSpikes), quantile(finite, 1.0 - kSpikes)};
+}
+
+} // namespace
+
+double half_range(std::span<const double> values) {
+  const Ends ends = ends_of(values);
+  return 0.5 * (ends.high - ends.low);
+}
+double middle_of_range(std::span<const double> values) {
+  const Ends ends = ends_of(values);
+  return 0.5 * (ends.high + ends.low);
 }
 
 double converter_step(std::span<const double> values) {

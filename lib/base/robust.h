@@ -109,6 +109,8 @@ inline double median_step(std::span<const double> time) {
 /// Half of the range of finite values but for one in 500 at either end, which may be spikes; 0 of
 /// none.
 double half_range(std::span<const double> values);
+/// The middle of that range.
+double middle_of_range(std::span<const double> values);
 
 /// The step of the converter as its values show it, in their unit; 0 when they show none.
 double converter_step(std::span<const double> values);

@@ -26,7 +26,7 @@ constexpr double kPeakSector = 0.2;     ///< sine of half the sector about a pea
 constexpr double kClippedSlope = 0.5;
 constexpr double kFlat = 0.25;         ///< of the variance that an arch has
 constexpr double kMaxSlopeError = 0.1; ///< a slope less certain than this is no evidence
-constexpr double kOfStep = 0.5; ///< of the converter's step: any peak that has less rms looks flat
+constexpr double kOfStep = 0.5; ///< of the converter's step: any peak that is lower looks flat
 constexpr double kMinSectorSamples = 20;
 
 std::string number(const char *format, double x) {
@@ -61,6 +61,7 @@ public:
       levels.push_back(measured);
     const double middle = quantile(levels, 0.5);
     const double least = kPeakSector * kPeakSector * amplitude; // twice the height of an arch
+    arch_v_ = 0.5 * least;
     const double limit = std::max(kSectorOutlier * robust_spread(levels), least);
     for (const auto &[expected, measured] : points_)
       if (std::abs(measured - middle) <= limit)
@@ -68,7 +69,7 @@ public:
   }
 
   bool clipped(double noise_v, double step_v) const {
-    if (n_ < kMinSectorSamples || !(xx_ > kOfStep * step_v * kOfStep * step_v * n_))
+    if (n_ < kMinSectorSamples || !(xx_ > 0) || arch_v_ < kOfStep * step_v)
       return false;
     // A distorted peak may have two humps, which have no slope either, but a spread of their own.
     if (yy_ > kFlat * xx_ + 1.5 * noise_v * noise_v * n_)
@@ -91,6 +92,7 @@ private:
   }
 
   std::vector<std::pair<double, double>> points_; ///< expected, measured
+  double arch_v_ = 0;                             ///< height of a sound peak within its sector
   double n_ = 0, mean_x_ = 0, mean_y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0;
 };
 

@@ -102,9 +102,14 @@ inline constexpr double kLeastAtRest = 0.75;
 
 /// Noise of a level on either side, in standard deviations: of 10,000 readings one is beyond.
 inline constexpr double kLevelNoise = 4.0;
-/// So many times as many readings on a level as in the next band below: 2.4 at the top of a
-/// parabola, 5.3 of a fourth power, which is a peak as flat as a smooth one can be.
-inline constexpr double kOnLevel = 8.0;
+/// So many times as many readings on a level as in the next band below: of an even motion 2.4 at
+/// the top of a parabola, 5.3 of a fourth power. The band of a level, of half the channel's range,
+/// at the widest: noise beyond hides what is cut off.
+inline constexpr double kOnLevel = 8.0, kWidestLevel = 0.1;
+/// Whatever the motion is, the readings on a level do not go with what an ellipse would have them
+/// be: the slope, 1 on one, is none in so many of its errors, which are this small; one that is
+/// smaller yet is a level that a filter rounds.
+inline constexpr double kFlatErrors = 3.0, kFlatKnown = 0.02, kFlat = 0.005;
 /// Readings beyond a level, of all: spikes, as many as impulse noise has.
 inline constexpr double kSpikesAboveLevel = 0.002;
 /// Readings on a level, peaks that reach it, and readings in each.
@@ -114,7 +119,7 @@ inline constexpr std::size_t kFewestCutPeaks = 2, kFewestInPeak = 3;
 /// bands on an ellipse: of a peak that is not cut it is one, however long the shaft stays there.
 /// The readings before and after are lower by less than this part of half its range: it does not
 /// jump. Of three readings the other channel's larger step is half of its way, or somewhat more.
-inline constexpr double kCutBands = 3.0, kJoins = 0.5, kLargestStep = 0.7;
+inline constexpr double kCutBands = 6.0, kJoins = 0.5, kLargestStep = 0.7;
 
 // --- the anonymous model
 

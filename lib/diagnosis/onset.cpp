@@ -141,10 +141,11 @@ bool goes_with_the_speed(Beside of) {
 }
 
 /// By how much a step at the moment is likelier than what comes in evenly over an eighth of the
-/// samples or more, nats.
+/// samples or more, nats. Over fewer samples than a filter takes to settle it is a step as well.
 double likelier_than_slopes(const Beside &of) {
   constexpr double kWays[] = {0.125, 0.25, 0.5, 1.0};
   constexpr double kPlaces[] = {-0.4, -0.2, 0.0, 0.2, 0.4}; // of the way, from the moment
+  constexpr double kSettles = 64.0;
   const std::vector<Sight> sights = both(of);
   const double n = static_cast<double>(sights.size());
   const auto from = [&](std::size_t k) {
@@ -152,11 +153,14 @@ double likelier_than_slopes(const Beside &of) {
   };
   const double step = left_by(sights, [&](std::size_t k) { return from(k) >= 0.0 ? 1.0 : 0.0; });
   double least = std::numeric_limits<double>::infinity();
-  for (double way : kWays)
+  for (double way : kWays) {
+    if (way * n < kSettles && way < 1.0)
+      continue;
     for (double place : kPlaces)
       least = std::min(least, left_by(sights, [&](std::size_t k) {
                          return std::clamp(from(k) / (way * n) - place + 0.5, 0.0, 1.0);
                        }));
+  }
   return 0.5 * n * std::log(least / step);
 }
 

@@ -16,8 +16,9 @@ namespace ada {
 bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect);
 
 /// Whether such an effect of a model that lacks nothing else of that size comes in evenly over an
-/// eighth of the turns beside its moment or more, rather than at once; where they do not tell, over
-/// an eighth of the record or more. False where too little is seen to say.
+/// eighth of the rows of the turns on both sides of its moment or more, and over 64 of them, rather
+/// than at once; where they do not tell, over an eighth of the record or more. False where too
+/// little is seen to say.
 bool comes_in_slowly(const Scene &scene, const Model &model, std::size_t effect);
 
 } // namespace ada

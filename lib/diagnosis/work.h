@@ -137,7 +137,7 @@ private:
   /// stays in one of them: what moves the angle by less than a step may be that.
   bool drop_slips_within_a_step();
 
-  /// What comes in evenly over a part of a turn is no step, however well one fits.
+  /// What comes in evenly over a good part of the turns beside is no step, however well one fits.
   bool drop_what_comes_in_slowly();
 
   /// Without a reference what lies across the vector is the motion's as well. What changes the

@@ -32,9 +32,11 @@ struct Band {
   double least_v, most_v;
 };
 
-Band band_of(std::span<const double> v, std::span<const char> usable) {
-  const double step = 1.5 * converter_step(v);
-  return {step, std::max(step, 2.0 * criteria::kLevelNoise * noise_between(v, usable))};
+Band band_of(std::span<const double> v, std::span<const char> usable, double half_v) {
+  constexpr double kResolved = 1e-6; // of half the range: text is rounded, if nothing else is
+  const double step = std::max(1.5 * converter_step(v), kResolved * half_v);
+  const double noise = 2.0 * criteria::kLevelNoise * noise_between(v, usable);
+  return {step, std::min(std::max(step, noise), criteria::kWidestLevel * half_v)};
 }
 
 /// A channel, whose readings times `sense` have their end at the top, and the other one, which goes
@@ -44,54 +46,50 @@ struct Channels {
   std::span<const char> usable;
   double sense;
   Band band;
-  double half_v, other_half_v; ///< of their ranges
+  double half_v, other_half_v, other_middle_v; ///< of their ranges
   double top(std::size_t i) const { return sense * own[i]; }
+  /// By how much the channel lies below its peak where the other one is, on an ellipse, V.
+  double fallen(double other_v) const {
+    const double part = std::min(1.0, std::abs(other_v - other_middle_v) / other_half_v);
+    return half_v * (1.0 - std::sqrt(1.0 - part * part));
+  }
 };
 
 struct End {
   double top_v, band_v;
 };
 
-/// The end of the readings, but for a few that may be spikes; nothing where no level is.
-std::optional<End> end_on_level(const Channels &c) {
-  std::vector<double> top;
-  for (std::size_t i = 0; i < c.own.size(); ++i)
-    if (c.usable[i])
-      top.push_back(c.top(i));
-  const auto most_spikes =
-      static_cast<std::size_t>(criteria::kSpikesAboveLevel * static_cast<double>(top.size()));
-  // A level that holds more than a quarter of them ends beyond what is looked at, which is as well.
-  const auto quarter = top.begin() + static_cast<std::ptrdiff_t>(top.size() / 4);
-  std::nth_element(top.begin(), quarter, top.end(), std::greater<>());
-  top.erase(quarter, top.end());
-  std::sort(top.begin(), top.end(), std::greater<>());
-  const auto below = [&](double level) {
-    return static_cast<double>(std::lower_bound(top.begin(), top.end(), level, std::greater<>()) -
-                               top.begin());
-  };
-  for (double band = c.band.most_v; band >= c.band.least_v; band *= 0.5)
-    for (std::size_t k = 0; k <= most_spikes && k < top.size(); ++k) {
-      const double upper = below(top[k] - band) - static_cast<double>(k),
-                   lower = below(top[k] - 2.0 * band) - static_cast<double>(k) - upper;
-      if (upper >= criteria::kFewestOnLevel && upper > criteria::kOnLevel * lower)
-        return End{top[k], band};
-    }
-  return {};
-}
+/// How the readings on a level go with what they would be lower by on an ellipse: as 1 on one, 0 on
+/// a level, in between at a peak that is only flat.
+class Flatness {
+public:
+  void add(double fallen_v, double top_v) {
+    n_ += 1.0;
+    const double dx = fallen_v - mean_x_, dy = top_v - mean_y_;
+    mean_x_ += dx / n_;
+    mean_y_ += dy / n_;
+    xx_ += dx * (fallen_v - mean_x_);
+    xy_ += dx * (top_v - mean_y_);
+    yy_ += dy * (top_v - mean_y_);
+  }
+  bool flat() const {
+    if (n_ < 4.0 || !(xx_ > 0.0))
+      return false;
+    const double slope = xy_ / xx_;
+    const double error = std::sqrt(std::max(0.0, yy_ - slope * xy_) / ((n_ - 2.0) * xx_));
+    return error < criteria::kFlatKnown &&
+           std::abs(slope) < std::max(criteria::kFlatErrors * error, criteria::kFlat);
+  }
 
-/// By how much a channel falls from its peak on both sides while the other one goes on by `way`, V,
-/// on an ellipse, however long that takes.
-double falls_on_circle(const Channels &c, double way_v) {
-  const double part = std::min(1.0, 0.5 * way_v / c.other_half_v);
-  return c.half_v * (1.0 - std::sqrt(1.0 - part * part));
-}
+private:
+  double n_ = 0.0, mean_x_ = 0.0, mean_y_ = 0.0, xx_ = 0.0, xy_ = 0.0, yy_ = 0.0;
+};
 
-std::optional<Level> level_of(const Channels &c) {
-  const std::optional<End> end = end_on_level(c);
-  if (!end)
-    return {};
-  const auto on = [&](std::size_t i) { return c.usable[i] && c.top(i) > end->top_v - end->band_v; };
+/// The readings at such an end, where they are on a level.
+std::optional<Level> level_at(const Channels &c, const End &end) {
+  const auto on = [&](std::size_t i) { return c.usable[i] && c.top(i) > end.top_v - end.band_v; };
   Level out;
+  Flatness flatness;
   std::size_t peaks = 0, in_peaks = 0;
   for (std::size_t i = 0; i < c.own.size(); ++i) {
     if (!on(i))
@@ -109,17 +107,20 @@ std::optional<Level> level_of(const Channels &c) {
     // It comes from below and goes there again: a channel that is stuck, or jumps, does not, and
     // the other one does not jump meanwhile.
     const auto joins = [&](std::size_t k) {
-      return end->top_v - c.top(k) < criteria::kJoins * c.half_v;
+      return end.top_v - c.top(k) < criteria::kJoins * c.half_v;
     };
+    const double half_way = 0.5 * (high - low);
     if (from > 0 && to < c.own.size() && joins(from - 1) && joins(to) &&
         to - from >= criteria::kFewestInPeak && step < criteria::kLargestStep * (high - low) &&
-        falls_on_circle(c, high - low) > criteria::kCutBands * end->band_v) {
+        c.fallen(c.other_middle_v + half_way) > criteria::kCutBands * end.band_v) {
       ++peaks;
       in_peaks += to - from;
+      for (std::size_t k = from + 1; k + 1 < to; ++k) // the first and the last may be on the way
+        flatness.add(c.fallen(c.other[k]), c.top(k));
     }
     i = to - 1;
   }
-  if (peaks < criteria::kFewestCutPeaks || 2 * in_peaks < out.rows.size())
+  if (peaks < criteria::kFewestCutPeaks || 2 * in_peaks < out.rows.size() || !flatness.flat())
     return {};
   std::vector<double> values;
   for (std::size_t i : out.rows)
@@ -131,22 +132,63 @@ std::optional<Level> level_of(const Channels &c) {
   return out;
 }
 
+/// The level at the end of the readings, but for a few beyond it that may be spikes, in the widest
+/// band that shows one.
+std::optional<Level> level_of(const Channels &c) {
+  std::vector<double> top;
+  for (std::size_t i = 0; i < c.own.size(); ++i)
+    if (c.usable[i])
+      top.push_back(c.top(i));
+  const auto most_spikes =
+      static_cast<std::size_t>(criteria::kSpikesAboveLevel * static_cast<double>(top.size()));
+  // Two of the widest bands of a sine hold a fifth of it.
+  const auto quarter = top.begin() + static_cast<std::ptrdiff_t>(top.size() / 4);
+  std::nth_element(top.begin(), quarter, top.end(), std::greater<>());
+  top.erase(quarter, top.end());
+  std::sort(top.begin(), top.end(), std::greater<>());
+  const auto below = [&](double level) {
+    return static_cast<double>(std::lower_bound(top.begin(), top.end(), level, std::greater<>()) -
+                               top.begin());
+  };
+  for (double band = c.band.most_v; band >= c.band.least_v && band > 0.0; band *= 0.5)
+    for (std::size_t k = 0; k <= most_spikes && k < top.size(); ++k) {
+      const double upper = below(top[k] - band) - static_cast<double>(k),
+                   lower = below(top[k] - 2.0 * band) - static_cast<double>(k) - upper;
+      if (upper < criteria::kFewestOnLevel || upper <= criteria::kOnLevel * lower)
+        continue;
+      if (auto found = level_at(c, {top[k], band}))
+        return found;
+      break; // further down are the same readings
+    }
+  return {};
+}
+
 } // namespace
 
 bool screen_cut_peaks(Screened &look, const Effect &effect) {
   const Capture &capture = look.capture;
   const std::span<const double> channels[] = {capture.vsin_v, capture.vcos_v};
-  const Band bands[] = {band_of(channels[0], look.usable), band_of(channels[1], look.usable)};
-  const double band = std::max(bands[0].most_v, bands[1].most_v);
   const double halves[] = {half_range(channels[0]), half_range(channels[1])};
   if (!(halves[0] > 0.0 && halves[1] > 0.0))
     return false;
+  const Band bands[] = {band_of(channels[0], look.usable, halves[0]),
+                        band_of(channels[1], look.usable, halves[1])};
+  const double band = std::max(bands[0].most_v, bands[1].most_v);
+  const double middles[] = {middle_of_range(channels[0]), middle_of_range(channels[1])};
   std::optional<Level> ends[2][2]; // of a channel: low, high
   for (std::size_t k : {0u, 1u})
     for (std::size_t high : {0u, 1u})
       ends[k][high] = level_of({channels[k], channels[1 - k], look.usable, high ? 1.0 : -1.0,
-                                bands[k], halves[k], halves[1 - k]});
-  // A level is that of both channels unless the other one passes it, or has one of its own.
+                                bands[k], halves[k], halves[1 - k], middles[1 - k]});
+  std::size_t on_levels = 0, usable = 0;
+  for (const auto &channel : ends)
+    for (const auto &end : channel)
+      on_levels += end ? end->rows.size() : 0;
+  for (char u : look.usable)
+    usable += u != 0;
+  if (2 * on_levels > usable) // the rest shows no pair: levels are left to the fit
+    return false;
+  // A level is that of both channels unless the other one comes as far and has none.
   const auto of_both = [&](std::size_t k, std::size_t high) {
     const double sense = high ? 1.0 : -1.0;
     const double level = ends[k][high]->value_v;
@@ -154,7 +196,7 @@ bool screen_cut_peaks(Screened &look, const Effect &effect) {
       return std::abs(other->value_v - level) < band;
     std::size_t beyond = 0;
     for (std::size_t i = 0; i < capture.size(); ++i)
-      beyond += look.usable[i] && sense * (channels[1 - k][i] - level) > band;
+      beyond += look.usable[i] && sense * (channels[1 - k][i] - level) > -band;
     return static_cast<double>(beyond) <=
            criteria::kSpikesAboveLevel * static_cast<double>(capture.size());
   };

@@ -14,6 +14,8 @@ namespace ada {
 Travel::Travel(double noise_rad) : play_rad_(criteria::kPlayNoise * noise_rad) {}
 
 double Travel::to(double angle_rad) {
+  if (!std::isfinite(angle_rad))
+    return way_rad_;
   if (!began_) {
     began_ = true;
     at_rad_ = angle_rad;
