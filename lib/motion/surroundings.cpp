@@ -346,20 +346,28 @@ std::vector<double> running_mean(const std::vector<double> &x, std::size_t reach
 /// that noise: what is left of it stands in the model of every output.
 std::vector<double> vdd_of_supply(const Capture &capture) {
   constexpr std::size_t kLongest = 256;
-  constexpr double kMore = 1.05; // of the noise: a third of it in quadrature
+  constexpr double kByChance = 2.0; // standard deviations of an rms, and of the noise's own
   const std::vector<double> &vdd = capture.vdd_v;
   const double noise = noise_between(vdd);
   if (!(noise > 0.0) || !std::ranges::all_of(vdd, [](double v) { return std::isfinite(v); }) ||
       !is_own_noise(capture))
     return vdd;
+  const double more = 1.0 + kByChance / std::sqrt(static_cast<double>(vdd.size()));
   std::vector<double> out = vdd;
   for (std::size_t reach = 1; reach <= kLongest && 8 * reach < vdd.size(); reach *= 2) {
-    std::vector<double> smooth = running_mean(vdd, reach);
-    double squares = 0.0;
+    // Twicing (Tukey 1977): the mean of what the mean leaves brings back what it rounded off.
+    std::vector<double> smooth = running_mean(vdd, reach), left = vdd;
     for (std::size_t i = 0; i < vdd.size(); ++i)
+      left[i] -= smooth[i];
+    left = running_mean(left, reach);
+    double squares = 0.0;
+    for (std::size_t i = 0; i < vdd.size(); ++i) {
+      smooth[i] += left[i];
       squares += (vdd[i] - smooth[i]) * (vdd[i] - smooth[i]);
-    const double own = 1.0 - 1.0 / (2.0 * static_cast<double>(reach) + 1.0); // of the noise
-    if (!(squares < kMore * kMore * own * noise * noise * static_cast<double>(vdd.size())))
+    }
+    // Of the variance of the noise: 1 - 2/w + 5/(3 w) with a mean of w.
+    const double own = 1.0 - 1.0 / (3.0 * (2.0 * static_cast<double>(reach) + 1.0));
+    if (!(squares < more * more * own * noise * noise * static_cast<double>(vdd.size())))
       break;
     out = std::move(smooth);
   }
