@@ -12,7 +12,6 @@
 #include "base/angle.h"
 #include "base/pick.h"
 #include "base/robust.h"
-#include "diagnosis/conditions/travel.h"
 #include "diagnosis/criteria.h"
 
 namespace ada {
@@ -185,9 +184,7 @@ void describe_motion(Scene &scene) {
     way.time += dt;
     way.travel += std::abs(step);
   }
-  scene.turns = scene.radius_only && !scene.stops
-                    ? travel_of(all.alpha) / kTwoPi // of the pair itself, which is noisy
-                    : (forward.travel + backward.travel) / kTwoPi;
+  scene.turns = (forward.travel + backward.travel) / kTwoPi;
   if (all.size() > 0) {
     const auto [low, high] = std::minmax_element(all.alpha.begin(), all.alpha.end());
     scene.seen_turns = std::clamp((*high - *low) / kTwoPi, 1e-6, 1.0);

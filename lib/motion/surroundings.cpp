@@ -346,7 +346,7 @@ std::vector<double> running_mean(const std::vector<double> &x, std::size_t reach
 /// that noise: what is left of it stands in the model of every output.
 std::vector<double> vdd_of_supply(const Capture &capture) {
   constexpr std::size_t kLongest = 256;
-  constexpr double kByChance = 4.0; // standard deviations of an rms, and of the noise's own
+  constexpr double kByChance = 6.0; // over the root of the rows: three errors of the noise as found
   const std::vector<double> &vdd = capture.vdd_v;
   const double noise = noise_between(vdd);
   if (!(noise > 0.0) || !std::ranges::all_of(vdd, [](double v) { return std::isfinite(v); }) ||
