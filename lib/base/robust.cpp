@@ -195,10 +195,6 @@ template <class T> double step_of(std::span<const T> values) {
   return step;
 }
 
-} // namespace
-
-namespace {
-
 struct Ends {
   double low = 0.0, high = 0.0;
 };

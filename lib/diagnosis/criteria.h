@@ -100,7 +100,7 @@ inline constexpr double kLeastAtRest = 0.75;
 
 // --- peaks that are cut off
 
-/// Noise of a level on either side, in standard deviations: of 10,000 readings one is beyond.
+/// Noise of a level on either side, in standard deviations: one reading in 16,000 is beyond.
 inline constexpr double kLevelNoise = 4.0;
 /// So many times as many readings on a level as in the next band below: of an even motion 2.4 at
 /// the top of a parabola, 5.3 of a fourth power. The band of a level, of half the channel's range,

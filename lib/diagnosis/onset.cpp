@@ -207,10 +207,6 @@ private:
   ResidualColumns without_, with_;
 };
 
-} // namespace
-
-namespace {
-
 /// What is seen in the turns on both sides of the moment.
 Beside turns_beside(const Scene &scene, const Model &model, std::size_t effect) {
   const double moment = model.effects[effect].values[0];

@@ -66,7 +66,7 @@ std::string to_text(const Diagnosis &d) {
       out += fmt::format("   held-out log likelihood {:.4f} -> {:.4f} a sample",
                          before.log_likelihood, after.log_likelihood);
     else
-      out += "   seen in the readings themselves, before any fit";
+      out += "   shown by the readings themselves";
     if (before.angle_error_rms_deg && after.angle_error_rms_deg)
       out += fmt::format(", angle error {:.4f} -> {:.4f} deg rms", *before.angle_error_rms_deg,
                          *after.angle_error_rms_deg);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
-
 //
 // Peaks that are cut off at one level, as the readings alone show them: where much else is left
 // over, no fit shows the few readings on it.
