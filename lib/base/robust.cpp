@@ -195,28 +195,17 @@ template <class T> double step_of(std::span<const T> values) {
   return step;
 }
 
-struct Ends {
-  double low = 0.0, high = 0.0;
-};
-
-Ends ends_of(std::span<const double> values) {
-  constexpr double kSpikes = 0.002;
-  std::vector<double> finite(values.begin(), values.end());
-  std::erase_if(finite, [](double x) { return !std::isfinite(x); });
-  if (finite.empty())
-    return {};
-  return {quantile(finite, kSpikes), quantile(finite, 1.0 - kSpikes)};
-}
-
 } // namespace
 
-double half_range(std::span<const double> values) {
-  const Ends ends = ends_of(values);
-  return 0.5 * (ends.high - ends.low);
-}
-double middle_of_range(std::span<const double> values) {
-  const Ends ends = ends_of(values);
-  return 0.5 * (ends.high + ends.low);
+Range range_of(std::span<const double> v, std::span<const char> usable) {
+  std::vector<double> good;
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (usable[i])
+      good.push_back(v[i]);
+  if (good.empty())
+    return {0.0, 1.0};
+  const double low = quantile(good, 0.005), high = quantile(good, 0.995);
+  return {0.5 * (low + high), std::max(0.5 * (high - low), 1e-9)};
 }
 
 double converter_step(std::span<const double> values) {

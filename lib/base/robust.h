@@ -106,11 +106,12 @@ inline double median_step(std::span<const double> time) {
   return quantile(std::move(dt), 0.5);
 }
 
-/// Half of the range of finite values but for one in 500 at either end, which may be spikes; 0 of
-/// none.
-double half_range(std::span<const double> values);
-/// The middle of that range.
-double middle_of_range(std::span<const double> values);
+/// Middle and half range of a channel, by quantiles so that spikes do not count. `usable` says
+/// which values count; of none it is 0 and 1.
+struct Range {
+  double middle, half;
+};
+Range range_of(std::span<const double> v, std::span<const char> usable);
 
 /// The step of the converter as its values show it, in their unit; 0 when they show none.
 double converter_step(std::span<const double> values);

@@ -555,7 +555,8 @@ bool jumps_in_length(const Screened &look, const Jump &jump) {
   if (jump.at < kSide || jump.at + kSide > c.size())
     return false;
   std::vector<double> length(c.size(), 0.0);
-  const double half_sin = half_range(c.vsin_v), half_cos = half_range(c.vcos_v);
+  const double half_sin = range_of(c.vsin_v, look.usable).half,
+               half_cos = range_of(c.vcos_v, look.usable).half;
   for (std::size_t i = jump.at - kSide; i < jump.at + kSide; ++i)
     length[i] = std::hypot((c.vsin_v[i] - look.centre_sin_v) / half_sin,
                            (c.vcos_v[i] - look.centre_cos_v) / half_cos);

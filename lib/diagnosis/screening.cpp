@@ -28,22 +28,6 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-/// Middle and half range of a channel, by quantiles so that spikes do not count.
-struct Range {
-  double middle, half;
-};
-
-Range range_of(const std::vector<double> &v, const std::vector<char> &usable) {
-  std::vector<double> good;
-  for (std::size_t i = 0; i < v.size(); ++i)
-    if (usable[i])
-      good.push_back(v[i]);
-  if (good.empty())
-    return {0.0, 1.0};
-  const double low = quantile(good, 0.005), high = quantile(good, 0.995);
-  return {0.5 * (low + high), std::max(0.5 * (high - low), 1e-9)};
-}
-
 /// The pair as angle and radius, each channel scaled to its range.
 struct Polar {
   std::vector<double> angle;

@@ -167,18 +167,16 @@ std::optional<Level> level_of(const Channels &c) {
 bool screen_cut_peaks(Screened &look, const Effect &effect) {
   const Capture &capture = look.capture;
   const std::span<const double> channels[] = {capture.vsin_v, capture.vcos_v};
-  const double halves[] = {half_range(channels[0]), half_range(channels[1])};
-  if (!(halves[0] > 0.0 && halves[1] > 0.0))
-    return false;
-  const Band bands[] = {band_of(channels[0], look.usable, halves[0]),
-                        band_of(channels[1], look.usable, halves[1])};
+  const Range ranges[] = {range_of(channels[0], look.usable), range_of(channels[1], look.usable)};
+  const Band bands[] = {band_of(channels[0], look.usable, ranges[0].half),
+                        band_of(channels[1], look.usable, ranges[1].half)};
   const double band = std::max(bands[0].most_v, bands[1].most_v);
-  const double middles[] = {middle_of_range(channels[0]), middle_of_range(channels[1])};
   std::optional<Level> ends[2][2]; // of a channel: low, high
   for (std::size_t k : {0u, 1u})
     for (std::size_t high : {0u, 1u})
-      ends[k][high] = level_of({channels[k], channels[1 - k], look.usable, high ? 1.0 : -1.0,
-                                bands[k], halves[k], halves[1 - k], middles[1 - k]});
+      ends[k][high] =
+          level_of({channels[k], channels[1 - k], look.usable, high ? 1.0 : -1.0, bands[k],
+                    ranges[k].half, ranges[1 - k].half, ranges[1 - k].middle});
   std::size_t on_levels = 0, usable = 0;
   for (const auto &channel : ends)
     for (const auto &end : channel)
