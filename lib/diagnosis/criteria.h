@@ -110,6 +110,8 @@ inline constexpr double kOnLevel = 8.0, kWidestLevel = 0.1;
 /// be: the slope, 1 on one, is none in so many of its errors, which are this small; one that is
 /// smaller yet is a level that a filter rounds.
 inline constexpr double kFlatErrors = 3.0, kFlatKnown = 0.02, kFlat = 0.005;
+/// What lies so many spreads from the middle of the readings on a level is not on it.
+inline constexpr double kWildOnLevel = 6.0;
 /// Readings beyond a level, of all: spikes, as many as impulse noise has.
 inline constexpr double kSpikesAboveLevel = 0.002;
 /// Readings on a level, peaks that reach it, and readings in each.

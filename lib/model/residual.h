@@ -149,6 +149,10 @@ bool screen_stuck(Screened &look, const Effect &effect);
 /// is in it the other one goes on by what lets it fall by one band. On a level there are far more,
 /// and the other one goes on further.
 bool screen_cut_peaks(Screened &look, const Effect &effect);
+/// Whether the readings speak for levels as of `clipping`: where the model is on one they stay,
+/// whatever the other channel does, and are no round peak, which against the other channel is a
+/// parabola. Too few to tell speak for nothing.
+bool lie_on_levels(const Residual &residual, std::span<const double> levels);
 bool screen_orientation(Screened &look, const Effect &effect);
 bool screen_losses(Screened &look, const Effect &effect);
 /// Width of the steps in which the reference moves, degrees; 0 where it does not, or where they are

@@ -9,6 +9,9 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <vector>
+
+#include <Eigen/Dense>
 
 #include "base/robust.h"
 #include "diagnosis/criteria.h"
@@ -163,6 +166,75 @@ std::optional<Level> level_of(const Channels &c) {
 }
 
 } // namespace
+
+namespace {
+
+/// How round the readings of one channel lie where the model has them on a level: 1 on an ellipse,
+/// 0 on a level. Against the other channel a peak is a parabola, wherever its middle is.
+struct Roundness {
+  double value = 0.0, error = std::numeric_limits<double>::infinity();
+};
+
+Roundness roundness_on(const Residual &r, bool of_sin, double level_v, double sense) {
+  const std::span<const float> reads = of_sin ? r.read_sin_v : r.read_cos_v;
+  const std::span<const float> others = of_sin ? r.read_cos_v : r.read_sin_v;
+  const std::span<const double> model = of_sin ? r.model_sin_v : r.model_cos_v;
+  const double centre_v = of_sin ? r.centre_cos_v : r.centre_sin_v;
+  std::vector<double> other, own; // of the amplitude
+  for (std::size_t i = 0; i < reads.size(); ++i)
+    if (sense * (model[i] - level_v) > -r.noise_v) {
+      other.push_back((static_cast<double>(others[i]) - centre_v) / r.amplitude_v);
+      own.push_back(sense * (static_cast<double>(reads[i]) - level_v) / r.amplitude_v);
+    }
+  const double middle = quantile(own, 0.5), most = criteria::kWildOnLevel * robust_spread(own);
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  double n = 0.0, square = 0.0;
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if (std::abs(own[i] - middle) > most)
+      continue;
+    const Eigen::Vector3d row(1.0, other[i], 0.5 * other[i] * other[i]);
+    products += row * row.transpose();
+    right += row * own[i];
+    square += own[i] * own[i];
+    n += 1.0;
+  }
+  const Eigen::LDLT<Eigen::Matrix3d> solver(products);
+  if (n < criteria::kFewestOnLevel || solver.info() != Eigen::Success ||
+      !(solver.vectorD().minCoeff() > 0.0))
+    return {};
+  const Eigen::Vector3d parabola = solver.solve(right);
+  // Within one step of the converter any peak is flat.
+  const double step =
+      converter_step(std::vector<double>(reads.begin(), reads.end())) / r.amplitude_v;
+  const double variance = std::max((square - parabola.dot(right)) / (n - 3.0), step * step / 12.0);
+  return {-parabola[2], std::sqrt(variance * solver.solve(Eigen::Vector3d::UnitZ())[2])};
+}
+
+} // namespace
+
+bool lie_on_levels(const Residual &residual, std::span<const double> levels) {
+  for (const std::size_t high : {0u, 1u}) {
+    if (!std::isfinite(levels[high]))
+      continue;
+    double weights = 0.0, sum = 0.0;
+    for (const bool of_sin : {true, false}) {
+      if (!std::isnan(levels[2]) && (levels[2] < 0.5) != of_sin)
+        continue;
+      const Roundness at = roundness_on(residual, of_sin, levels[high], high ? 1.0 : -1.0);
+      const double weight = 1.0 / (at.error * at.error);
+      weights += weight;
+      sum += weight * at.value;
+    }
+    constexpr double kRound = 1.0, kHalfWay = 0.5; // of an ellipse; nearer to a level
+    if (!(weights > 0.0))
+      return false;
+    const double roundness = sum / weights, error = 1.0 / std::sqrt(weights);
+    if (roundness + criteria::kFlatErrors * error > kRound || roundness > kHalfWay)
+      return false;
+  }
+  return true;
+}
 
 bool screen_cut_peaks(Screened &look, const Effect &effect) {
   const Capture &capture = look.capture;

@@ -63,7 +63,8 @@ public:
   std::vector<double> steps(Values v) const override {
     return std::vector<double>(to_coordinates(v).size(), 1e-3);
   }
-  /// A channel that stops at a level never passes it by more than noise. Isolated spikes may. While
+  /// A channel that stops at a level stays on it, which is seen, and never passes it by more than
+  /// noise. Isolated spikes may. While
   /// the model leaves more than noise against a reference, the fit may lay the level below the true
   /// one by as much; without one a motion read off the pair bends along.
   bool refuted(Values v, const Residual &r) const override {
@@ -82,7 +83,8 @@ public:
       for (const double read : channel < 0.5 ? r.read_sin_v : r.read_cos_v)
         beyond += read < v[0] - reach || read > v[1] + reach; // never true of NaN
     }
-    return static_cast<double>(beyond) > 2.0 + kSpikes * static_cast<double>(r.time.size());
+    return static_cast<double>(beyond) > 2.0 + kSpikes * static_cast<double>(r.time.size()) ||
+           !lie_on_levels(r, v);
   }
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     return find_clipping(r);
