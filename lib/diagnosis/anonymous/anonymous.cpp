@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <map>
 #include <numeric>
 
 #include "base/angle.h"
@@ -321,6 +322,44 @@ NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &m
   return out;
 }
 
+namespace {
+
+/// The solution in which every order of the angle has a variance of its own before any data, in the
+/// place of the one that all columns share: of many orders most may be nothing, and what they share
+/// would make the large ones smaller. The variances are those under which the data are likeliest,
+/// by MacKay's iteration (Neural Computation 4, 1992, p. 415) from the shared one. `ridged`: the
+/// products with that one; `noise_v2`: mean square of what is left.
+Eigen::VectorXd each_order_as_large_as_it_is(const Basis &basis, const Eigen::MatrixXd &gram,
+                                             Eigen::MatrixXd ridged, double noise_v2) {
+  const Eigen::Index m = ridged.rows();
+  std::map<int, std::vector<Eigen::Index>> orders;
+  for (const Group &g : basis.groups())
+    if (g.axis == Axis::angle && g.order != kOfBaseline)
+      for (std::size_t k = 0; k < g.count; ++k)
+        orders[g.order].push_back(static_cast<Eigen::Index>(g.first + k));
+  Eigen::VectorXd values;
+  constexpr int kPasses = 5; // the large ones are there after two
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const Eigen::LDLT<Eigen::MatrixXd> solver(ridged);
+    values = solver.solve(gram.topRightCorner(m, 1));
+    const Eigen::VectorXd variances =
+        noise_v2 * solver.solve(Eigen::MatrixXd::Identity(m, m)).diagonal();
+    for (const auto &[order, columns] : orders) {
+      const double square = values(columns).squaredNorm();
+      double told = 0.0; // how many of the values the data tell, rather than what was before them
+      for (Eigen::Index k : columns)
+        told += 1.0 - std::clamp((ridged(k, k) - gram(k, k)) * variances[k] / noise_v2, 0.0, 1.0);
+      const double ridge = told * noise_v2 / std::max(square, 1e-300);
+      for (Eigen::Index k : columns)
+        ridged(k, k) =
+            gram(k, k) + std::clamp(ridge, criteria::kRidge * gram(k, k), 1e6 * gram(k, k));
+    }
+  }
+  return values;
+}
+
+} // namespace
+
 Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data,
                      Model model) {
   const int orders = left.selection.orders[static_cast<std::size_t>(Axis::angle)];
@@ -352,7 +391,8 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
   const Eigen::Index m = gram.rows() - 1;
   const Eigen::MatrixXd a = ridged(gram.topLeftCorner(m, m), left.selection.ridge,
                                    basis.stiffness(), 2.0 * static_cast<double>(some.size()));
-  const Eigen::VectorXd values = a.ldlt().solve(gram.topRightCorner(m, 1));
+  const Eigen::VectorXd values =
+      each_order_as_large_as_it_is(basis, gram, a, left.selection.noise_v2);
   if (!values.allFinite())
     return model;
 
