@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "model/model.h"
+#include "model/taps.h"
 #include "model/wave.h"
 #include "recording/capture.h"
 

@@ -35,6 +35,15 @@ void electrical(Wave &w) {
   to_power(w.n, static_cast<unsigned>(w.periods), x, y, w.ex, w.ey);
 }
 
+std::vector<double> delays_of(const Taps &taps) {
+  std::vector<double> out;
+  for (const auto *of : {&taps.sin, &taps.cos})
+    for (const Tap &tap : *of)
+      if (std::find(out.begin(), out.end(), tap.delay_s) == out.end())
+        out.push_back(tap.delay_s);
+  return out;
+}
+
 } // namespace
 
 ForwardModel::ForwardModel(const Model &model, AlphaIs alpha)
@@ -206,13 +215,12 @@ void ForwardModel::Copies::add(const Taps &taps, double delay_s, const Wave &w) 
         c[i] += tap.weight * w.c[i];
 }
 
-std::vector<double> ForwardModel::delays() const {
-  std::vector<double> out;
-  for (const auto *taps : {&taps_.sin, &taps_.cos})
-    for (const Tap &tap : *taps)
-      if (std::find(out.begin(), out.end(), tap.delay_s) == out.end())
-        out.push_back(tap.delay_s);
-  return out;
+/// Those that this block needs, at its speeds.
+Taps ForwardModel::copies(const Wave &w) const {
+  double fastest = 0.0;
+  for (std::size_t i = 0; i < w.n; ++i)
+    fastest = std::max(fastest, std::abs(static_cast<double>(w.at.omega[i])));
+  return taps_.fewest(fastest * w.periods);
 }
 
 void ForwardModel::finish(Wave &w, double *vsin_v, double *vcos_v) const {
@@ -235,11 +243,12 @@ void ForwardModel::block(const Conditions &at, double *vsin_v, double *vcos_v, W
       act(step, w);
   } else {
     Copies sum;
-    for (double delay_s : delays()) {
+    const Taps taps = copies(w);
+    for (double delay_s : delays_of(taps)) {
       leave_magnet(w, delay_s, m.shaft);
       for (const Step &step : way_)
         act(step, w);
-      sum.add(taps_, delay_s, w);
+      sum.add(taps, delay_s, w);
     }
     std::copy(sum.s, sum.s + w.n, w.s);
     std::copy(sum.c, sum.c + w.n, w.c);
@@ -334,7 +343,8 @@ void ForwardFamily::evaluate(const Conditions &at, const Take &take) const {
   Wave w = first_.wave();
   w.turns = &turns;
   first_.begin(at, w, m);
-  const std::vector<double> delays = first_.delays();
+  const Taps taps = first_.taps_.trivial() ? first_.taps_ : first_.copies(w);
+  const std::vector<double> delays = delays_of(taps);
   // Not set to zero: each is written before it is read.
   const auto kept = std::make_unique_for_overwrite<Wave[]>(places_.size() * delays.size());
   const auto behind = [&](ForwardModel::Step::Kind kind, std::size_t steps) {
@@ -351,10 +361,10 @@ void ForwardFamily::evaluate(const Conditions &at, const Take &take) const {
         model.act(model.way_[k], w);
       }
       keep(d, model.way_.size());
-      if (!model.taps_.trivial())
-        sum.add(model.taps_, delays[d], w);
+      if (!taps.trivial())
+        sum.add(taps, delays[d], w);
     }
-    if (!model.taps_.trivial()) {
+    if (!taps.trivial()) {
       std::copy(sum.s, sum.s + w.n, w.s);
       std::copy(sum.c, sum.c + w.n, w.c);
     }

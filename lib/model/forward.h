@@ -11,6 +11,7 @@
 
 #include "model/effect.h"
 #include "model/model.h"
+#include "model/taps.h"
 #include "model/wave.h"
 
 namespace ada {
@@ -63,7 +64,7 @@ private:
   void finish(Wave &w, double *vsin_v, double *vcos_v) const;
   void block(const Conditions &at, double *vsin_v, double *vcos_v, Wave &w) const;
   void add_remainder(Wave &w) const;
-  std::vector<double> delays() const;
+  Taps copies(const Wave &w) const;
 
   Baseline baseline_;
   double mid_v_, temp_reference_v_;

@@ -13,15 +13,6 @@ template <class T> void advance(T *&p, std::size_t by) {
     p += by;
 }
 
-std::vector<Tap> convolve(const std::vector<Tap> &a, std::span<const Tap> b) {
-  std::vector<Tap> out;
-  out.reserve(a.size() * b.size());
-  for (const Tap &x : a)
-    for (const Tap &y : b)
-      out.push_back({x.delay_s + y.delay_s, x.weight * y.weight});
-  return out;
-}
-
 /// (re, im) times (x, y), as complex numbers.
 void multiply(std::size_t n, const double *x, const double *y, double *re, double *im) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -61,11 +52,6 @@ void to_power(std::size_t n, unsigned power, double *x, double *y, double *re, d
       x[i] = square;
     }
   }
-}
-
-void Taps::pass(std::span<const Tap> system) {
-  sin = convolve(sin, system);
-  cos = convolve(cos, system);
 }
 
 } // namespace ada

@@ -99,19 +99,4 @@ struct Wave {
 /// (re + j im) = (x + j y)^power for unit vectors, by squaring; x and y are used up.
 void to_power(std::size_t n, unsigned power, double *x, double *y, double *re, double *im);
 
-/// Linear dynamics before the sampler as a sum of delayed copies: out(t) = sum w_i in(t - d_i).
-struct Tap {
-  double delay_s, weight;
-  bool operator==(const Tap &) const = default;
-};
-struct Taps {
-  std::vector<Tap> sin{{0.0, 1.0}}, cos{{0.0, 1.0}};
-  bool trivial() const {
-    return sin.size() == 1 && cos.size() == 1 && sin[0].delay_s == 0.0 && cos[0].delay_s == 0.0;
-  }
-  /// Passes both channels through another such system.
-  void pass(std::span<const Tap> system);
-  bool operator==(const Taps &) const = default;
-};
-
 } // namespace ada

@@ -3,8 +3,8 @@
 //
 // A first-order low pass before the sampler. Its impulse response exp(-u) du, u = t/tau, is
 // replaced by the nodes of Gauss-Laguerre quadrature, so the filter becomes a sum of delayed copies
-// of the signal, each evaluated on the true motion; five nodes are exact to 1e-7 of the amplitude
-// up to omega tau = 0.4.
+// of the signal, each evaluated on the true motion. The ten nodes are made as few as the speed
+// allows (model/taps).
 
 #include "model/effects/common.h"
 
