@@ -123,6 +123,21 @@ inline constexpr std::size_t kFewestCutPeaks = 2, kFewestInPeak = 3;
 /// jump. Of three readings the other channel's larger step is half of its way, or somewhat more.
 inline constexpr double kCutBands = 6.0, kJoins = 0.5, kLargestStep = 0.7;
 
+// --- an alternation from row to row
+
+/// Rows to either side over which it goes as a parabola, and rows of a record in which there are
+/// some ten such windows.
+inline constexpr std::size_t kAlternationReach = 8, kFewestAlternating = 100;
+/// Of the radius: from here on it turns the pair by 12 degrees, more than any error of a sensor,
+/// and moves it as far off its circle. A smaller one is a line of the spectrum like another.
+inline constexpr double kLargeAlternation = 0.2;
+/// Times what of it is not steady: white noise of 1 has 0.74 (off its neighbours 0.61 in all, of
+/// which a parabola through 17 rows keeps 0.36).
+inline constexpr double kSteadyAlternation = 2.0;
+/// Of a shaft that turns by more than 45 electrical degrees from row to row the mean of two rows is
+/// no place of the pair.
+inline constexpr double kSlowBesideAlternation = kTwoPi / 8.0;
+
 // --- the anonymous model
 
 /// Samples that it is fitted to and judged on: enough for 0.5 % of the noise in each of 100

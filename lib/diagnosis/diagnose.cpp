@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/work.h"
@@ -50,6 +51,21 @@ bool is_the_shafts_alone(const Diagnosis &with_motion, const Diagnosis &by_radiu
   return ripples > 0 || by_radius.findings.size() > with_motion.findings.size();
 }
 
+/// A result without an alternation of the rows, and the tone that this is, named first.
+Diagnosis with_alternation(const Alternation &seen, Diagnosis out) {
+  const Effect &tone = the_effect(is_tone);
+  Finding f;
+  f.effect = &tone;
+  f.values = {seen.frequency_hz, seen.sin_v, seen.cos_v, 0.0, seen.opposed ? 180.0 : 0.0};
+  f.std_errors = {seen.frequency_error_hz, seen.sin_error_v, seen.cos_error_v, 0.0, 0.0};
+  f.before = f.after = out.baseline_quality;
+  put_in_words(f);
+  out.findings.insert(out.findings.begin(), std::move(f));
+  if (out.verdict == Verdict::no_discrepancy)
+    out.verdict = Verdict::explained;
+  return out;
+}
+
 } // namespace
 
 std::string_view verdict_name(Verdict verdict) {
@@ -78,6 +94,12 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
     return out;
   }
   DiagnosisOptions options = given;
+  std::optional<Alternation> of_judge;
+  if (const auto seen = large_alternation(capture)) {
+    if (given.heldout && (of_judge = large_alternation(*given.heldout)))
+      options.heldout = &of_judge->without;
+    return with_alternation(*seen, diagnose(seen->without, options));
+  }
   std::optional<FreshReadings> judge;
   if (given.heldout && (judge = fresh_readings(*given.heldout)))
     options.heldout = &judge->capture;

@@ -23,9 +23,7 @@ namespace {
 using Complex = std::complex<double>;
 
 bool is_tone(const EffectInstance &e) {
-  const EffectInfo &info = e.effect->info();
-  return info.axis == "frequency" && info.pattern == Pattern::offset &&
-         info.character == Character::process;
+  return is_tone(e.effect->info());
 }
 
 /// Coefficients of exp(i w t) and exp(-i w t) in a tone, seen from the side from which the vector
@@ -97,7 +95,8 @@ bool fold_one(const Observations &data, const ResidualColumns &pair, Model &mode
 } // namespace
 
 void fold_images(const Observations &data, Model &model) {
-  if (std::count_if(model.effects.begin(), model.effects.end(), is_tone) < 2)
+  if (std::count_if(model.effects.begin(), model.effects.end(),
+                    [](const EffectInstance &e) { return is_tone(e); }) < 2)
     return;
   const ResidualColumns pair = residual_columns(data, model);
   while (fold_one(data, pair, model)) {

@@ -228,6 +228,10 @@ inline bool is_common_delay(const EffectInfo &e) {
   return e.evidence == Evidence::signal && e.stage == Stage::chain && e.pattern == Pattern::turn &&
          e.character == Character::dynamic;
 }
+/// One line of the spectrum over time lies on both channels.
+inline bool is_tone(const EffectInfo &e) {
+  return e.axis == "frequency" && e.pattern == Pattern::offset && e.character == Character::process;
+}
 /// The angle jumps at one moment.
 inline bool is_jump(const EffectInfo &e) {
   return e.pattern == Pattern::turn && e.character == Character::event;

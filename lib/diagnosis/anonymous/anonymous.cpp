@@ -204,6 +204,13 @@ Anonymous compute(const Scene &scene, const Halves &halves, const Model &model, 
 
 } // namespace
 
+bool Anonymous::goes_beyond_angle() const {
+  for (std::size_t axis = 0; axis + 1 < kAxes; ++axis)
+    if (axis != static_cast<std::size_t>(Axis::angle) && selection.gain_nats[axis] > 0.0)
+      return true;
+  return false;
+}
+
 const Anonymous *RecentAnonymous::find(const Question &question) const {
   const auto at = std::find_if(kept_.rbegin(), kept_.rend(),
                                [&](const auto &kept) { return kept.first == question; });

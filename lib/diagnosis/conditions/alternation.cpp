@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/conditions/alternation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "base/angle.h"
+#include "base/robust.h"
+#include "diagnosis/conditions/no_circle.h"
+#include "diagnosis/criteria.h"
+
+namespace ada {
+
+namespace {
+
+/// By how much each row lies off the mean of its neighbours, with the sign of the row: an
+/// alternation is a constant there, a smooth course and noise alternate. V.
+std::vector<double> against_neighbours(const std::vector<double> &v) {
+  std::vector<double> out(v.size());
+  for (std::size_t i = 1; i + 1 < v.size(); ++i)
+    out[i] = (i % 2 == 0 ? 0.25 : -0.25) * (2.0 * v[i] - v[i - 1] - v[i + 1]);
+  if (v.size() > 2) {
+    out.front() = out[1];
+    out.back() = out[v.size() - 2];
+  }
+  return out;
+}
+
+/// The parabola through the rows within kAlternationReach of each.
+std::vector<double> slow_course(const std::vector<double> &v) {
+  const auto reach = static_cast<std::ptrdiff_t>(criteria::kAlternationReach);
+  const auto n = static_cast<std::ptrdiff_t>(v.size());
+  std::vector<double> out(v.size());
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const std::ptrdiff_t from = std::clamp(i - reach, std::ptrdiff_t{0}, n - 1),
+                         to = std::clamp(i + reach, std::ptrdiff_t{0}, n - 1);
+    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (std::ptrdiff_t k = from; k <= to; ++k) {
+      const double x = static_cast<double>(k - i) / static_cast<double>(reach);
+      const Eigen::Vector3d row(1.0, x, x * x);
+      products += row * row.transpose();
+      right += v[static_cast<std::size_t>(k)] * row;
+    }
+    out[static_cast<std::size_t>(i)] = products.ldlt().solve(right)[0];
+  }
+  return out;
+}
+
+struct Channel {
+  std::vector<double> alternation, without;
+  double rms_v = 0.0, scatter_v = 0.0; ///< of the alternation; of what of it is not slow
+};
+
+Channel channel_of(const std::vector<double> &v) {
+  Channel out;
+  const std::vector<double> off = against_neighbours(v);
+  out.alternation = slow_course(off);
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double a = out.alternation[i];
+    out.without.push_back(v[i] + (i % 2 == 0 ? -a : a));
+    out.rms_v += a * a;
+    out.scatter_v += (off[i] - a) * (off[i] - a);
+  }
+  const double n = static_cast<double>(v.size());
+  out.rms_v = std::sqrt(out.rms_v / n);
+  out.scatter_v = std::sqrt(out.scatter_v / n);
+  return out;
+}
+
+/// Electrical angle, rad, by which half of the rows lie further from the row before than the
+/// others.
+double usual_step(const Channel &sin, const Channel &cos, const Range &of_sin,
+                  const Range &of_cos) {
+  std::vector<double> steps;
+  double before = 0.0;
+  for (std::size_t i = 0; i < sin.without.size(); ++i) {
+    const double angle = std::atan2((sin.without[i] - of_sin.middle) / of_sin.half,
+                                    (cos.without[i] - of_cos.middle) / of_cos.half);
+    if (i > 0)
+      steps.push_back(std::abs(wrap_centred(angle - before, kTwoPi)));
+    before = angle;
+  }
+  return quantile(std::move(steps), 0.5);
+}
+
+} // namespace
+
+std::optional<Alternation> large_alternation(const Capture &capture) {
+  const std::size_t n = capture.size();
+  if (capture.has_reference() || n < criteria::kFewestAlternating)
+    return std::nullopt;
+  const Channel sin = channel_of(capture.vsin_v), cos = channel_of(capture.vcos_v);
+  const std::vector<char> all(n, 1);
+  const Range of_sin = range_of(sin.without, all), of_cos = range_of(cos.without, all);
+  const double rms = std::hypot(sin.rms_v, cos.rms_v);
+  const double noise = std::hypot(sin.scatter_v, cos.scatter_v);
+  if (!(of_sin.half > 0.0 && of_cos.half > 0.0) ||
+      rms < criteria::kLargeAlternation * std::hypot(of_sin.half, of_cos.half) ||
+      rms < criteria::kSteadyAlternation * noise ||
+      usual_step(sin, cos, of_sin, of_cos) > criteria::kSlowBesideAlternation ||
+      !draws_circle(sin.without, cos.without))
+    return std::nullopt;
+  Alternation out;
+  out.without = capture;
+  out.without.vsin_v = sin.without;
+  out.without.vcos_v = cos.without;
+  // Beside half the rate by as many half periods as the alternation changes its sense, along the
+  // line on which it lies.
+  double product = 0.0;
+  for (std::size_t i = 0; i < n; ++i)
+    product += sin.alternation[i] * cos.alternation[i];
+  out.opposed = product < 0.0;
+  const double sense = out.opposed ? -1.0 : 1.0;
+  std::size_t changes = 0;
+  double last = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double along = sin.rms_v * sin.alternation[i] + sense * cos.rms_v * cos.alternation[i];
+    if (std::abs(along) < noise * rms)
+      continue;
+    changes += along * last < 0.0;
+    last = along;
+  }
+  const double span = std::max(capture.time_s.back() - capture.time_s.front(), 1e-12);
+  out.frequency_hz = 0.5 / median_step(capture.time_s) - 0.5 * static_cast<double>(changes) / span;
+  out.frequency_error_hz = 0.5 / span;
+  // Of a tone that comes and goes against the rows the amplitude shows; of one that does not, what
+  // the rows see of it.
+  const double amplitude = changes > 1 ? std::sqrt(2.0) : 1.0;
+  out.sin_v = amplitude * sin.rms_v;
+  out.cos_v = amplitude * cos.rms_v;
+  const double windows = static_cast<double>(n) / static_cast<double>(criteria::kAlternationReach);
+  out.sin_error_v = amplitude * sin.scatter_v / std::sqrt(windows);
+  out.cos_error_v = amplitude * cos.scatter_v / std::sqrt(windows);
+  return out;
+}
+
+} // namespace ada
