@@ -301,7 +301,7 @@ inline constexpr double kBeyondKnots = 0.5;
 // --- naming causes
 
 /// Samples of the search: for looking around, and for a first fit.
-inline constexpr std::size_t kQuick = 8000, kCoarse = 6000;
+inline constexpr std::size_t kQuick = 8000, kCoarse = 4000;
 /// What is left of a fit, times the noise, from which on the noise adds no more than a sixteenth to
 /// its variance: the first fits are enough then.
 inline constexpr double kFarAboveNoise = 4.0;

@@ -8,6 +8,7 @@
 #include <complex>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "base/angle.h"
 #include "base/robust.h"
@@ -221,14 +222,16 @@ OfConditions noise_of_conditions(const Observations *in_order, const Model &mode
         std::sqrt(white_variance(std::vector<double>(recorded.begin(), recorded.end())));
     if (!(by > 0.0))
       continue;
-    Observations moved = data;
-    for (float &v : moved.*column)
+    // In place: of a long record this is where most is in memory.
+    for (float &v : data.*column)
       v += static_cast<float>(by);
-    const ResidualColumns there = residual_columns(moved, model);
-    ResidualColumns moves = rest;
+    ResidualColumns moves = residual_columns(data, model);
+    data.*column = recorded;
     for (std::size_t i = 0; i < moves.sin.size(); ++i) {
-      moves.sin[i] = (there.model_sin[i] - rest.model_sin[i]) / by;
-      moves.cos[i] = (there.model_cos[i] - rest.model_cos[i]) / by;
+      moves.sin[i] =
+          (std::exchange(moves.model_sin[i], rest.model_sin[i]) - rest.model_sin[i]) / by;
+      moves.cos[i] =
+          (std::exchange(moves.model_cos[i], rest.model_cos[i]) - rest.model_cos[i]) / by;
     }
     std::vector<double> along_of, across_of;
     split(data, moves, along_of, across_of);

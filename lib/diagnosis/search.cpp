@@ -468,9 +468,15 @@ SearchResult Search::run_against(const Discrepancy &discrepancy, const Unnamed &
   // has is asked for again.
   while (backward(now)) {
   }
+  const State before = now;
   now = evaluate(with_expected(now.fit.model), 12);
   while (backward(now)) {
   }
+  // Where nothing came of it, what is known of the rivals stands.
+  constexpr double kAsBefore = 0.01; // nats
+  if (causes_of(now.fit.model) == causes_of(before.fit.model) &&
+      std::abs(now.score - before.score) < kAsBefore)
+    now = before;
   return result(now, true);
 }
 

@@ -38,16 +38,20 @@ public:
       decompose(*known_ridge);
       return;
     }
+    // Of many columns the first few say about what all of them will leave.
+    constexpr std::size_t kFew = 64;
+    if (columns_.size() > 2 * kFew)
+      left_ = Nested(from, first(kFew), stiffness, left_).left();
     const double n = std::max(1.0, from.n_train), k = stiffness_.cwiseInverse().sum();
     const Eigen::Index last = from.train.rows() - 1;
     const double all = std::max(from.train(last, last), 1e-300);
     // What is to be explained is taken as spread over all columns by their stiffness: that is the
     // variance which each coefficient may have before any data (empirical Bayes). It matters only
     // where the data tell little. What is left, the noise, is known once the fit is: four passes
-    // settle it, or as many as still move it by a thousandth.
+    // settle it, or as many as still move it by a fiftieth.
     for (int pass = 0; pass < 4; ++pass) {
       const double ridge = std::max(criteria::kRidge, left_ * k / n);
-      if (std::abs(ridge - ridge_) <= 1e-3 * ridge_)
+      if (std::abs(ridge - ridge_) <= 0.02 * ridge_)
         break;
       decompose(ridge);
       left_ = std::min(1.0, train(columns_.size()) / all / (1.0 - criteria::kMostColumns));
@@ -68,15 +72,14 @@ public:
         forward_.head(m));
   }
   /// The same of the held-out part.
-  double heldout(const Eigen::VectorXd &values) const {
-    const Eigen::Index last = from_.heldout.rows() - 1;
-    const auto m = static_cast<std::size_t>(values.size());
-    const std::vector<Eigen::Index> of(columns_.begin(),
-                                       columns_.begin() + static_cast<std::ptrdiff_t>(m));
-    const Eigen::VectorXd onto = from_.heldout(of, last);
-    const Eigen::MatrixXd among = from_.heldout(of, of);
-    return std::max(0.0, from_.heldout(last, last) - 2.0 * values.dot(onto) +
-                             values.dot(among * values));
+  double heldout(const Eigen::VectorXd &values) {
+    const Eigen::Index last = from_.heldout.rows() - 1, m = values.size();
+    if (heldout_.rows() < m) {
+      heldout_ = from_.heldout(columns_, columns_);
+      heldout_onto_ = from_.heldout(columns_, last);
+    }
+    return std::max(0.0, from_.heldout(last, last) - 2.0 * values.dot(heldout_onto_.head(m)) +
+                             values.dot(heldout_.topLeftCorner(m, m) * values));
   }
   std::vector<Eigen::Index> first(std::size_t k) const {
     return {columns_.begin(), columns_.begin() + static_cast<std::ptrdiff_t>(k)};
@@ -98,6 +101,9 @@ private:
   double left_, ridge_ = 0.0;
   Eigen::MatrixXd factor_;  ///< lower triangle
   Eigen::VectorXd forward_; ///< its inverse times the products with the residual
+  /// Products of the held-out part in the order of the columns, once they are asked for.
+  Eigen::MatrixXd heldout_;
+  Eigen::VectorXd heldout_onto_;
 };
 
 } // namespace
@@ -126,7 +132,7 @@ Selection select(const Basis &basis, const Products &from) {
     for (std::size_t k = 0; g.order == kOfBaseline && k < g.count; ++k)
       of_baseline.push_back(static_cast<Eigen::Index>(g.first + k));
   // What the baseline gains by itself is no gain of an axis.
-  const Nested alone(from, of_baseline, stiffness);
+  Nested alone(from, of_baseline, stiffness);
   double left = alone.left(); // what one axis leaves, the next begins with
   const double with_baseline = alone.heldout(alone.values(of_baseline.size()));
   // Steps come first: everything else would follow a step in part, and never to its end, while no
@@ -160,7 +166,7 @@ Selection select(const Basis &basis, const Products &from) {
         ends.emplace_back(g->order, 0);
       ends.back().second = columns.size();
     }
-    const Nested nested(from, std::move(columns), stiffness, left);
+    Nested nested(from, std::move(columns), stiffness, left);
     left = nested.left();
     std::size_t best = 0;
     int best_order = 0;
@@ -204,7 +210,7 @@ Selection select(const Basis &basis, const Products &from) {
 Selection select(const Basis &basis, const Products &from, std::vector<Eigen::Index> columns,
                  std::optional<double> ridge) {
   Selection out;
-  const Nested nested(from, columns, basis.stiffness(), 1.0, ridge);
+  Nested nested(from, columns, basis.stiffness(), 1.0, ridge);
   out.values = nested.values(columns.size());
   out.ridge = nested.ridge();
   out.noise_v2 = nested.heldout(out.values) / std::max(1.0, from.n_heldout);

@@ -77,6 +77,8 @@ Holdout split(std::span<const double> alpha, int periods, const Stops &stops) {
                                   : 0;
     ((number + shift) % 3 == 1 ? out.heldout : out.train).push_back(static_cast<std::uint32_t>(i));
   }
+  for (auto *rows : {&out.train, &out.heldout}) // they stay for as long as the diagnosis
+    rows->shrink_to_fit();
   return out;
 }
 
