@@ -536,10 +536,15 @@ bool Search::refuted(const State &state, std::size_t effect) const {
 bool Search::refuted(const State &state, std::size_t from, std::size_t to) const {
   const Model &model = state.fit.model;
   const ResidualColumns columns = residual_columns(quick_, model);
-  const Residual view = residual_view(*data_.scene, quick_, columns, data_.scene->white_noise_v,
-                                      model.baseline.amplitude_v);
+  Residual view = residual_view(*data_.scene, quick_, columns, data_.scene->white_noise_v,
+                                model.baseline.amplitude_v);
   for (std::size_t k = from; k < to; ++k) {
     const EffectInstance &e = model.effects[k];
+    ResidualColumns without;
+    if (e.effect->info().spoils == Spoils::peaks)
+      without = residual_columns(quick_, model.without(k));
+    view.without_sin_v = without.model_sin;
+    view.without_cos_v = without.model_cos;
     const Observations &all = data_.scene->all;
     if ((has_moment(*e.effect) && !begins_at_once(*data_.scene, model, k)) ||
         e.effect->refuted(e.values, view) ||

@@ -110,8 +110,10 @@ inline constexpr double kOnLevel = 8.0, kWidestLevel = 0.1;
 /// be: the slope, 1 on one, is none in so many of its errors, which are this small; one that is
 /// smaller yet is a level that a filter rounds.
 inline constexpr double kFlatErrors = 3.0, kFlatKnown = 0.02, kFlat = 0.005;
-/// What lies so many spreads from the middle of the readings on a level is not on it.
-inline constexpr double kWildOnLevel = 6.0;
+/// Where a level takes off more than this part of the noise it acts; readings there that tell its
+/// roundness with an error of three degrees of freedom or more; what lies so many spreads from the
+/// middle of them is a spike.
+inline constexpr double kActsOnLevel = 0.5, kFewestActedOn = 6.0, kWildOnLevel = 6.0;
 /// Readings beyond a level, of all: spikes, as many as impulse noise has.
 inline constexpr double kSpikesAboveLevel = 0.002;
 /// Readings on a level, peaks that reach it, and readings in each.
@@ -134,6 +136,12 @@ inline constexpr double kLargeAlternation = 0.2;
 /// Times what of it is not steady: white noise of 1 has 0.74 (off its neighbours 0.61 in all, of
 /// which a parabola through 17 rows keeps 0.36).
 inline constexpr double kSteadyAlternation = 2.0;
+/// Correlation of the two channels on one line, and the part of the whole below which a channel has
+/// none to speak of.
+inline constexpr double kOnOneLine = 0.9, kOfOneChannel = 0.2;
+/// Rows from one change of its sense to the next: three reaches, over which a parabola follows half
+/// a sine to a hundredth. From as many changes on its mean square is that of a sine.
+inline constexpr std::size_t kRowsOfAlternation = 3 * kAlternationReach, kComesAndGoes = 4;
 /// Of a shaft that turns by more than 45 electrical degrees from row to row the mean of two rows is
 /// no place of the pair.
 inline constexpr double kSlowBesideAlternation = kTwoPi / 8.0;
@@ -144,6 +152,9 @@ inline constexpr double kSlowBesideAlternation = kTwoPi / 8.0;
 /// columns.
 inline constexpr std::size_t kAnonymousTrain = 8000, kAnonymousHeldout = 4000;
 inline constexpr std::size_t kRemainderSamples = 30000;
+/// From one end of the motion to the other: the first and the last of 20 readings of a turn have as
+/// much between them.
+inline constexpr double kNearlyATurn = 0.95;
 /// Orders of the turn that are looked at: a map of the error has no finer detail that is worth its
 /// place. The same in electrical periods, where the turn holds many: causes reach to four of them.
 inline constexpr int kMostOrders = 96, kMostPeriods = 5;

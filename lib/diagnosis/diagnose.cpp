@@ -51,6 +51,11 @@ bool is_the_shafts_alone(const Diagnosis &with_motion, const Diagnosis &by_radiu
   return ripples > 0 || by_radius.findings.size() > with_motion.findings.size();
 }
 
+bool holds_tone(const Model *model) {
+  return model && std::any_of(model->effects.begin(), model->effects.end(),
+                              [](const EffectInstance &e) { return is_tone(e.effect->info()); });
+}
+
 /// A result without an alternation of the rows, and the tone that this is, named first.
 Diagnosis with_alternation(const Alternation &seen, Diagnosis out) {
   const Effect &tone = the_effect(is_tone);
@@ -94,12 +99,14 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
     return out;
   }
   DiagnosisOptions options = given;
-  std::optional<Alternation> of_judge;
-  if (const auto seen = large_alternation(capture)) {
-    if (given.heldout && (of_judge = large_alternation(*given.heldout)))
-      options.heldout = &of_judge->without;
-    return with_alternation(*seen, diagnose(seen->without, options));
-  }
+  // A model that has such a tone says what the rows are displaced by.
+  if (!holds_tone(given.baseline))
+    if (const auto seen = large_alternation(capture)) {
+      std::optional<Alternation> of_judge;
+      if (given.heldout && (of_judge = large_alternation(*given.heldout)))
+        options.heldout = &of_judge->without;
+      return with_alternation(*seen, diagnose(seen->without, options));
+    }
   std::optional<FreshReadings> judge;
   if (given.heldout && (judge = fresh_readings(*given.heldout)))
     options.heldout = &judge->capture;

@@ -84,10 +84,8 @@ void Work::search_causes() {
 void Work::search_further() {
   const Model start = found_baseline();
   const Model physical = found_.fit.model;
-  const Anonymous left = anonymous_of(scene_, parts_, physical);
-  if (left.goes_beyond_angle()) // signatures explain none of it: they are sought beside it
-    return;
-  const Unnamed unnamed = unnamed_beside(scene_, parts_, physical, left, noise_);
+  const Unnamed unnamed =
+      unnamed_beside(scene_, parts_, physical, anonymous_of(scene_, parts_, physical), noise_);
   // What is left over is looked at against what has no name: second thoughts come there.
   found_ = search(start).run(false, &physical, unnamed);
   if (!anonymous_of(scene_, parts_, found_.fit.model).any()) {

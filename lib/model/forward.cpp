@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <memory>
 
 #include "base/angle.h"
@@ -89,6 +90,24 @@ ForwardModel::ForwardModel(const Model &model, AlphaIs alpha)
   std::move(chain.begin(), chain.end(), std::back_inserter(way_));
   if (!remainder_.empty())
     way_.push_back({Step::remainder, nullptr, {}});
+  highest_ = highest_harmonic();
+}
+
+double ForwardModel::highest_harmonic() const {
+  // What has no order of its own, such as a weak field, has a hundredth of the amplitude there at
+  // the most. An order of the turn lies on either side of the fundamental.
+  double out = 4.0;
+  for (const Step &step : way_) {
+    if (!step.effect)
+      continue;
+    const EffectInfo &info = step.effect->info();
+    if (info.spoils == Spoils::peaks)
+      return std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < info.parameters.size(); ++k)
+      if (info.parameters[k].name == "order")
+        out = std::max(out, 1.0 + step.values[k]);
+  }
+  return std::max(out, 1.0 + static_cast<double>(remainder_.size()));
 }
 
 Wave ForwardModel::wave() const {
@@ -220,7 +239,7 @@ Taps ForwardModel::copies(const Wave &w) const {
   double fastest = 0.0;
   for (std::size_t i = 0; i < w.n; ++i)
     fastest = std::max(fastest, std::abs(static_cast<double>(w.at.omega[i])));
-  return taps_.fewest(fastest * w.periods);
+  return std::isfinite(highest_) ? taps_.fewest(highest_ * fastest * w.periods) : taps_;
 }
 
 void ForwardModel::finish(Wave &w, double *vsin_v, double *vcos_v) const {
@@ -272,7 +291,8 @@ std::size_t ForwardFamily::in_common(const ForwardModel &other) const {
   const ForwardModel &a = first_, &b = other;
   if (a.motion_ != b.motion_ || a.reference_ != b.reference_ || a.periods_ != b.periods_ ||
       a.mid_v_ != b.mid_v_ || a.temp_reference_v_ != b.temp_reference_v_ ||
-      a.baseline_.angle_zero_deg != b.baseline_.angle_zero_deg || a.taps_ != b.taps_)
+      a.baseline_.angle_zero_deg != b.baseline_.angle_zero_deg || a.taps_ != b.taps_ ||
+      (!a.taps_.trivial() && a.highest_ != b.highest_))
     return kNone;
   const bool same_size = a.baseline_.amplitude_v == b.baseline_.amplitude_v,
              same_volts = same_size && a.baseline_.offset_sin_v == b.baseline_.offset_sin_v &&

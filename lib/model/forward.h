@@ -64,6 +64,7 @@ private:
   void finish(Wave &w, double *vsin_v, double *vcos_v) const;
   void block(const Conditions &at, double *vsin_v, double *vcos_v, Wave &w) const;
   void add_remainder(Wave &w) const;
+  double highest_harmonic() const;
   Taps copies(const Wave &w) const;
 
   Baseline baseline_;
@@ -77,6 +78,9 @@ private:
   std::vector<FourierPair> remainder_; ///< in volts; empty: none
   double remainder_periods_ = 1.0;     ///< its periods a turn of the magnet
   Taps taps_;
+  /// Highest frequency that the signals hold before them, in that of their fundamental; infinite
+  /// where they have edges.
+  double highest_ = 0.0;
 };
 
 /// Models that have most of their way in common with a first one, each with one number or one

@@ -58,6 +58,8 @@ public:
   /// Absolute volts as they were read: the residual above may be weighed, and is then not the rest.
   std::span<const float> read_sin_v, read_cos_v;
   std::span<const double> alpha;                    ///< mechanical angle, rad
+  /// Absolute volts of the model without the effect that is asked; empty where nobody needs them.
+  std::span<const double> without_sin_v, without_cos_v;
   AskedOften<std::vector<double>> orders;           ///< of find_orders
   AskedOften<double> slowest;                       ///< of slowest_speed
   AskedOften<double> arc;                           ///< of arc_turns
@@ -149,9 +151,9 @@ bool screen_stuck(Screened &look, const Effect &effect);
 /// is in it the other one goes on by what lets it fall by one band. On a level there are far more,
 /// and the other one goes on further.
 bool screen_cut_peaks(Screened &look, const Effect &effect);
-/// Whether the readings speak for levels as of `clipping`: where the model is on one they stay,
-/// whatever the other channel does, and are no round peak, which against the other channel is a
-/// parabola. Too few to tell speak for nothing.
+/// Whether the readings speak for levels as of `clipping`: where one acts in the model, what is
+/// left of them does not go with the other channel as a round peak would, which is a parabola. Too
+/// few to tell speak for nothing; without a model that has no such levels nothing is asked.
 bool lie_on_levels(const Residual &residual, std::span<const double> levels);
 bool screen_orientation(Screened &look, const Effect &effect);
 bool screen_losses(Screened &look, const Effect &effect);

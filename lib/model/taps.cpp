@@ -26,11 +26,9 @@ std::vector<Tap> convolve(const std::vector<Tap> &a, std::span<const Tap> b) {
 /// n-th monic orthogonal polynomial under the measure (Gautschi, Orthogonal Polynomials, 2004,
 /// sections 1.4.2, 2.2.3 and 3.1.1).
 std::vector<Tap> fewest_of(const std::vector<Tap> &copies, double fastest) {
-  // Of the fourth harmonic, which itself is a hundredth of the amplitude at the most; the
-  // fundamental errs by 4^(-2n) of that.
-  constexpr double kHarmonic = 4.0, kTolerance = 1e-6, kAtRest = 1e-9;
+  constexpr double kTolerance = 1e-6, kAtRest = 1e-9;
   const auto most = static_cast<Eigen::Index>(copies.size());
-  const double unit = std::max(kHarmonic * fastest, kAtRest); // 1/s
+  const double unit = std::max(fastest, kAtRest); // 1/s
   if (most < 3 ||
       std::any_of(copies.begin(), copies.end(), [](const Tap &t) { return t.weight < 0.0; }))
     return copies;

@@ -34,7 +34,7 @@ TEST(Taps, fewer_pass_each_harmonic_alike) {
     Taps taps;
     find_effect("low-pass-rolloff")->dynamics(std::vector{1.0 / (kTwoPi * tau)}, taps);
     find_effect("channel-skew")->dynamics(std::vector{skew}, taps);
-    const Taps few = taps.fewest(fastest);
+    const Taps few = taps.fewest(4.0 * fastest);
     EXPECT_LE(few.sin.size(), taps.sin.size());
     most = std::max(most, few.sin.size());
     fewest = std::min(fewest, few.sin.size());

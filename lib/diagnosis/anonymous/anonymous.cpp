@@ -204,13 +204,6 @@ Anonymous compute(const Scene &scene, const Halves &halves, const Model &model, 
 
 } // namespace
 
-bool Anonymous::goes_beyond_angle() const {
-  for (std::size_t axis = 0; axis + 1 < kAxes; ++axis)
-    if (axis != static_cast<std::size_t>(Axis::angle) && selection.gain_nats[axis] > 0.0)
-      return true;
-  return false;
-}
-
 const Anonymous *RecentAnonymous::find(const Question &question) const {
   const auto at = std::find_if(kept_.rbegin(), kept_.rend(),
                                [&](const auto &kept) { return kept.first == question; });
@@ -398,8 +391,11 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
   const Eigen::Index m = gram.rows() - 1;
   const Eigen::MatrixXd a = ridged(gram.topLeftCorner(m, m), left.selection.ridge,
                                    basis.stiffness(), 2.0 * static_cast<double>(some.size()));
+  // On a part of a turn the orders are not apart, and a variance for each is nothing that was seen.
   const Eigen::VectorXd values =
-      each_order_as_large_as_it_is(basis, gram, a, left.selection.noise_v2);
+      scene.seen_turns < criteria::kNearlyATurn
+          ? Eigen::VectorXd(a.ldlt().solve(gram.topRightCorner(m, 1)))
+          : each_order_as_large_as_it_is(basis, gram, a, left.selection.noise_v2);
   if (!values.allFinite())
     return model;
 

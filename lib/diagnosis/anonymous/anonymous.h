@@ -24,8 +24,6 @@ struct Anonymous {
   std::vector<double> steps_s;     ///< moments of its steps, the largest first
   int orders = 0;                  ///< that it was asked for
   bool any() const { return !selection.columns.empty(); }
-  /// Whether some of it goes with the speed, the temperature, the supply or the time.
-  bool goes_beyond_angle() const;
 };
 
 /// What an anonymous model is fitted to and judged on.

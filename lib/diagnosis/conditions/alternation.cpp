@@ -5,11 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Dense>
 
 #include "base/angle.h"
+#include "base/error.h"
 #include "base/robust.h"
+#include "calibration/ellipse_fit.h"
+#include "conversion/ellipse.h"
 #include "diagnosis/conditions/no_circle.h"
 #include "diagnosis/criteria.h"
 
@@ -88,11 +92,30 @@ double usual_step(const Channel &sin, const Channel &cos, const Range &of_sin,
   return quantile(std::move(steps), 0.5);
 }
 
+/// Rms distance of the readings from the best ellipse, all of them, of its radius; infinite
+/// where there is none.
+double off_ellipse(const std::vector<double> &vsin, const std::vector<double> &vcos) {
+  try {
+    const EllipseFit fit = fit_ellipse(vsin, vcos);
+    const EllipseInverse circle = invert(fit.value);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < vsin.size(); ++i)
+      sum += std::pow(
+          std::hypot(circle.sine(vsin[i], vcos[i]), circle.cosine(vsin[i], vcos[i])) - 1.0, 2);
+    return std::sqrt(sum / static_cast<double>(vsin.size()));
+  } catch (const Error &error) {
+    if (error.status() != ADA4571_ERROR_UNUSABLE_DATA)
+      throw;
+    return std::numeric_limits<double>::infinity();
+  }
+}
+
 } // namespace
 
 std::optional<Alternation> large_alternation(const Capture &capture) {
   const std::size_t n = capture.size();
-  if (capture.has_reference() || n < criteria::kFewestAlternating)
+  if (capture.has_reference() || n < criteria::kFewestAlternating || !capture.gaps.empty() ||
+      !capture.starts.empty() || !(median_step(capture.time_s) > 0.0))
     return std::nullopt;
   const Channel sin = channel_of(capture.vsin_v), cos = channel_of(capture.vcos_v);
   const std::vector<char> all(n, 1);
@@ -103,7 +126,16 @@ std::optional<Alternation> large_alternation(const Capture &capture) {
       rms < criteria::kLargeAlternation * std::hypot(of_sin.half, of_cos.half) ||
       rms < criteria::kSteadyAlternation * noise ||
       usual_step(sin, cos, of_sin, of_cos) > criteria::kSlowBesideAlternation ||
-      !draws_circle(sin.without, cos.without))
+      !draws_circle(sin.without, cos.without) ||
+      2.0 * off_ellipse(sin.without, cos.without) > off_ellipse(capture.vsin_v, capture.vcos_v))
+    return std::nullopt;
+  double product = 0.0;
+  for (std::size_t i = 0; i < n; ++i)
+    product += sin.alternation[i] * cos.alternation[i];
+  product /= static_cast<double>(n);
+  // A tone lies on one line; what goes round with the pair is two gains, or two sensors.
+  if (std::abs(product) < criteria::kOnOneLine * sin.rms_v * cos.rms_v &&
+      std::min(sin.rms_v, cos.rms_v) > criteria::kOfOneChannel * rms)
     return std::nullopt;
   Alternation out;
   out.without = capture;
@@ -111,9 +143,6 @@ std::optional<Alternation> large_alternation(const Capture &capture) {
   out.without.vcos_v = cos.without;
   // Beside half the rate by as many half periods as the alternation changes its sense, along the
   // line on which it lies.
-  double product = 0.0;
-  for (std::size_t i = 0; i < n; ++i)
-    product += sin.alternation[i] * cos.alternation[i];
   out.opposed = product < 0.0;
   const double sense = out.opposed ? -1.0 : 1.0;
   std::size_t changes = 0;
@@ -125,12 +154,15 @@ std::optional<Alternation> large_alternation(const Capture &capture) {
     changes += along * last < 0.0;
     last = along;
   }
+  // One that comes and goes faster than the windows follow is a line like another.
+  if (changes * criteria::kRowsOfAlternation > n)
+    return std::nullopt;
   const double span = std::max(capture.time_s.back() - capture.time_s.front(), 1e-12);
   out.frequency_hz = 0.5 / median_step(capture.time_s) - 0.5 * static_cast<double>(changes) / span;
   out.frequency_error_hz = 0.5 / span;
   // Of a tone that comes and goes against the rows the amplitude shows; of one that does not, what
   // the rows see of it.
-  const double amplitude = changes > 1 ? std::sqrt(2.0) : 1.0;
+  const double amplitude = changes >= criteria::kComesAndGoes ? std::sqrt(2.0) : 1.0;
   out.sin_v = amplitude * sin.rms_v;
   out.cos_v = amplitude * cos.rms_v;
   const double windows = static_cast<double>(n) / static_cast<double>(criteria::kAlternationReach);

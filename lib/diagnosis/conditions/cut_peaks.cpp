@@ -169,22 +169,24 @@ std::optional<Level> level_of(const Channels &c) {
 
 namespace {
 
-/// How round the readings of one channel lie where the model has them on a level: 1 on an ellipse,
-/// 0 on a level. Against the other channel a peak is a parabola, wherever its middle is.
+/// How round the readings of one channel lie where a level acts in the model: 1 on an ellipse, 0 on
+/// a level. Against the other channel a peak is a parabola, wherever its middle is. What the model
+/// has behind the level, a memory or a tone, is in what it leaves no more.
 struct Roundness {
   double value = 0.0, error = std::numeric_limits<double>::infinity();
 };
 
-Roundness roundness_on(const Residual &r, bool of_sin, double level_v, double sense) {
+Roundness roundness_on(const Residual &r, bool of_sin, double sense) {
   const std::span<const float> reads = of_sin ? r.read_sin_v : r.read_cos_v;
   const std::span<const float> others = of_sin ? r.read_cos_v : r.read_sin_v;
   const std::span<const double> model = of_sin ? r.model_sin_v : r.model_cos_v;
+  const std::span<const double> without = of_sin ? r.without_sin_v : r.without_cos_v;
   const double centre_v = of_sin ? r.centre_cos_v : r.centre_sin_v;
   std::vector<double> other, own; // of the amplitude
   for (std::size_t i = 0; i < reads.size(); ++i)
-    if (sense * (model[i] - level_v) > -r.noise_v) {
+    if (sense * (without[i] - model[i]) > criteria::kActsOnLevel * r.noise_v) {
       other.push_back((static_cast<double>(others[i]) - centre_v) / r.amplitude_v);
-      own.push_back(sense * (static_cast<double>(reads[i]) - level_v) / r.amplitude_v);
+      own.push_back(sense * (static_cast<double>(reads[i]) - model[i]) / r.amplitude_v);
     }
   const double middle = quantile(own, 0.5), most = criteria::kWildOnLevel * robust_spread(own);
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
@@ -200,13 +202,14 @@ Roundness roundness_on(const Residual &r, bool of_sin, double level_v, double se
     n += 1.0;
   }
   const Eigen::LDLT<Eigen::Matrix3d> solver(products);
-  if (n < criteria::kFewestOnLevel || solver.info() != Eigen::Success ||
+  if (n < criteria::kFewestActedOn || solver.info() != Eigen::Success ||
       !(solver.vectorD().minCoeff() > 0.0))
     return {};
   const Eigen::Vector3d parabola = solver.solve(right);
-  // Within one step of the converter any peak is flat.
-  const double step =
-      converter_step(std::vector<double>(reads.begin(), reads.end())) / r.amplitude_v;
+  // Within one step of the converter any peak is flat; and no reading is exact.
+  constexpr double kExact = 1e-6; // of the amplitude: text is rounded, if nothing else is
+  const double step = std::max(
+      converter_step(std::vector<double>(reads.begin(), reads.end())) / r.amplitude_v, kExact);
   const double variance = std::max((square - parabola.dot(right)) / (n - 3.0), step * step / 12.0);
   return {-parabola[2], std::sqrt(variance * solver.solve(Eigen::Vector3d::UnitZ())[2])};
 }
@@ -214,6 +217,8 @@ Roundness roundness_on(const Residual &r, bool of_sin, double level_v, double se
 } // namespace
 
 bool lie_on_levels(const Residual &residual, std::span<const double> levels) {
+  if (residual.without_sin_v.empty())
+    return true;
   for (const std::size_t high : {0u, 1u}) {
     if (!std::isfinite(levels[high]))
       continue;
@@ -221,7 +226,7 @@ bool lie_on_levels(const Residual &residual, std::span<const double> levels) {
     for (const bool of_sin : {true, false}) {
       if (!std::isnan(levels[2]) && (levels[2] < 0.5) != of_sin)
         continue;
-      const Roundness at = roundness_on(residual, of_sin, levels[high], high ? 1.0 : -1.0);
+      const Roundness at = roundness_on(residual, of_sin, high ? 1.0 : -1.0);
       const double weight = 1.0 / (at.error * at.error);
       weights += weight;
       sum += weight * at.value;
