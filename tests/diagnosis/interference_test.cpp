@@ -60,6 +60,13 @@ KIND(a_tone_as_large_as_the_pair_displaces_every_second_row) {
   }
 }
 
+TEST(Alternation, of_what_is_no_number_there_is_none) {
+  Bench bench;
+  Capture c = meter(bench, 400, 1.0, 0.0);
+  c.vsin_v[200] = std::nan("");
+  EXPECT_FALSE(large_alternation(c));
+}
+
 KIND(what_differs_from_row_to_row_is_no_alternation_by_itself) {
   Bench bench;
   bench.pair.noise_v = bench.within(0.001, 0.1) * bench.pair.amplitude_v;

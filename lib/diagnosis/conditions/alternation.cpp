@@ -34,6 +34,15 @@ std::vector<double> against_neighbours(const std::vector<double> &v) {
   return out;
 }
 
+/// Rms of that, of both channels: an alternation cannot be larger.
+double off_neighbours(const std::vector<double> &vsin, const std::vector<double> &vcos) {
+  double sum = 0.0;
+  for (const auto *v : {&vsin, &vcos})
+    for (std::size_t i = 1; i + 1 < v->size(); ++i)
+      sum += std::pow(0.25 * (2.0 * (*v)[i] - (*v)[i - 1] - (*v)[i + 1]), 2);
+  return std::sqrt(sum / static_cast<double>(vsin.size()));
+}
+
 /// The parabola through the rows within kAlternationReach of each.
 std::vector<double> slow_course(const std::vector<double> &v) {
   const auto reach = static_cast<std::ptrdiff_t>(criteria::kAlternationReach);
@@ -117,8 +126,12 @@ std::optional<Alternation> large_alternation(const Capture &capture) {
   if (capture.has_reference() || n < criteria::kFewestAlternating || !capture.gaps.empty() ||
       !capture.starts.empty() || !(median_step(capture.time_s) > 0.0))
     return std::nullopt;
-  const Channel sin = channel_of(capture.vsin_v), cos = channel_of(capture.vcos_v);
   const std::vector<char> all(n, 1);
+  if (!(off_neighbours(capture.vsin_v, capture.vcos_v) >
+        0.5 * criteria::kLargeAlternation *
+            std::hypot(range_of(capture.vsin_v, all).half, range_of(capture.vcos_v, all).half)))
+    return std::nullopt; // most captures, at once; and what holds no numbers
+  const Channel sin = channel_of(capture.vsin_v), cos = channel_of(capture.vcos_v);
   const Range of_sin = range_of(sin.without, all), of_cos = range_of(cos.without, all);
   const double rms = std::hypot(sin.rms_v, cos.rms_v);
   const double noise = std::hypot(sin.scatter_v, cos.scatter_v);
