@@ -152,8 +152,8 @@ bool screen_stuck(Screened &look, const Effect &effect);
 /// and the other one goes on further.
 bool screen_cut_peaks(Screened &look, const Effect &effect);
 /// Whether the readings speak for levels as of `clipping`: where one acts in the model, what is
-/// left of them does not go with the other channel as a round peak would, which is a parabola. Too
-/// few to tell speak for nothing; without a model that has no such levels nothing is asked.
+/// left of them does not go with the other channel as a round peak would, which is a parabola. Not
+/// where they are too few to tell; true where the model without the levels was not worked out.
 bool lie_on_levels(const Residual &residual, std::span<const double> levels);
 bool screen_orientation(Screened &look, const Effect &effect);
 bool screen_losses(Screened &look, const Effect &effect);

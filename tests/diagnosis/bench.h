@@ -13,6 +13,7 @@
 #include <random>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
@@ -146,6 +147,23 @@ inline std::string left_of(const Diagnosis &d) {
 inline void expect_none(const Diagnosis &d, std::initializer_list<std::string_view> causes) {
   for (std::string_view cause : causes)
     EXPECT_FALSE(named(d, cause)) << cause << " among " << names(d);
+}
+
+/// Cuts the upper peaks of both channels off at this part of the amplitude, before the noise. The
+/// level, V.
+inline double cut_upper_peaks(Bench &bench, Capture &c, double part) {
+  const double level = 2.5 + part * bench.pair.amplitude_v;
+  for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v})
+    for (double &x : *v)
+      x = std::min(x, level + bench.normal(bench.pair.noise_v));
+  return level;
+}
+
+/// A clipping at this upper level, within three of the noise.
+inline void expect_cut_at(const Diagnosis &d, double level_v, const Pair &pair) {
+  const Finding *f = named(d, "clipping");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[1], level_v, 3.0 * pair.noise_v) << left_of(d);
 }
 
 /// Mismatch and quadrature with their values, within a hundredth of the larger of them, or within

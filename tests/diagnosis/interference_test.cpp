@@ -108,14 +108,8 @@ KIND(peaks_that_are_cut_in_one_turn_are_clipped) {
   const double rows = std::floor(bench.within(250.0, 1000.0));
   Capture c =
       bench.capture(static_cast<std::size_t>(rows), rows, 1, [](double t) { return kTwoPi * t; });
-  const double level = 2.5 + bench.within(0.8, 0.93) * bench.pair.amplitude_v;
-  for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v})
-    for (double &x : *v)
-      x = std::min(x, level + bench.normal(bench.pair.noise_v));
-  const Diagnosis d = diagnose(c, {});
-  const Finding *f = named(d, "clipping");
-  ASSERT_TRUE(f) << left_of(d);
-  EXPECT_NEAR(f->values[1], level, 3.0 * bench.pair.noise_v) << left_of(d);
+  const double level = cut_upper_peaks(bench, c, bench.within(0.8, 0.93));
+  expect_cut_at(diagnose(c, {}), level, bench.pair);
 }
 
 } // namespace

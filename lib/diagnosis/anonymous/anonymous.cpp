@@ -338,7 +338,7 @@ Eigen::VectorXd each_order_as_large_as_it_is(const Basis &basis, const Eigen::Ma
       for (std::size_t k = 0; k < g.count; ++k)
         orders[g.order].push_back(static_cast<Eigen::Index>(g.first + k));
   Eigen::VectorXd values;
-  constexpr int kPasses = 5; // the large ones are there after two
+  constexpr int kPasses = 5; // ten give the same angles to a thousandth
   for (int pass = 0; pass < kPasses; ++pass) {
     const Eigen::LDLT<Eigen::MatrixXd> solver(ridged);
     values = solver.solve(gram.topRightCorner(m, 1));

@@ -34,13 +34,11 @@ std::vector<double> against_neighbours(const std::vector<double> &v) {
   return out;
 }
 
-/// Rms of that, of both channels: an alternation cannot be larger.
-double off_neighbours(const std::vector<double> &vsin, const std::vector<double> &vcos) {
+double rms_of(const std::vector<double> &v) {
   double sum = 0.0;
-  for (const auto *v : {&vsin, &vcos})
-    for (std::size_t i = 1; i + 1 < v->size(); ++i)
-      sum += std::pow(0.25 * (2.0 * (*v)[i] - (*v)[i - 1] - (*v)[i + 1]), 2);
-  return std::sqrt(sum / static_cast<double>(vsin.size()));
+  for (double x : v)
+    sum += x * x;
+  return std::sqrt(sum / static_cast<double>(v.size()));
 }
 
 /// The parabola through the rows within kAlternationReach of each.
@@ -69,19 +67,17 @@ struct Channel {
   double rms_v = 0.0, scatter_v = 0.0; ///< of the alternation; of what of it is not slow
 };
 
-Channel channel_of(const std::vector<double> &v) {
+/// `off`: against_neighbours of `v`.
+Channel channel_of(const std::vector<double> &v, const std::vector<double> &off) {
   Channel out;
-  const std::vector<double> off = against_neighbours(v);
   out.alternation = slow_course(off);
   for (std::size_t i = 0; i < v.size(); ++i) {
     const double a = out.alternation[i];
     out.without.push_back(v[i] + (i % 2 == 0 ? -a : a));
-    out.rms_v += a * a;
     out.scatter_v += (off[i] - a) * (off[i] - a);
   }
-  const double n = static_cast<double>(v.size());
-  out.rms_v = std::sqrt(out.rms_v / n);
-  out.scatter_v = std::sqrt(out.scatter_v / n);
+  out.rms_v = rms_of(out.alternation);
+  out.scatter_v = std::sqrt(out.scatter_v / static_cast<double>(v.size()));
   return out;
 }
 
@@ -127,11 +123,15 @@ std::optional<Alternation> large_alternation(const Capture &capture) {
       !capture.starts.empty() || !(median_step(capture.time_s) > 0.0))
     return std::nullopt;
   const std::vector<char> all(n, 1);
-  if (!(off_neighbours(capture.vsin_v, capture.vcos_v) >
+  const std::vector<double> off_sin = against_neighbours(capture.vsin_v),
+                            off_cos = against_neighbours(capture.vcos_v);
+  // No alternation is larger than that: most captures are told at once, and what holds no numbers.
+  if (!(std::hypot(rms_of(off_sin), rms_of(off_cos)) >
         0.5 * criteria::kLargeAlternation *
             std::hypot(range_of(capture.vsin_v, all).half, range_of(capture.vcos_v, all).half)))
-    return std::nullopt; // most captures, at once; and what holds no numbers
-  const Channel sin = channel_of(capture.vsin_v), cos = channel_of(capture.vcos_v);
+    return std::nullopt;
+  const Channel sin = channel_of(capture.vsin_v, off_sin),
+                cos = channel_of(capture.vcos_v, off_cos);
   const Range of_sin = range_of(sin.without, all), of_cos = range_of(cos.without, all);
   const double rms = std::hypot(sin.rms_v, cos.rms_v);
   const double noise = std::hypot(sin.scatter_v, cos.scatter_v);
