@@ -24,9 +24,11 @@ std::vector<Tap> convolve(const std::vector<Tap> &a, std::span<const Tap> b) {
 /// The Gauss quadrature of the copies taken as a measure on the delays: n nodes hold its first 2 n
 /// moments, and of e^(-jwd) err by h_n w^(2n) / (2n)! at the most, h_n being the square of the
 /// n-th monic orthogonal polynomial under the measure (Gautschi, Orthogonal Polynomials, 2004,
-/// sections 1.4.2, 2.2.3 and 3.1.1).
+/// sections 1.4.2, 2.2.3 and 3.1.1). Two nodes at least: an acceleration and a supply that ripples
+/// go with the square of the delay, however slow the shaft.
 std::vector<Tap> fewest_of(const std::vector<Tap> &copies, double fastest) {
   constexpr double kTolerance = 1e-6, kAtRest = 1e-9;
+  constexpr Eigen::Index kSquares = 2;
   const auto most = static_cast<Eigen::Index>(copies.size());
   const double unit = std::max(fastest, kAtRest); // 1/s
   if (most < 3 ||
@@ -54,7 +56,7 @@ std::vector<Tap> fewest_of(const std::vector<Tap> &copies, double fastest) {
     square = next_square;
     ++n;
     bound /= static_cast<double>((2 * n - 1) * (2 * n));
-  } while (n < most && square * bound > kTolerance * sum);
+  } while (n < most && (n < kSquares || square * bound > kTolerance * sum));
   if (n >= most)
     return copies;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;

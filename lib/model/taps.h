@@ -21,8 +21,9 @@ struct Taps {
   }
   /// Passes both channels through another such system.
   void pass(std::span<const Tap> system);
-  /// As few copies as do the same, to a millionth, to signals of up to `fastest` rad/s: each copy
-  /// costs the whole way from the magnet to the sampler.
+  /// As few copies as do the same, to a millionth, to signals of up to `fastest` rad/s and to what
+  /// goes with the square of the delay: each copy costs the whole way from the magnet to the
+  /// sampler.
   Taps fewest(double fastest) const;
   bool operator==(const Taps &) const = default;
 };

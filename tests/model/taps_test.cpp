@@ -51,6 +51,23 @@ TEST(Taps, fewer_pass_each_harmonic_alike) {
   EXPECT_EQ(most, 10u);  // fast: as they were
 }
 
+TEST(Taps, at_rest_the_square_of_the_delay_stays) {
+  std::mt19937_64 rng(fresh_seed());
+  const double tau = std::uniform_real_distribution<>(1e-5, 1e-3)(rng);
+  Taps taps;
+  find_effect("low-pass-rolloff")->dynamics(std::vector{1.0 / (kTwoPi * tau)}, taps);
+  const Taps few = taps.fewest(0.0);
+  ASSERT_EQ(few.sin.size(), 2u);
+  const auto moment = [&](const std::vector<Tap> &of, int power) {
+    double out = 0.0;
+    for (const Tap &tap : of)
+      out += tap.weight * std::pow(tap.delay_s / tau, power);
+    return out;
+  };
+  for (int power = 0; power <= 3; ++power)
+    EXPECT_NEAR(moment(few.sin, power), moment(taps.sin, power), 1e-9) << power;
+}
+
 TEST(Taps, what_is_one_copy_stays_it) {
   Taps taps;
   EXPECT_EQ(taps.fewest(1000.0), taps);
