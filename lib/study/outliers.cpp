@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 
 #include <boost/math/distributions/students_t.hpp>
 
@@ -95,34 +97,10 @@ constexpr std::size_t kLeast = 5;
 constexpr std::size_t kLeastForTail = 30; ///< six in the outer fifth of the others
 constexpr double kMostOutliers = 0.2;     ///< share: more are a group
 
-/// One number against the others.
-struct Deleted {
-  double mean = 0.0, variance = 0.0; ///< of the others, and what it is known worse than they
-  double p = 1.0;                    ///< Student's, of one more number of their distribution
-};
-
-/// x, and of it those that are `kept`.
-struct Kept {
-  const Scale &scale;
-  double typical_error;
-  std::vector<std::size_t> kept;
-
-  Deleted deleted(std::size_t i) const {
-    const auto others = static_cast<double>(kept.size() - 1);
-    double mean = 0.0, squares = 0.0;
-    for (const std::size_t k : kept)
-      mean += k == i ? 0.0 : scale.x[k] / others;
-    for (const std::size_t k : kept)
-      squares += k == i ? 0.0 : (scale.x[k] - mean) * (scale.x[k] - mean);
-    const double variance = squares / (others - 1.0), error = scale.std_error[i];
-    if (!(variance > 0.0))
-      return {};
-    const double more2 = std::max(0.0, error * error - typical_error * typical_error);
-    const boost::math::students_t t(others - 1.0);
-    const double distance = std::abs(scale.x[i] - mean);
-    const double by_t = distance / std::sqrt(variance * (1.0 + 1.0 / others) + more2);
-    return {mean, variance + more2, 2.0 * boost::math::cdf(boost::math::complement(t, by_t))};
-  }
+/// Those against whom a number is judged.
+struct Others {
+  double mean = 0.0, variance = 0.0, count = 0.0;
+  std::vector<std::size_t> which;
 };
 
 /// p by the exponential that continues the outer fifth of the others, both sides as one: they are
@@ -148,38 +126,68 @@ double tail_of_others(const std::vector<double> &x, const std::vector<std::size_
              : 1.0;
 }
 
+Others others_of(std::size_t i, const Scale &scale, const std::vector<std::size_t> &kept) {
+  Others out;
+  std::copy_if(kept.begin(), kept.end(), std::back_inserter(out.which),
+               [&](std::size_t k) { return k != i; });
+  out.count = static_cast<double>(out.which.size());
+  for (const std::size_t k : out.which)
+    out.mean += scale.x[k] / out.count;
+  for (const std::size_t k : out.which)
+    out.variance += (scale.x[k] - out.mean) * (scale.x[k] - out.mean) / (out.count - 1.0);
+  return out;
+}
+
+/// z by the spread of the others and by what the number is known worse than they; p is Student's of
+/// one more number of their distribution.
+Distance distance_from(const Others &others, double x, double worse2) {
+  if (!(others.variance > 0.0))
+    return {};
+  const double away = x - others.mean;
+  const double by_t =
+      std::abs(away) / std::sqrt(others.variance * (1.0 + 1.0 / others.count) + worse2);
+  const boost::math::students_t t(others.count - 1.0);
+  return {away / std::sqrt(others.variance + worse2),
+          2.0 * boost::math::cdf(boost::math::complement(t, by_t))};
+}
+
 /// The generalised extreme studentised deviate (Rosner 1983): the farthest is judged against all
-/// others and taken away, then the next, so that two do not hide each other; where one is far, so
-/// are those before it.
+/// others and taken away, then the next. Where one is far, so are
+/// those before it, unless they are known too badly to be, so that two do not hide each other.
 std::vector<Distance> distances_of_few(const Scale &scale) {
   const std::size_t count = scale.x.size();
   std::vector<Distance> out(count);
-  Kept rest{scale, median(scale.std_error), {}};
-  for (std::size_t i = 0; i < count; ++i)
-    rest.kept.push_back(i);
+  std::vector<std::size_t> kept(count), taken;
+  std::iota(kept.begin(), kept.end(), std::size_t{0});
+  const double typical_error = median(scale.std_error); // a part of the spread already
+  const auto distance = [&](std::size_t i, const Others &others) {
+    const double error = scale.std_error[i];
+    return distance_from(others, scale.x[i],
+                         std::max(0.0, error * error - typical_error * typical_error));
+  };
+  const auto judged = [&](std::size_t i, const Others &others) {
+    Distance d = distance(i, others);
+    if (count >= kLeastForTail)
+      d.p = std::max(d.p, tail_of_others(scale.x, others.which, scale.x[i]));
+    return d;
+  };
   const auto most = std::max<std::size_t>(
       1, static_cast<std::size_t>(kMostOutliers * static_cast<double>(count)));
-  std::vector<std::pair<std::size_t, Deleted>> taken;
-  for (std::size_t k = 0; k < most; ++k) {
-    std::size_t farthest = rest.kept.front();
-    Deleted far;
-    for (const std::size_t i : rest.kept)
-      if (const Deleted d = rest.deleted(i); d.p < far.p) {
-        far = d;
+  while (taken.size() < most) {
+    std::size_t farthest = kept.front();
+    double p = 1.0;
+    for (const std::size_t i : kept)
+      if (const double here = distance(i, others_of(i, scale, kept)).p; here < p) {
+        p = here;
         farthest = i;
       }
-    std::erase(rest.kept, farthest);
-    if (count >= kLeastForTail)
-      far.p = std::max(far.p, tail_of_others(scale.x, rest.kept, scale.x[farthest]));
-    taken.emplace_back(farthest, far);
-  }
-  Deleted least;
-  for (auto step = taken.rbegin(); step != taken.rend(); ++step) {
-    const auto &[i, far] = *step;
-    if (far.p < least.p)
-      least = far;
-    if (least.variance > 0.0)
-      out[i] = {(scale.x[i] - least.mean) / std::sqrt(least.variance), least.p};
+    const Others others = others_of(farthest, scale, kept);
+    std::erase(kept, farthest);
+    taken.push_back(farthest);
+    const double p_here = judged(farthest, others).p;
+    for (const std::size_t i : taken)
+      if (const Distance d = judged(i, others); std::max(d.p, p_here) < out[i].p)
+        out[i] = {d.z, std::max(d.p, p_here)};
   }
   return out;
 }

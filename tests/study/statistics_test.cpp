@@ -301,6 +301,9 @@ TEST_F(FewSensors, NumbersThatDoNotVaryOrAreHardlyKnown) {
   std::vector<double> error(20, 0.1);
   error[7] = 15.0;
   EXPECT_GT(distances(x, error)[7].p, 1e-3);
+  x[11] = -20.0; // far itself, and no reason to call the other far
+  EXPECT_GT(distances(x, error)[7].p, 1e-3);
+  EXPECT_LT(distances(x, error)[11].p, 1e-5);
 }
 
 TEST(Statistics, DatesAndNamesInTheirOrder) {
