@@ -99,7 +99,7 @@ constexpr double kMostOutliers = 0.2;     ///< share: more are a group
 
 /// Those against whom a number is judged.
 struct Others {
-  double mean = 0.0, variance = 0.0, count = 0.0;
+  double mean = 0.0, variance = 0.0, weight = 0.0;
   std::vector<std::size_t> which;
 };
 
@@ -126,30 +126,49 @@ double tail_of_others(const std::vector<double> &x, const std::vector<std::size_
              : 1.0;
 }
 
-Others others_of(std::size_t i, const Scale &scale, const std::vector<std::size_t> &kept) {
-  Others out;
-  std::copy_if(kept.begin(), kept.end(), std::back_inserter(out.which),
-               [&](std::size_t k) { return k != i; });
-  out.count = static_cast<double>(out.which.size());
-  for (const std::size_t k : out.which)
-    out.mean += scale.x[k] / out.count;
-  for (const std::size_t k : out.which)
-    out.variance += (scale.x[k] - out.mean) * (scale.x[k] - out.mean) / (out.count - 1.0);
-  return out;
-}
+/// Few numbers, and of each the variance that it is known worse by than most.
+struct Few {
+  const std::vector<double> &x;
+  std::vector<double> worse2, weight;
 
-/// z by the spread of the others and by what the number is known worse than they; p is Student's of
-/// one more number of their distribution.
-Distance distance_from(const Others &others, double x, double worse2) {
-  if (!(others.variance > 0.0))
-    return {};
-  const double away = x - others.mean;
-  const double by_t =
-      std::abs(away) / std::sqrt(others.variance * (1.0 + 1.0 / others.count) + worse2);
-  const boost::math::students_t t(others.count - 1.0);
-  return {away / std::sqrt(others.variance + worse2),
-          2.0 * boost::math::cdf(boost::math::complement(t, by_t))};
-}
+  explicit Few(const Scale &scale) : x(scale.x) {
+    const double typical = median(scale.std_error), spread = median_deviation(x);
+    for (const double error : scale.std_error) {
+      worse2.push_back(std::max(0.0, error * error - typical * typical));
+      const double whole = spread * spread + worse2.back();
+      weight.push_back(worse2.back() > 0.0 ? spread * spread / whole : 1.0);
+    }
+  }
+
+  /// One that is hardly known says as little of the others' spread.
+  Others others_of(std::size_t i, const std::vector<std::size_t> &kept) const {
+    Others out;
+    std::copy_if(kept.begin(), kept.end(), std::back_inserter(out.which),
+                 [&](std::size_t k) { return k != i; });
+    for (const std::size_t k : out.which) {
+      out.weight += weight[k];
+      out.mean += weight[k] * x[k];
+    }
+    out.mean /= out.weight;
+    for (const std::size_t k : out.which)
+      out.variance += weight[k] * (x[k] - out.mean) * (x[k] - out.mean);
+    out.variance /= static_cast<double>(out.which.size() - 1);
+    return out;
+  }
+
+  /// z by the spread of the others and by what the number is known worse than they; p is Student's
+  /// of one more number of their distribution.
+  Distance distance(std::size_t i, const Others &others) const {
+    if (!(others.variance > 0.0))
+      return {};
+    const double away = x[i] - others.mean;
+    const double by_t =
+        std::abs(away) / std::sqrt(others.variance * (1.0 + 1.0 / others.weight) + worse2[i]);
+    const boost::math::students_t t(static_cast<double>(others.which.size() - 1));
+    return {away / std::sqrt(others.variance + worse2[i]),
+            2.0 * boost::math::cdf(boost::math::complement(t, by_t))};
+  }
+};
 
 /// The generalised extreme studentised deviate (Rosner 1983): the farthest is judged against all
 /// others and taken away, then the next. Where one is far, so are
@@ -159,14 +178,9 @@ std::vector<Distance> distances_of_few(const Scale &scale) {
   std::vector<Distance> out(count);
   std::vector<std::size_t> kept(count), taken;
   std::iota(kept.begin(), kept.end(), std::size_t{0});
-  const double typical_error = median(scale.std_error); // a part of the spread already
-  const auto distance = [&](std::size_t i, const Others &others) {
-    const double error = scale.std_error[i];
-    return distance_from(others, scale.x[i],
-                         std::max(0.0, error * error - typical_error * typical_error));
-  };
+  const Few few(scale);
   const auto judged = [&](std::size_t i, const Others &others) {
-    Distance d = distance(i, others);
+    Distance d = few.distance(i, others);
     if (count >= kLeastForTail)
       d.p = std::max(d.p, tail_of_others(scale.x, others.which, scale.x[i]));
     return d;
@@ -177,11 +191,11 @@ std::vector<Distance> distances_of_few(const Scale &scale) {
     std::size_t farthest = kept.front();
     double p = 1.0;
     for (const std::size_t i : kept)
-      if (const double here = distance(i, others_of(i, scale, kept)).p; here < p) {
+      if (const double here = few.distance(i, few.others_of(i, kept)).p; here < p) {
         p = here;
         farthest = i;
       }
-    const Others others = others_of(farthest, scale, kept);
+    const Others others = few.others_of(farthest, kept);
     std::erase(kept, farthest);
     taken.push_back(farthest);
     const double p_here = judged(farthest, others).p;
