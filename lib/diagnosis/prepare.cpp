@@ -209,7 +209,7 @@ FirstHarmonic first_harmonic(const Observations &all, const Scene &scene) {
 
 /// The ellipse that these axes span; a circle where they are those of no pair.
 std::array<double, 3> figure_of(const Eigen::Matrix2d &axes) {
-  constexpr double kMostOfAxes = 2.0; // one to the other: wider than any pair that is read
+  constexpr double kMostOfAxes = 4.0; // one to the other: 62 degrees off a quarter of a period
   const Eigen::Matrix2d moments = axes.transpose() * axes;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> own(moments);
   if (!(own.eigenvalues()[0] * kMostOfAxes * kMostOfAxes > own.eigenvalues()[1]))
@@ -231,14 +231,12 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
   const double least = !scene.has_reference ? criteria::kLeastCoverage
                        : comes_again        ? criteria::kLeastCoverageByReference
                                             : criteria::kLeastOfOnePass;
-  // Without a reference the angle is the vector's, and what is left lies along that.
-  double error = 0.0; // of the centre
-  if (scene.has_reference) {
-    const FirstHarmonic pair = first_harmonic(all, scene);
-    error = pair.centre_error;
-    for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
-      o->figure = figure_of(pair.axes);
-  }
+  // An error of the angle moves the pair along the figure that it draws, whoever tells the angle.
+  const FirstHarmonic pair = first_harmonic(all, scene);
+  for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
+    o->figure = figure_of(pair.axes);
+  // By its own angle a pair goes all the way round its centre.
+  const double error = scene.has_reference ? pair.centre_error : 0.0;
   const double seen = share_of_circle(all.alpha, scene.periods);
   if (seen < least)
     scene.insufficient = fmt::format("the record shows {:.0f} of 360 electrical degrees; at least "

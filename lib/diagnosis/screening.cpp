@@ -10,16 +10,19 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "base/angle.h"
 #include "base/error.h"
 #include "base/fourier.h"
+#include "base/pick.h"
 #include "base/robust.h"
 #include "calibration/ellipse_fit.h"
 #include "diagnosis/conditions/over_supply.h"
 #include "diagnosis/conditions/travel.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/observations.h"
 #include "motion/followed_gaps.h"
 
 namespace ada {
@@ -115,6 +118,30 @@ void angle_of_curve(Screened &look) {
     look.angle[i] = std::atan2(inverse.sine(look.turning_sin_v()[i], look.turning_cos_v()[i]),
                                inverse.cosine(look.turning_sin_v()[i], look.turning_cos_v()[i]));
   unwrap_believed(look);
+}
+
+/// The ellipse of some of the rows, where they lie on one.
+std::optional<EllipseParameters> ellipse_of_some(const Screened &look) {
+  constexpr double kLeaves = 0.2; // of the amplitude, rms: what leaves more is no ellipse
+  std::vector<std::uint32_t> some(look.usable.size());
+  std::iota(some.begin(), some.end(), 0u);
+  some = thin(some, criteria::kForCircle);
+  try {
+    const EllipseFit fit =
+        fit_ellipse(pick(look.turning_sin_v(), some), pick(look.turning_cos_v(), some));
+    if (fit.residual_rms_v < kLeaves * fit.value.amplitude_v)
+      return fit.value;
+  } catch (const Error &) {
+  }
+  return std::nullopt;
+}
+
+/// Whether no circle gives the angle of an ellipse: channels that are d off a quarter of a period
+/// turn the circle's angle to and fro by d / 2, and what a smooth motion makes of that is off by
+/// the square of it.
+bool is_far_from_circle(const EllipseParameters &e) {
+  constexpr double kFar = 0.2; // rad: d^2 / 8 is half an electrical degree
+  return std::abs(e.delta_rad) > kFar;
 }
 
 /// Differences of both channels of one order, at each sample, where all samples they reach over are
@@ -551,8 +578,14 @@ Screened first_look(const Capture &capture, std::vector<char> usable) {
     the_effect_that_spoils(Spoils::peaks).screen(look);
   rough_angle(look);
   look.white_noise_v = white_noise(look);
-  if (look.turns() < criteria::kFewestUnits ||
-      share_of_circle(look.angle, capture.meta.periods_per_turn) < 1.0)
+  const bool part = look.turns() < criteria::kFewestUnits ||
+                    share_of_circle(look.angle, capture.meta.periods_per_turn) < 1.0;
+  std::optional<EllipseParameters> ellipse;
+  if (!part && !capture.has_reference() && (ellipse = ellipse_of_some(look))) {
+    look.centre_sin_v = ellipse->centre_sin_v;
+    look.centre_cos_v = ellipse->centre_cos_v;
+  }
+  if (part || (ellipse && is_far_from_circle(*ellipse)))
     angle_of_curve(look);
   // Within a turn the angle itself is a function of the angle: a ripple that repeats with it could
   // take in the whole motion.

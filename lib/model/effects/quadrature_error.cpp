@@ -9,7 +9,7 @@ namespace ada {
 namespace {
 
 constexpr std::array<ParameterInfo, 1> kParameters{
-    ParameterInfo{"delta_deg", "deg", 0.4, -45.0, 45.0, Role::fitted, 0.01}};
+    ParameterInfo{"delta_deg", "deg", 0.4, -75.0, 75.0, Role::fitted, 0.01}};
 
 constexpr std::array<Separation, 2> kSeparations{
     {{"channel-skew", "capture a second speed or the other direction: a skew grows with speed and "
