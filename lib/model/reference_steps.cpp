@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/angle.h"
 #include "model/residual.h"
@@ -52,11 +53,31 @@ double grid_of(std::vector<double> values) {
   std::vector<double> sorted = gaps;
   const auto low = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 10);
   std::nth_element(sorted.begin(), low, sorted.end());
-  // The text rounds each value, so one gap is no measure of the step: count them over the turn.
-  double steps = 0.0;
-  for (const double gap : gaps)
-    steps += std::round(gap / *low);
-  const double step = (values.back() - values.front()) / steps;
+  // The text rounds each value, so one gap is no measure of the step: count them over the turn,
+  // first over gaps so short that they hold a whole number of such steps without doubt, then over
+  // those that the step known from them counts without doubt.
+  constexpr double kDoubt = 0.25; // of a step
+  const double decimal = last_decimal(values);
+  // Of few decimals a step is exact. Within a run of gaps the rounding of all but its ends cancels.
+  double step = *low, error = *low > 4.0 * decimal ? decimal : 0.0;
+  for (double counted = 0.0, before = -1.0; counted > before;) {
+    before = std::exchange(counted, 0.0);
+    double length = 0.0, steps = 0.0, runs = 1.0;
+    for (const double gap : gaps) {
+      const double in_gap = std::round(gap / step);
+      if (in_gap * error > kDoubt * step) {
+        runs += 1.0;
+        continue;
+      }
+      length += gap;
+      steps += in_gap;
+      counted += 1.0;
+    }
+    if (!(steps > 0.0))
+      return 0.0;
+    step = length / steps;
+    error = std::min(error, decimal * std::sqrt(runs) / steps);
+  }
   const auto fits = std::count_if(values.begin(), values.end(), [&](double v) {
     const double at = (v - values.front()) / step;
     return std::abs(at - std::round(at)) < kOffGrid;
