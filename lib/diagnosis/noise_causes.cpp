@@ -203,6 +203,22 @@ private:
   double most_s_;
 };
 
+/// How far some of the samples are from the curve that the pair draws, V.
+std::vector<double> off_curve_v(const Observations &data, const std::vector<std::uint32_t> &asked,
+                                const Model &model) {
+  if (asked.empty())
+    return {};
+  Observations some = data.select(asked);
+  constexpr int kPasses = 3; // the shaft may have moved far
+  for (int pass = 0; pass < kPasses; ++pass)
+    some = at_own_angle(std::move(some), model);
+  const ResidualColumns left = residual_columns(some, model);
+  std::vector<double> out;
+  for (std::size_t k = 0; k < asked.size(); ++k)
+    out.push_back(std::hypot(left.sin[k], left.cos[k]));
+  return out;
+}
+
 /// Samples about a gap, or a jump of the pair's own angle, that may lie where they do because the
 /// shaft moved on: without a reference nobody knows how it did, and the pair is met at another
 /// angle. `asked`: of `data`, whose rows in the capture are `rows`.
@@ -214,18 +230,26 @@ std::vector<std::uint32_t> moved_on(const Scene &scene, const Observations &data
     return {};
   const Gaps gaps(scene.capture->time_s, scene.own_jumps.rows);
   std::erase_if(asked, [&](std::uint32_t i) { return !gaps.about(rows[i]); });
-  if (asked.empty())
-    return {};
-  Observations some = data.select(asked);
-  constexpr int kPasses = 3; // the shaft may have moved far
-  for (int pass = 0; pass < kPasses; ++pass)
-    some = at_own_angle(std::move(some), model);
-  const ResidualColumns left = residual_columns(some, model);
+  const std::vector<double> left = off_curve_v(data, asked, model);
   std::vector<std::uint32_t> out;
   for (std::size_t k = 0; k < asked.size(); ++k)
-    if (std::hypot(left.sin[k], left.cos[k]) <= kStandsOut * noise_v)
+    if (left[k] <= kStandsOut * noise_v)
       out.push_back(asked[k]);
   return out;
+}
+
+/// Of samples that stand out of the motion, how many lie on the curve that the pair draws all the
+/// same. A spike hits the channels, whatever the angle: of those that just stand out, which are
+/// kStandsOut noises wide, a third lies within kOnCurve of them. A shaft that jerks, and a sample
+/// or a reference that came late, move the pair along the curve. Of four spikes all lie on it once
+/// in eighty.
+constexpr double kMostOnCurve = 0.8; ///< of the spikes
+std::size_t on_curve(const Observations &data, const std::vector<std::uint32_t> &asked,
+                     const Model &model, double noise_v) {
+  constexpr double kOnCurve = 3.0; // noises
+  const std::vector<double> left = off_curve_v(data, asked, model);
+  return static_cast<std::size_t>(
+      std::count_if(left.begin(), left.end(), [&](double v) { return v <= kOnCurve * noise_v; }));
 }
 
 /// Spikes come at any angle. What stands out again and again at the same angles is a corner that
@@ -352,7 +376,7 @@ Spikes spikes_against(const Scene &scene, const Model &model,
       add(plain, i, together);
   // Of what the first look left out, only what this model cannot explain either is a spike.
   std::vector<double> values, angles;
-  std::size_t samples = 0;
+  std::vector<std::uint32_t> spiked; // of those
   std::vector<std::uint32_t> asked(apart.sin.size());
   std::iota(asked.begin(), asked.end(), 0u);
   const std::vector<std::uint32_t> motion =
@@ -364,15 +388,15 @@ Spikes spikes_against(const Scene &scene, const Model &model,
       continue;
     angles.push_back(scene.spiked.alpha[i]);
     add(apart, i, values, supply ? beside(plain, next, next) : Pair{});
-    ++samples;
+    spiked.push_back(static_cast<std::uint32_t>(i));
   }
   std::vector<std::uint32_t> hit_places;
   for (std::size_t i = 0; i < out.hit.size(); ++i)
     if (out.hit[i])
       hit_places.push_back(static_cast<std::uint32_t>(i));
-  for (std::uint32_t i :
-       moved_on(scene, scene.all, scene.index, std::move(hit_places), model, noise_v))
+  for (std::uint32_t i : moved_on(scene, scene.all, scene.index, hit_places, model, noise_v))
     out.hit[i] = 0;
+  hit_places.clear();
   for (std::size_t i = 0; i < out.hit.size(); ++i)
     if (out.hit[i]) {
       if (!stands_out(here.sin[i], here.cos[i], beside(here, i, i + 1), noise_v)) {
@@ -381,18 +405,25 @@ Spikes spikes_against(const Scene &scene, const Model &model,
       }
       add(plain, i, values, supply ? beside(plain, i, i + 1) : Pair{});
       angles.push_back(scene.all.alpha[i]);
-      ++samples;
+      hit_places.push_back(static_cast<std::uint32_t>(i));
     }
-  const bool at_places = samples >= kFewestSpikes && come_with_the_angle(angles, scene.all.alpha);
-  if (at_places)
+  const std::size_t samples = spiked.size() + hit_places.size();
+  const bool enough = samples >= kFewestSpikes;
+  const bool at_places = enough && come_with_the_angle(angles, scene.all.alpha);
+  const bool along =
+      enough && static_cast<double>(on_curve(scene.spiked, spiked, model, noise_v) +
+                                    on_curve(scene.all, hit_places, model, noise_v)) >
+                    kMostOnCurve * static_cast<double>(samples);
+  if (at_places || along)
     together.insert(together.end(), values.begin(), values.end());
   if (together.size() >= 2 * kFewestSpikes) {
     out.no_spikes.count = together.size() / 2;
     out.no_spikes.rms_v = std::sqrt(mean_square(together));
     if (at_places)
       out.no_spikes.place_rad = densest(angles);
+    out.no_spikes.on_curve = along;
   }
-  if (samples < kFewestSpikes || at_places) {
+  if (!enough || at_places || along) {
     std::fill(out.hit.begin(), out.hit.end(), char{0});
     return out;
   }

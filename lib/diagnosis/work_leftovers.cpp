@@ -227,6 +227,8 @@ void Work::note_what_stands_out() {
            no_spikes_.place_rad
                ? fmt::format("at the same places in the turn, most of them about {:.0f} deg",
                              *no_spikes_.place_rad * kDegPerRad)
+           : no_spikes_.on_curve
+               ? "along the curve that the pair draws: the shaft jerks, or the readings come late"
                : "several in a row"),
        rms});
 }

@@ -185,6 +185,50 @@ KIND(spikes_and_a_hand_that_turns_back_are_no_jumps_of_the_angle) {
   EXPECT_FALSE(says(diagnose(c, {}), "the angle jumps from one reading to the next"));
 }
 
+// A reading that comes late, or a shaft that jerks, moves the pair along its own curve.
+KIND(readings_that_come_late_by_much_are_no_spikes_of_the_signals) {
+  Bench bench;
+  const double rate = 1000.0, scatter_s = bench.within(3e-5, 8e-5);
+  const std::vector<double> speeds{bench.within(0.5, 2.0), bench.within(-6.0, -3.0),
+                                   bench.within(8.0, 12.0)};
+  const auto angle = [&](double t) {
+    double at = 0.0;
+    for (std::size_t k = 0; k < speeds.size(); ++k)
+      at += kTwoPi * speeds[k] * std::clamp(t - 3.0 * static_cast<double>(k), 0.0, 3.0);
+    return at;
+  };
+  const Capture sound = bench.capture(9000, rate, 2, angle);
+  Capture c = sound;
+  const auto late = [&](double t) { // many a little, few by much
+    return t - scatter_s * std::log(1.0 / bench.within(1e-9, 1.0));
+  };
+  const Pair &p = bench.pair;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double psi = 2.0 * angle(late(c.time_s[i])) + p.zero_rad;
+    c.vsin_v[i] = 2.5 + bench.normal(p.noise_v) +
+                  p.amplitude_v * (1.0 + 0.5 * p.k) * std::sin(psi + 0.5 * p.delta_rad);
+    c.vcos_v[i] = 2.5 + bench.normal(p.noise_v) +
+                  p.amplitude_v * (1.0 - 0.5 * p.k) * std::cos(psi - 0.5 * p.delta_rad);
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_none(d, {"impulse-noise", "angle-slip", "offset-step"});
+  EXPECT_TRUE(named(d, "timing-jitter")) << left_of(d);
+}
+
+KIND(spikes_of_the_signals_are_spikes_whatever_the_shaft_does) {
+  Bench bench;
+  Capture c = bench.capture(6000, 1000.0, 2, [&](double t) { return kTwoPi * 2.0 * t; });
+  const double size = bench.within(20.0, 60.0) * bench.pair.noise_v;
+  for (std::size_t i = 0; i < c.size(); ++i)
+    if (bench.within(0.0, 1.0) < 0.002)
+      (bench.within(0.0, 1.0) < 0.5 ? c.vsin_v : c.vcos_v)[i] +=
+          std::copysign(size, bench.within(-1.0, 1.0));
+  if (bench.within(0.0, 1.0) < 0.5)
+    c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_TRUE(named(d, "impulse-noise")) << left_of(d);
+}
+
 KIND(stale_rows_are_told_and_are_no_vibration) {
   Bench bench;
   const double share = bench.within(0.03, 0.1), rps = bench.within(4.0, 8.0);
