@@ -4,9 +4,12 @@
 #include "diagnosis/work.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
@@ -255,15 +258,55 @@ bool Work::drop_turns_that_lengthen() {
   return false;
 }
 
+namespace {
+
+/// The order of the turn at which a cause turns the vector to and fro, where it does no more than
+/// that: of the shaft's own ripple the one that was chosen, of the field's errors the largest. What
+/// a shaft does by chance looks like either.
+std::optional<int> ripple_order(const Observations &data, const Model &model, std::size_t effect) {
+  constexpr int kHighest = 8;        // of the field: every named error has a lower one
+  constexpr double kNearlyAll = 0.9; // of what it does
+  const EffectInstance &e = model.effects[effect];
+  const Stage stage = e.effect->info().stage;
+  if (stage == Stage::motion) {
+    const auto order = chosen(e, "order", "per turn");
+    return order && *order == std::round(*order) ? std::optional(static_cast<int>(*order))
+                                                 : std::nullopt;
+  }
+  if (stage != Stage::field)
+    return std::nullopt;
+  const ResidualColumns with = residual_columns(data, model);
+  ResidualColumns moved = residual_columns(data, model.without(effect));
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    moved.sin[i] -= with.sin[i];
+    moved.cos[i] -= with.cos[i];
+  }
+  std::vector<double> along, across;
+  split(data, moved, along, across);
+  std::array<std::complex<double>, kHighest + 1> at{};
+  for (std::size_t i = 0; i < data.size(); ++i)
+    for (int k = 1; k <= kHighest; ++k)
+      at[static_cast<std::size_t>(k)] += across[i] * std::polar(1.0, -k * data.alpha[i]);
+  const auto largest = std::max_element(at.begin(), at.end(), [](const auto &a, const auto &b) {
+    return std::norm(a) < std::norm(b);
+  });
+  const double n = static_cast<double>(std::max<std::size_t>(1, data.size()));
+  const double all = mean_square(across) + mean_square(along);
+  if (2.0 * std::norm(*largest) / (n * n) < kNearlyAll * all)
+    return std::nullopt;
+  return static_cast<int>(largest - at.begin());
+}
+
+} // namespace
+
 bool Work::drop_ripples_by_chance() {
   if (scene_.has_reference || scene_.radius_only)
     return false;
   const Observations &data = scene_.all;
   const Model &model = found_.fit.model;
   for (std::size_t place = 0; place < found_.order.size(); ++place) {
-    const EffectInstance &e = model.effects[found_.order[place]];
-    const auto order = chosen(e, "order", "per turn");
-    if (!order || e.effect->info().stage != Stage::motion || *order != std::round(*order))
+    const auto order = ripple_order(data, model, found_.order[place]);
+    if (!order)
       continue;
     const ResidualColumns rest = residual_columns(data, model.without(found_.order[place]));
     std::vector<double> along, across;
@@ -279,7 +322,7 @@ bool Work::drop_ripples_by_chance() {
                                                             rest.model_cos[i] - data.centre_cos_v),
                                                  1e-12));
     const std::vector<char> all(data.size(), 1);
-    if (!differs_from_turn_to_turn(motion, across, all, static_cast<int>(*order)))
+    if (!differs_from_turn_to_turn(motion, across, all, *order))
       continue;
     found_.forget(place);
     return true;

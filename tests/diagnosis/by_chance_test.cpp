@@ -70,6 +70,31 @@ KIND(a_speed_that_changes_within_a_turn_is_no_ripple) {
   }
 }
 
+/// A speed that wanders at random within some two seconds, at two mean speeds.
+KIND(a_speed_that_wanders_over_a_turn_is_no_stray_field) {
+  Bench bench;
+  constexpr double kRate = 100.0;
+  const auto n = static_cast<std::size_t>(bench.within(6000.0, 15000.0));
+  const double fast = bench.within(0.6, 0.9), slow = bench.within(0.35, 0.5),
+               part = bench.within(0.02, 0.06);
+  std::vector<double> angle{0.0};
+  double once = 0.0, twice = 0.0; // a random course of two poles
+  const double keep = std::exp(-1.0 / (kRate * bench.within(0.5, 1.5)));
+  for (std::size_t i = 1; i < n; ++i) {
+    once = keep * once + bench.normal(1.0);
+    twice = keep * twice + (1.0 - keep) * once;
+    const double spread = std::sqrt(0.25 / (1.0 - keep)); // of `twice`
+    const double mean = 2 * i < n ? fast : slow;
+    angle.push_back(angle.back() + kTwoPi * mean / kRate * (1.0 + part * twice / spread));
+  }
+  Capture c = bench.capture(n, kRate, 1, [&](double t) {
+    return angle[std::min(n - 1, static_cast<std::size_t>(std::lround(t * kRate)))];
+  });
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  expect_none(d, {"stray-field", "sensor-off-axis", "field-direction-error"});
+}
+
 KIND(a_board_that_tilts_is_never_made_worse) {
   Bench bench;
   const auto n = static_cast<std::size_t>(bench.within(50.0, 130.0));
