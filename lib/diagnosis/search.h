@@ -125,9 +125,12 @@ private:
   bool sideways(State &now);
   bool blame_reference(State &now) const;
   struct AlongSupply {
-    double along, across, length2; ///< V^2, means of a sample
-    double fixed;                  ///< across the best fixed direction instead
-    double repeats;                ///< part of `along` that repeats with the angle
+    double along = 0.0, across = 0.0, length2 = 0.0; ///< V^2, means of a sample
+    double fixed = 0.0;                              ///< across the best fixed direction instead
+    double repeats = 0.0;   ///< part of `along` that repeats with the angle
+    double length_v2 = 0.0; ///< along the vector from the centre, of which a supply moves
+    double of_length = 0.0; ///< this part
+    bool is_supply() const;
   };
   AlongSupply along_supply(const State &now) const;
   AlongSupply weigh_supply(State &now, double share);

@@ -25,6 +25,9 @@ constexpr double kTurns = 1.02;
 /// A supply knows nothing of the angle. Where more of it repeats with the turn it is something
 /// else.
 constexpr double kRepeats = 0.5;
+/// It moves the length of the vector as well. Where that has less than this part of what it should
+/// have, only the angle is off.
+constexpr double kOfLength = 0.5;
 
 } // namespace
 
@@ -34,7 +37,7 @@ Search::AlongSupply Search::along_supply(const State &now) const {
   const ResidualColumns r = residual_columns(data_.train, now.fit.model);
   constexpr std::size_t kBins = 36;
   std::array<double, kBins> sum{}, count{};
-  AlongSupply out{0.0, 0.0, 0.0, 0.0, 0.0};
+  AlongSupply out;
   double ss = 0.0, sc = 0.0, cc = 0.0;
   // Spikes are no supply: what lies too far across is one.
   constexpr double kStandsOut = 6.0;
@@ -51,6 +54,10 @@ Search::AlongSupply Search::along_supply(const State &now) const {
     const double vs = r.model_sin[i], vc = r.model_cos[i];
     const double l2 = vs * vs + vc * vc;
     const double a = (r.sin[i] * vs + r.cos[i] * vc), b = (r.sin[i] * vc - r.cos[i] * vs);
+    const double ys = vs - data_.train.centre_sin_v, yc = vc - data_.train.centre_cos_v;
+    const double y2 = std::max(ys * ys + yc * yc, 1e-300);
+    out.length_v2 += std::pow(r.sin[i] * ys + r.cos[i] * yc, 2) / y2;
+    out.of_length += std::pow(vs * ys + vc * yc, 2) / (y2 * l2);
     const double turn = wrap(data_.train.alpha[i], kTwoPi) / kTwoPi * static_cast<double>(kBins);
     const std::size_t bin = std::min(kBins - 1, static_cast<std::size_t>(turn));
     sum[bin] += a / std::sqrt(l2);
@@ -68,8 +75,17 @@ Search::AlongSupply Search::along_supply(const State &now) const {
   out.along /= n;
   out.across /= n;
   out.length2 /= n;
+  out.length_v2 /= n;
+  out.of_length /= n;
   out.fixed = (0.5 * (ss + cc) - std::hypot(0.5 * (ss - cc), sc)) / n;
   return out;
+}
+
+/// Whether what lies along the absolute voltages turns with them, knows nothing of the angle and
+/// moves the length as they do.
+bool Search::AlongSupply::is_supply() const {
+  return fixed > kTurns * across && repeats < kRepeats &&
+         length_v2 - across > kOfLength * of_length * (along - across);
 }
 
 /// Weighs the residual along the absolute voltages by what lies across them, until both agree;
@@ -97,8 +113,7 @@ bool Search::notice_supply(State &now) {
   const double noise2 = noise_v_ * noise_v_;
   AlongSupply part = along_supply(now);
   if (part.along < 1.5 * noise2 || part.along < 1.3 * part.across ||
-      part.along - part.across < 0.5 * noise2 || part.fixed < kTurns * part.across ||
-      part.repeats > kRepeats)
+      part.along - part.across < 0.5 * noise2 || !part.is_supply())
     return false;
   const State before = now;
   part = weigh_supply(now, kShareInSearch);
@@ -122,7 +137,7 @@ bool Search::doubt_supply(State &now) {
   if (data_.scene->has_reference) {
     const AlongSupply part = weigh_supply(now, 1.0);
     if (part.across < criteria::kClean * noise2 && part.along - part.across > 0.5 * noise2 &&
-        part.fixed > kTurns * part.across && part.repeats < kRepeats) {
+        part.is_supply()) {
       supply_rms_fraction_ = std::sqrt((part.along - part.across) / part.length2);
       return false;
     }
@@ -208,10 +223,8 @@ void Search::settle_supply(State &now) {
     return;
   const AlongSupply part = weigh_supply(now, 1.0);
   const double more = part.along - part.across;
-  supply_rms_fraction_ = more > 0.5 * noise_v_ * noise_v_ && part.fixed > kTurns * part.across &&
-                                 part.repeats < kRepeats
-                             ? std::sqrt(more / part.length2)
-                             : 0.0;
+  supply_rms_fraction_ =
+      more > 0.5 * noise_v_ * noise_v_ && part.is_supply() ? std::sqrt(more / part.length2) : 0.0;
   if (supply_rms_fraction_ == 0.0)
     weigh(now, Direction::none, 1.0);
 }

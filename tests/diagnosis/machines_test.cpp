@@ -27,6 +27,35 @@ void lose(Capture &c, std::size_t first, std::size_t count) {
   c.time_s.resize(c.time_s.size() - count);
 }
 
+/// A reference on the motor, the pair on a load behind rubber: it lags by friction, by drag and by
+/// inertia. A supply would move the length of the vector as well.
+KIND(a_coupling_that_twists_is_no_supply) {
+  Bench bench;
+  constexpr double kRate = 100.0;
+  const double swing_hz = bench.within(0.02, 0.05), wide = kTwoPi * bench.within(0.7, 2.0),
+               more = bench.within(0.1, 0.3);
+  const double w = kTwoPi * swing_hz, inertia_s2 = bench.within(2e-3, 1e-2),
+               drag_s = bench.within(0.0, 3e-3), play = bench.within(0.05, 0.4) * kRadPerDeg;
+  const auto motor = [&](double t) {
+    return wide * (std::sin(w * t) + more * std::sin(3.3 * w * t));
+  };
+  const auto speed = [&](double t) {
+    return wide * w * (std::cos(w * t) + 3.3 * more * std::cos(3.3 * w * t));
+  };
+  const auto acceleration = [&](double t) {
+    return -wide * w * w * (std::sin(w * t) + 3.3 * 3.3 * more * std::sin(3.3 * w * t));
+  };
+  const auto n = static_cast<std::size_t>(bench.within(8000.0, 16000.0));
+  Capture c = bench.capture(n, kRate, 2, [&](double t) {
+    return motor(t) - 0.5 * play * std::tanh(speed(t) / 0.01) - drag_s * speed(t) -
+           inertia_s2 * acceleration(t);
+  });
+  for (std::size_t i = 0; i < n; ++i)
+    c.reference_deg[i] = wrap(motor(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_none(d, {"supply-variation", "gain-wander", "amplitude-noise"});
+}
+
 /// A spindle whose belt makes it ripple once a turn, and a logger that drops packets without a
 /// word: the ripple hides that whole numbers of rows are missing, and behind each gap it goes on
 /// where the shaft is.
