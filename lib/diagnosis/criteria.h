@@ -116,7 +116,7 @@ inline constexpr double kFlatErrors = 3.0, kFlatKnown = 0.02, kFlat = 0.005;
 inline constexpr double kActsOnLevel = 0.5, kFewestActedOn = 6.0, kWildOnLevel = 6.0;
 /// Readings beyond a level, of all: spikes, as many as impulse noise has.
 inline constexpr double kSpikesAboveLevel = 0.002;
-/// Readings on a level, peaks that reach it, and readings in each.
+/// Readings on a level, peaks that are cut off at any of the four ends, and readings in each.
 inline constexpr double kFewestOnLevel = 12.0;
 inline constexpr std::size_t kFewestCutPeaks = 2, kFewestInPeak = 3;
 /// While a channel is on a level the other one goes on, by as much as would have it fall by so many

@@ -140,6 +140,25 @@ KIND(a_peak_that_is_compressed_is_not_cut) {
   expect_none(diagnose(c, {}), {"clipping", "stuck-channel"});
 }
 
+/// Of one turn each end has one peak: those of different ends tell each other.
+KIND(peaks_at_two_ends_are_cut_in_one_turn_by_hand) {
+  Bench bench;
+  Capture c = by_hand(bench, bench.within(1.2, 1.8));
+  const double level = cut_upper_peaks(bench, c, bench.within(0.8, 0.92));
+  expect_cut_at(diagnose(c, {}), level, bench.pair);
+}
+
+KIND(in_one_turn_by_hand_round_peaks_are_not_cut) {
+  Bench bench;
+  const bool compressed = bench.within(0.0, 1.0) < 0.5;
+  Capture c = by_hand(bench, bench.within(1.0, 1.8));
+  const double part = bench.within(0.1, 0.25), a = bench.pair.amplitude_v;
+  for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v})
+    for (double &x : *v)
+      x = compressed ? 2.5 + a * std::tanh(part * 5.0 * (x - 2.5) / a) : x;
+  expect_none(diagnose(c, {}), {"clipping", "stuck-channel"});
+}
+
 KIND(a_delay_that_grows_at_reversals_is_no_slip) {
   Bench bench;
   constexpr double kRate = 2000.0;

@@ -25,6 +25,7 @@ namespace {
 /// One end of a channel.
 struct Level {
   double value_v = 0.0, error_v = 0.0;
+  std::size_t peaks = 0;         ///< that it cuts off
   std::vector<std::size_t> rows; ///< on it, ascending
 };
 
@@ -92,7 +93,7 @@ std::optional<Level> level_at(const Channels &c, const End &end) {
   const auto on = [&](std::size_t i) { return c.usable[i] && c.top(i) > end.top_v - end.band_v; };
   Level out;
   Flatness flatness;
-  std::size_t peaks = 0, in_peaks = 0;
+  std::size_t in_peaks = 0;
   for (std::size_t i = 0; i < c.own.size(); ++i) {
     if (!on(i))
       continue;
@@ -115,14 +116,14 @@ std::optional<Level> level_at(const Channels &c, const End &end) {
     if (from > 0 && to < c.own.size() && joins(from - 1) && joins(to) &&
         to - from >= criteria::kFewestInPeak && step < criteria::kLargestStep * (high - low) &&
         c.fallen(c.other_middle_v + half_way) > criteria::kCutBands * end.band_v) {
-      ++peaks;
+      ++out.peaks;
       in_peaks += to - from;
       for (std::size_t k = from + 1; k + 1 < to; ++k) // the first and the last may be on the way
         flatness.add(c.fallen(c.other[k]), c.top(k));
     }
     i = to - 1;
   }
-  if (peaks < criteria::kFewestCutPeaks || 2 * in_peaks < out.rows.size() || !flatness.flat())
+  if (out.peaks == 0 || 2 * in_peaks < out.rows.size() || !flatness.flat())
     return {};
   std::vector<double> values;
   for (std::size_t i : out.rows)
@@ -254,10 +255,15 @@ bool screen_cut_peaks(Screened &look, const Effect &effect) {
       ends[k][high] =
           level_of({channels[k], channels[1 - k], look.usable, high ? 1.0 : -1.0, bands[k],
                     ranges[k].half, ranges[1 - k].half, ranges[1 - k].middle});
-  std::size_t on_levels = 0, usable = 0;
+  std::size_t on_levels = 0, peaks = 0, usable = 0;
   for (const auto &channel : ends)
     for (const auto &end : channel)
-      on_levels += end ? end->rows.size() : 0;
+      if (end) {
+        on_levels += end->rows.size();
+        peaks += end->peaks;
+      }
+  if (peaks < criteria::kFewestCutPeaks)
+    return false;
   for (char u : look.usable)
     usable += u != 0;
   if (2 * on_levels > usable) // the rest shows no pair: levels are left to the fit
