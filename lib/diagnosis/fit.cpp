@@ -439,12 +439,18 @@ ResidualColumns residuals_alone(const Observations &data, const Model &model) {
 }
 
 Observations at_own_angle(Observations data, const Model &model) {
+  // Newton's step to where the model's vector has the direction of the pair: on an ellipse of axes
+  // a and b the vector and its derivative span a b, wherever it is.
+  const auto &[ss, sc, cc] = data.figure;
+  const double axes =
+      std::sqrt(std::max(ss * cc - sc * sc, 1e-12)); // a / b, where a^2 is their form
   for (int pass = 0; pass < 2; ++pass) {
     const ResidualColumns r = residual_columns(data, model);
     for (std::size_t i = 0; i < data.size(); ++i) {
       const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
-      const double tangential = (r.sin[i] * c - r.cos[i] * s) / std::max(s * s + c * c, 1e-12);
-      data.alpha[i] += tangential / model.periods_per_turn;
+      const double area = (ss * s * s + 2.0 * sc * s * c + cc * c * c) / axes;
+      data.alpha[i] +=
+          (r.sin[i] * c - r.cos[i] * s) / std::max(area, 1e-12) / model.periods_per_turn;
     }
   }
   return data;

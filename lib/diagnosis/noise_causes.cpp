@@ -214,8 +214,10 @@ std::vector<double> off_curve_v(const Observations &data, const std::vector<std:
     some = at_own_angle(std::move(some), model);
   const ResidualColumns left = residual_columns(some, model);
   std::vector<double> out;
-  for (std::size_t k = 0; k < asked.size(); ++k)
-    out.push_back(std::hypot(left.sin[k], left.cos[k]));
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    const auto [sin, cos] = some.outward(left.model_sin[k], left.model_cos[k]);
+    out.push_back(std::abs(left.sin[k] * sin + left.cos[k] * cos));
+  }
   return out;
 }
 
@@ -242,7 +244,7 @@ std::vector<std::uint32_t> moved_on(const Scene &scene, const Observations &data
 /// same. A spike hits the channels, whatever the angle: of those that just stand out, which are
 /// kStandsOut noises wide, a third lies within kOnCurve of them. A shaft that jerks, and a sample
 /// or a reference that came late, move the pair along the curve. Of four spikes all lie on it once
-/// in eighty.
+/// in fifty.
 constexpr double kMostOnCurve = 0.8; ///< of the spikes
 std::size_t on_curve(const Observations &data, const std::vector<std::uint32_t> &asked,
                      const Model &model, double noise_v) {
@@ -421,7 +423,7 @@ Spikes spikes_against(const Scene &scene, const Model &model,
     out.no_spikes.rms_v = std::sqrt(mean_square(together));
     if (at_places)
       out.no_spikes.place_rad = densest(angles);
-    out.no_spikes.on_curve = along;
+    out.no_spikes.on_curve = along && !at_places;
   }
   if (!enough || at_places || along) {
     std::fill(out.hit.begin(), out.hit.end(), char{0});

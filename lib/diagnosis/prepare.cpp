@@ -209,7 +209,7 @@ FirstHarmonic first_harmonic(const Observations &all, const Scene &scene) {
 
 /// The ellipse that these axes span; a circle where they are those of no pair.
 std::array<double, 3> figure_of(const Eigen::Matrix2d &axes) {
-  constexpr double kMostOfAxes = 4.0; // one to the other: 62 degrees off a quarter of a period
+  constexpr double kMostOfAxes = 8.0; // one to the other: 75 degrees off a quarter of a period, 7.6
   const Eigen::Matrix2d moments = axes.transpose() * axes;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> own(moments);
   if (!(own.eigenvalues()[0] * kMostOfAxes * kMostOfAxes > own.eigenvalues()[1]))

@@ -86,9 +86,19 @@ void rough_angle(Screened &look) {
   unwrap_believed(look);
 }
 
+std::vector<std::uint32_t> usable_rows(const Screened &look) {
+  std::vector<std::uint32_t> out;
+  for (std::uint32_t i = 0; i < look.usable.size(); ++i)
+    if (look.usable[i])
+      out.push_back(i);
+  return out;
+}
+
 /// The curve that the pair draws, where one is seen: an ellipse, or on a short arc a circle.
 std::optional<EllipseParameters> curve_of(const Screened &look) {
-  const std::vector<double> &vsin = look.turning_sin_v(), &vcos = look.turning_cos_v();
+  const std::vector<std::uint32_t> rows = usable_rows(look);
+  const std::vector<double> vsin = pick(look.turning_sin_v(), rows),
+                            vcos = pick(look.turning_cos_v(), rows);
   try {
     return fit_ellipse(vsin, vcos).value;
   } catch (const Error &) {
@@ -122,10 +132,9 @@ void angle_of_curve(Screened &look) {
 
 /// The ellipse of some of the rows, where they lie on one.
 std::optional<EllipseParameters> ellipse_of_some(const Screened &look) {
-  constexpr double kLeaves = 0.2; // of the amplitude, rms: what leaves more is no ellipse
-  std::vector<std::uint32_t> some(look.usable.size());
-  std::iota(some.begin(), some.end(), 0u);
-  some = thin(some, criteria::kForCircle);
+  // Of the amplitude, rms: what leaves more has no centre to a fifth of that.
+  constexpr double kLeaves = 0.2;
+  const std::vector<std::uint32_t> some = thin(usable_rows(look), criteria::kForCircle);
   try {
     const EllipseFit fit =
         fit_ellipse(pick(look.turning_sin_v(), some), pick(look.turning_cos_v(), some));
@@ -140,7 +149,7 @@ std::optional<EllipseParameters> ellipse_of_some(const Screened &look) {
 /// turn the circle's angle to and fro by d / 2, and what a smooth motion makes of that is off by
 /// the square of it.
 bool is_far_from_circle(const EllipseParameters &e) {
-  constexpr double kFar = 0.2; // rad: d^2 / 8 is half an electrical degree
+  constexpr double kFar = 0.2; // rad: d^2 / 8 is a third of an electrical degree
   return std::abs(e.delta_rad) > kFar;
 }
 

@@ -261,20 +261,23 @@ bool Work::drop_turns_that_lengthen() {
 namespace {
 
 /// The order of the turn at which a cause turns the vector to and fro, where it does no more than
-/// that: of the shaft's own ripple the one that was chosen, of the field's errors the largest. What
-/// a shaft does by chance looks like either.
-std::optional<int> ripple_order(const Observations &data, const Model &model, std::size_t effect) {
-  constexpr int kHighest = 8;        // of the field: every named error has a lower one
-  constexpr double kNearlyAll = 0.9; // of what it does
+/// that: of the shaft's own ripple and of the field's errors the one that was chosen, of those of
+/// the field that have none the largest. What a shaft does by chance looks like either.
+std::optional<int> ripple_order(const Observations &all, const Model &model, std::size_t effect) {
+  constexpr std::size_t kHighest = 4; // of a field's error without an order of its own: 1 and 2
+  constexpr double kNearlyAll = 0.9;  // of what it does
+  constexpr std::size_t kEnough = 20000;
   const EffectInstance &e = model.effects[effect];
   const Stage stage = e.effect->info().stage;
-  if (stage == Stage::motion) {
-    const auto order = chosen(e, "order", "per turn");
-    return order && *order == std::round(*order) ? std::optional(static_cast<int>(*order))
-                                                 : std::nullopt;
-  }
-  if (stage != Stage::field)
+  if (stage != Stage::motion && stage != Stage::field)
     return std::nullopt;
+  if (const auto order = chosen(e, "order", "per turn"))
+    return *order == std::round(*order) ? std::optional(static_cast<int>(*order)) : std::nullopt;
+  if (stage == Stage::motion)
+    return std::nullopt;
+  std::vector<std::uint32_t> some(all.size());
+  std::iota(some.begin(), some.end(), 0u);
+  const Observations data = all.select(thin(some, kEnough));
   const ResidualColumns with = residual_columns(data, model);
   ResidualColumns moved = residual_columns(data, model.without(effect));
   for (std::size_t i = 0; i < data.size(); ++i) {
@@ -283,18 +286,22 @@ std::optional<int> ripple_order(const Observations &data, const Model &model, st
   }
   std::vector<double> along, across;
   split(data, moved, along, across);
-  std::array<std::complex<double>, kHighest + 1> at{};
-  for (std::size_t i = 0; i < data.size(); ++i)
-    for (int k = 1; k <= kHighest; ++k)
-      at[static_cast<std::size_t>(k)] += across[i] * std::polar(1.0, -k * data.alpha[i]);
+  // Each sample by the way that it stands for: a shaft that rests says little of an order.
+  std::array<std::complex<double>, kHighest> at{};
+  double whole = 0.0, power = 0.0;
+  for (std::size_t i = 1; i < data.size(); ++i) {
+    const double way = std::abs(data.alpha[i] - data.alpha[i - 1]);
+    whole += way;
+    power += way * (across[i] * across[i] + along[i] * along[i]);
+    for (std::size_t k = 0; k < kHighest; ++k)
+      at[k] += way * across[i] * std::polar(1.0, -static_cast<double>(k + 1) * data.alpha[i]);
+  }
   const auto largest = std::max_element(at.begin(), at.end(), [](const auto &a, const auto &b) {
     return std::norm(a) < std::norm(b);
   });
-  const double n = static_cast<double>(std::max<std::size_t>(1, data.size()));
-  const double all = mean_square(across) + mean_square(along);
-  if (2.0 * std::norm(*largest) / (n * n) < kNearlyAll * all)
+  if (2.0 * std::norm(*largest) < kNearlyAll * power * whole)
     return std::nullopt;
-  return static_cast<int>(largest - at.begin());
+  return static_cast<int>(largest - at.begin()) + 1;
 }
 
 } // namespace
@@ -322,7 +329,8 @@ bool Work::drop_ripples_by_chance() {
                                                             rest.model_cos[i] - data.centre_cos_v),
                                                  1e-12));
     const std::vector<char> all(data.size(), 1);
-    if (!differs_from_turn_to_turn(motion, across, all, *order))
+    const bool falls = model.effects[found_.order[place]].effect->info().stage == Stage::motion;
+    if (!differs_from_turn_to_turn(motion, across, all, *order, falls))
       continue;
     found_.forget(place);
     return true;

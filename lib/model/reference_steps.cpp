@@ -37,17 +37,25 @@ double last_decimal(const std::vector<double> &values) {
 /// The spacing of which all spacings of the values are multiples; 0 where there is none.
 double grid_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
-  std::vector<double> gaps;
-  for (std::size_t i = 1; i < values.size(); ++i)
-    if (values[i] - values[i - 1] > 1e-9)
-      gaps.push_back(values[i] - values[i - 1]);
+  const double decimal = last_decimal(values);
   // One count may be written in two ways, a last decimal apart. Where that is the step itself it is
   // what most neighbours are apart.
-  const double rounded = 1.5 * last_decimal(values);
+  constexpr double kOneValue = 1e-9;
+  const auto gaps_beyond = [&](double least) {
+    std::vector<double> out;
+    double last = values.empty() ? 0.0 : values.front();
+    for (const double v : values)
+      if (v - last > least) {
+        out.push_back(v - last);
+        last = v;
+      }
+    return out;
+  };
+  std::vector<double> gaps = gaps_beyond(kOneValue);
   const auto finest =
-      std::count_if(gaps.begin(), gaps.end(), [&](double g) { return g < rounded; });
+      std::count_if(gaps.begin(), gaps.end(), [&](double g) { return g < 1.5 * decimal; });
   if (2 * static_cast<std::size_t>(finest) < gaps.size())
-    std::erase_if(gaps, [&](double g) { return g < rounded; });
+    gaps = gaps_beyond(1.5 * decimal);
   if (gaps.size() < 3)
     return 0.0;
   std::vector<double> sorted = gaps;
@@ -57,9 +65,8 @@ double grid_of(std::vector<double> values) {
   // first over gaps so short that they hold a whole number of such steps without doubt, then over
   // those that the step known from them counts without doubt.
   constexpr double kDoubt = 0.25; // of a step
-  const double decimal = last_decimal(values);
   // Of few decimals a step is exact. Within a run of gaps the rounding of all but its ends cancels.
-  double step = *low, error = *low > 4.0 * decimal ? decimal : 0.0;
+  double step = *low, error = *low > 3.5 * decimal ? decimal : 0.0;
   for (double counted = 0.0, before = -1.0; counted > before;) {
     before = std::exchange(counted, 0.0);
     double length = 0.0, steps = 0.0, runs = 1.0;

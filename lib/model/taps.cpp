@@ -56,7 +56,7 @@ std::vector<Tap> fewest_of(const std::vector<Tap> &copies, double fastest) {
     square = next_square;
     ++n;
     bound /= static_cast<double>((2 * n - 1) * (2 * n));
-  } while (n < most && (n < kSquares || square * bound > kTolerance * sum));
+  } while (n < most && square > 0.0 && (n < kSquares || square * bound > kTolerance * sum));
   if (n >= most)
     return copies;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;

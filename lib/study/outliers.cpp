@@ -99,7 +99,8 @@ constexpr double kMostOutliers = 0.2;     ///< share: more are a group
 
 /// Those against whom a number is judged.
 struct Others {
-  double mean = 0.0, variance = 0.0, weight = 0.0;
+  double mean = 0.0, variance = 0.0;
+  double weight = 0.0; ///< as many numbers, each known as well as most
   std::vector<std::size_t> which;
 };
 
@@ -152,7 +153,7 @@ struct Few {
     out.mean /= out.weight;
     for (const std::size_t k : out.which)
       out.variance += weight[k] * (x[k] - out.mean) * (x[k] - out.mean);
-    out.variance /= static_cast<double>(out.which.size() - 1);
+    out.variance /= std::max(out.weight - 1.0, 0.5);
     return out;
   }
 
@@ -164,15 +165,15 @@ struct Few {
     const double away = x[i] - others.mean;
     const double by_t =
         std::abs(away) / std::sqrt(others.variance * (1.0 + 1.0 / others.weight) + worse2[i]);
-    const boost::math::students_t t(static_cast<double>(others.which.size() - 1));
+    const boost::math::students_t t(std::max(others.weight - 1.0, 0.5));
     return {away / std::sqrt(others.variance + worse2[i]),
             2.0 * boost::math::cdf(boost::math::complement(t, by_t))};
   }
 };
 
 /// The generalised extreme studentised deviate (Rosner 1983): the farthest is judged against all
-/// others and taken away, then the next. Where one is far, so are
-/// those before it, unless they are known too badly to be, so that two do not hide each other.
+/// others and taken away, then the next. Where one is far, so are those before it, unless they are
+/// known too badly to be, so that two do not hide each other.
 std::vector<Distance> distances_of_few(const Scale &scale) {
   const std::size_t count = scale.x.size();
   std::vector<Distance> out(count);

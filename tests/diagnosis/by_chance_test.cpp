@@ -95,6 +95,26 @@ KIND(a_speed_that_wanders_over_a_turn_is_no_stray_field) {
   expect_none(d, {"stray-field", "sensor-off-axis", "field-direction-error"});
 }
 
+/// What the field is off by is as much at every speed, where a ripple of the shaft is not.
+KIND(a_stray_field_at_several_speeds_is_one_without_a_reference) {
+  Bench bench;
+  constexpr double kRate = 2000.0;
+  const double stray = bench.within(0.01, 0.03), direction = bench.within(0.0, kTwoPi);
+  const double slow = bench.within(60.0, 90.0);
+  const auto angle = through_speeds({slow, slow, 2.0 * slow, 2.0 * slow, 5.0 * slow, 5.0 * slow},
+                                    bench.within(20.0, 40.0), kRate);
+  const int periods = bench.within(0.0, 1.0) < 0.5 ? 1 : 2;
+  Capture c = drawn(bench, kRate, periods, angle, [&](std::size_t i) {
+    const Complex field = std::polar(1.0, angle[i]) + std::polar(stray, direction);
+    return std::polar(1.0, periods * std::arg(field));
+  });
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "stray-field");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], stray, 0.05 * stray) << left_of(d);
+}
+
 KIND(a_board_that_tilts_is_never_made_worse) {
   Bench bench;
   const auto n = static_cast<std::size_t>(bench.within(50.0, 130.0));

@@ -38,6 +38,26 @@ TEST(ReferenceGrid, is_found_in_parts_of_a_turn_with_few_decimals) {
   }
 }
 
+// A count that ties at the last decimal goes up or down by what went before it.
+TEST(ReferenceGrid, is_found_where_counts_are_written_in_two_ways) {
+  std::mt19937_64 rng(fresh_seed());
+  std::uniform_real_distribution<> unit(0.0, 1.0);
+  for (const double counts : {1024.0, 2048.0, 4096.0}) {
+    const double step = 360.0 / counts, decimal = counts < 3000.0 ? 0.01 : 0.001;
+    std::vector<double> reference;
+    for (int i = 0; i < 6000; ++i) {
+      const double at = std::floor(unit(rng) * counts) * step / decimal;
+      const double up = std::floor(at + 0.5), down = std::ceil(at - 0.5);
+      const bool ties = std::abs(at - std::floor(at) - 0.5) < 0.05;
+      reference.push_back((ties && unit(rng) < 0.5 ? std::ceil(at - 0.55)
+                           : ties                  ? up
+                                                   : down) *
+                          decimal);
+    }
+    EXPECT_NEAR(reference_grid_rad(reference) * kDegPerRad, step, 1e-3 * step) << counts;
+  }
+}
+
 TEST(ReferenceGrid, what_counts_nothing_has_none) {
   std::mt19937_64 rng(fresh_seed());
   std::vector<double> reference;

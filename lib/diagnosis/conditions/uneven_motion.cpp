@@ -83,12 +83,13 @@ std::optional<std::complex<double>> left_at_order(const Kinematics &motion,
 
 /// Whether an order of what a smooth motion leaves of the angle is chance: it differs from turn to
 /// turn by more than its mean over the turns, or stands in too few turns to have been seen again.
-/// Where it falls with the speed each turn counts by its part of it.
+/// What falls with the speed, as a shaft's ripple does: each turn counts by its part of it.
 bool differs_by_turn(const Kinematics &motion, std::span<const double> angle,
                      std::span<const char> usable,
-                     const std::vector<std::pair<std::size_t, std::size_t>> &turns, int order) {
+                     const std::vector<std::pair<std::size_t, std::size_t>> &turns, int order,
+                     bool falls) {
   const std::vector<double> &alpha = motion.alpha;
-  const double slowest = slowest_of_range(motion.omega);
+  const double slowest = falls ? slowest_of_range(motion.omega) : 0.0;
   std::vector<std::complex<double>> at;
   std::vector<double> part;
   std::complex<double> sum = 0.0;
@@ -171,7 +172,7 @@ bool ripples_by_chance(const SmoothMotion &smooth, std::span<const double> time,
     return true;
   if (ripple_rad < smooth.residual_rms_rad)
     return false;
-  if (differs_by_turn(smooth.motion, angle, usable, turns, order))
+  if (differs_by_turn(smooth.motion, angle, usable, turns, order, true))
     return true;
   std::vector<double> by_turn;
   for (const auto &[first, last] : turns)
@@ -181,9 +182,9 @@ bool ripples_by_chance(const SmoothMotion &smooth, std::span<const double> time,
 }
 
 bool differs_from_turn_to_turn(const Kinematics &motion, std::span<const double> angle,
-                               std::span<const char> usable, int order) {
+                               std::span<const char> usable, int order, bool falls) {
   const auto turns = whole_turns(motion);
-  return turns.size() >= 2 && differs_by_turn(motion, angle, usable, turns, order);
+  return turns.size() >= 2 && differs_by_turn(motion, angle, usable, turns, order, falls);
 }
 
 } // namespace ada

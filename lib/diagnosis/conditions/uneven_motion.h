@@ -31,8 +31,9 @@ bool ripples_by_chance(const SmoothMotion &smooth, std::span<const double> time,
 
 /// Whether an order of what is left of an angle beside a smooth motion differs from turn to turn by
 /// more than its mean over the turns would by chance. `angle`: rad of the shaft, the motion and
-/// what is left of it; `usable`: 0 where nothing is known.
+/// what is left of it; `usable`: 0 where nothing is known; `falls`: with the speed, as a ripple of
+/// the shaft does and an error of the field does not.
 bool differs_from_turn_to_turn(const Kinematics &motion, std::span<const double> angle,
-                               std::span<const char> usable, int order);
+                               std::span<const char> usable, int order, bool falls);
 
 } // namespace ada
