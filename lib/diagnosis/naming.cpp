@@ -378,8 +378,9 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
     if (!left.any()) {
       if (exchanged) { // what took a rival's place left nothing without a name
         parts.train.coloured.reset();
-        return search().run(true, &known);
+        found = search().run(true, &known);
       }
+      prefer_what_every_pair_has(start.scene, start.judge, parts, found);
       return found;
     }
     const Discrepancy discrepancy = discrepancy_of(left.basis, left.selection, left.from);
