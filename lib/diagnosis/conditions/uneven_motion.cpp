@@ -117,6 +117,14 @@ bool differs_by_turn(const Kinematics &motion, std::span<const double> angle,
   double apart2 = 0.0;
   for (std::size_t k = 0; k < at.size(); ++k)
     apart2 += std::norm(at[k] - part[k] * mean);
+  // A speed that wanders over some turns is off alike in neighbours, and so many turns are worth
+  // fewer (of a first-order process (1 - r) / (1 + r) as many). Of a law that does not hold the
+  // rest goes on as well: this is asked where the size is the same at every speed.
+  double together = 0.0;
+  for (std::size_t k = 1; k < at.size(); ++k)
+    together += std::real((at[k] - part[k] * mean) * std::conj(at[k - 1] - part[k - 1] * mean));
+  const double alike = falls || !(apart2 > 0.0) ? 0.0 : std::max(0.0, together / apart2);
+  apart2 *= (1.0 + alike) / std::max(1.0 - alike, 1e-3);
   // Of so few turns the scatter is little known: the ratio is of an F distribution with 2 and
   // 2 (n - 1) degrees of freedom, which exceeds f with a probability of (1 + f / (n - 1))^-(n - 1).
   // For many turns that is e^-f, the chance of kChanceRipple.
