@@ -63,10 +63,6 @@ void colour(const Scene &scene, Parts &parts, const Model &model) {
 /// A cause is no finding where held-out data are likelier without it, with what has no name then
 /// chosen anew: it stood for something that the anonymous model holds better.
 void drop_what_has_no_name(const Scene &scene, Parts parts, SearchResult &found) {
-  // One that takes most of what is left, or is needed by far more than another could take its place
-  // by, is asked once.
-  constexpr double kFarMore = 10.0 * criteria::kRivalNats;
-  std::vector<char> sure(found.order.size(), 0);
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
   for (;;) {
@@ -77,16 +73,13 @@ void drop_what_has_no_name(const Scene &scene, Parts parts, SearchResult &found)
     std::size_t worst = found.order.size();
     double most = criteria::kRivalNats;
     for (std::size_t place = 0; place < found.order.size(); ++place) {
-      if (sure[place] || model.effects[found.order[place]].effect->info().prior_rank == 0)
+      if (model.effects[found.order[place]].effect->info().prior_rank == 0)
         continue;
       Model less = fit(parts.train, model.without(found.order[place]), kRefit).model;
       const Anonymous unnamed = anonymous_of(scene, parts, less);
-      sure[place] =
-          takes_most(parts, model, less, *model.effects[found.order[place]].effect, unnamed);
-      if (sure[place])
+      if (takes_most(parts, model, less, *model.effects[found.order[place]].effect, unnamed))
         continue;
       double more = nats_beside(unnamed) - with;
-      sure[place] = more < -kFarMore;
       // What went into the choice because the cause was not there, the images of a tone or the rest
       // of a lag that is no plain one, is offered beside the cause as well.
       if (more > most)
@@ -100,7 +93,6 @@ void drop_what_has_no_name(const Scene &scene, Parts parts, SearchResult &found)
     if (worst == found.order.size())
       return;
     found.forget(worst);
-    sure.erase(sure.begin() + static_cast<std::ptrdiff_t>(worst));
     found.fit.model = fit(parts.train, found.fit.model, kRefit).model;
   }
 }

@@ -45,14 +45,14 @@ struct Observations {
   /// Slope of VTEMP on VCOS: what a multiplexer would carry over. Standard error 0: not measured.
   double vtemp_on_vcos = 0.0, vtemp_on_vcos_error = 0.0;
   /// A disturbance that is not recorded moves the pair in a known direction: a supply along the
-  /// absolute voltages, a rough motion without reference along the circle. Residuals in that
+  /// absolute voltages, a rough motion without reference along the figure. Residuals in that
   /// direction weigh less, by this factor.
   Direction disturbed = Direction::none;
   double weight_along = 1.0;
   /// Whether a second capture is judged with offsets of its own.
   bool own_offsets = false;
   double mid_shift_v = 0.0; ///< of mid-supply by the recorded VDD, as in Conditions
-  /// Middle of the circle, near enough for a direction, V.
+  /// Middle of the figure, near enough for a direction, V.
   double centre_sin_v = 2.5, centre_cos_v = 2.5;
   /// The ellipse that the pair draws, x^T M x constant of (VSIN, VCOS) from the middle: M's
   /// elements sin sin, sin cos, cos cos. An error of the angle moves the pair along it, and not

@@ -114,9 +114,8 @@ std::optional<EllipseParameters> curve_of(const Screened &look) {
 
 /// The same by the curve that the pair draws: in a part of a turn the middle of a range is no
 /// centre. Left as it is where no curve is seen.
-void angle_of_curve(Screened &look) {
+void angle_of_curve(Screened &look, const std::optional<EllipseParameters> &e) {
   const Capture &c = look.capture;
-  const std::optional<EllipseParameters> e = curve_of(look);
   if (!e || !(e->amplitude_v > 0.0) || std::abs(e->k) > 1.5)
     return;
   look.centre_sin_v = e->centre_sin_v;
@@ -594,8 +593,10 @@ Screened first_look(const Capture &capture, std::vector<char> usable) {
     look.centre_sin_v = ellipse->centre_sin_v;
     look.centre_cos_v = ellipse->centre_cos_v;
   }
-  if (part || (ellipse && is_far_from_circle(*ellipse)))
-    angle_of_curve(look);
+  if (part)
+    angle_of_curve(look, curve_of(look));
+  else if (ellipse && is_far_from_circle(*ellipse))
+    angle_of_curve(look, ellipse);
   // Within a turn the angle itself is a function of the angle: a ripple that repeats with it could
   // take in the whole motion.
   look.smooth =

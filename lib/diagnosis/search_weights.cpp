@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 //
 // How the search weighs residuals: a supply that is not recorded moves both outputs along the
-// absolute voltages, a motion that is known from the pair alone moves them along the circle.
+// absolute voltages, a motion that is known from the pair alone moves them along the figure.
 
 #include <algorithm>
 #include <array>

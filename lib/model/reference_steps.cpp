@@ -65,11 +65,13 @@ double grid_of(std::vector<double> values) {
   // first over gaps so short that they hold a whole number of such steps without doubt, then over
   // those that the step known from them counts without doubt.
   constexpr double kDoubt = 0.25; // of a step
-  // Of few decimals a step is exact. Within a run of gaps the rounding of all but its ends cancels.
-  double step = *low, error = *low > 3.5 * decimal ? decimal : 0.0;
-  for (double counted = 0.0, before = -1.0; counted > before;) {
-    before = std::exchange(counted, 0.0);
-    double length = 0.0, steps = 0.0, runs = 1.0;
+  // A step of four decimals or fewer is taken as exact: one more or less would be in doubt itself.
+  // Within a run of gaps the rounding of all but its ends cancels.
+  double step = *low, error = (*low - 0.5 * decimal) * kDoubt > decimal ? decimal : 0.0;
+  constexpr int kMostPasses = 10; // each knows the step by as much better as it counts farther
+  double before = 0.0;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    double counted = 0.0, length = 0.0, steps = 0.0, runs = 1.0;
     for (const double gap : gaps) {
       const double in_gap = std::round(gap / step);
       if (in_gap * error > kDoubt * step) {
@@ -84,6 +86,8 @@ double grid_of(std::vector<double> values) {
       return 0.0;
     step = length / steps;
     error = std::min(error, decimal * std::sqrt(runs) / steps);
+    if (std::exchange(before, counted) >= counted)
+      break;
   }
   const auto fits = std::count_if(values.begin(), values.end(), [&](double v) {
     const double at = (v - values.front()) / step;

@@ -58,6 +58,19 @@ TEST(ReferenceGrid, is_found_where_counts_are_written_in_two_ways) {
   }
 }
 
+// Steps that are written without rounding: of any number of the last decimal.
+TEST(ReferenceGrid, is_found_where_the_step_is_a_few_decimals) {
+  std::mt19937_64 rng(fresh_seed());
+  for (const double decimal : {0.1, 0.01, 0.001})
+    for (int of_step = 1; of_step <= 12; ++of_step) {
+      const double step = of_step * decimal;
+      std::vector<double> reference;
+      for (int i = 0; i < 3000; ++i)
+        reference.push_back(static_cast<double>(rng() % 300) * step);
+      EXPECT_NEAR(reference_grid_rad(reference) * kDegPerRad, step, 1e-3 * step) << decimal;
+    }
+}
+
 TEST(ReferenceGrid, what_counts_nothing_has_none) {
   std::mt19937_64 rng(fresh_seed());
   std::vector<double> reference;
