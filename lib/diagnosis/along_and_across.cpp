@@ -29,22 +29,48 @@ double mean_square(const std::vector<double> &x) {
   return sum / static_cast<double>(std::max<std::size_t>(1, x.size()));
 }
 
+namespace {
+
+/// The directions of one sample: of its vector, and out of the figure there.
+struct Axes {
+  double vector_s, vector_c, out_s, out_c;
+  double length_v, both; ///< of the vector; cosine of the angle between the two
+};
+
+Axes axes_at(const Observations &data, double sin_v, double cos_v) {
+  const auto [s, c] = data.outward(sin_v, cos_v);
+  const double vs = sin_v - data.centre_sin_v, vc = cos_v - data.centre_cos_v,
+               length = std::max(std::hypot(vs, vc), 1e-12);
+  return {vs / length, vc / length, s, c, length, std::max((vs * s + vc * c) / length, 1e-3)};
+}
+
+/// How far a residual leads out of the figure. The figure bends: where the angle is off by much the
+/// pair lies on it and inside its tangent.
+double out_of_figure(const Axes &at, double sin_v, double cos_v) {
+  const double tangent = sin_v * at.out_c - cos_v * at.out_s;
+  return sin_v * at.out_s + cos_v * at.out_c + 0.5 * tangent * tangent / at.length_v;
+}
+
+} // namespace
+
 void split(const Observations &data, const ResidualColumns &rest, std::vector<double> &along,
            std::vector<double> &across) {
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const auto [s, c] = data.outward(rest.model_sin[i], rest.model_cos[i]);
-    const double vs = rest.model_sin[i] - data.centre_sin_v,
-                 vc = rest.model_cos[i] - data.centre_cos_v,
-                 length = std::max(std::hypot(vs, vc), 1e-12);
-    const double tangent = rest.sin[i] * c - rest.cos[i] * s;
-    // The figure bends: where the angle is off by much the pair lies on it and inside its tangent.
-    const double out = rest.sin[i] * s + rest.cos[i] * c + 0.5 * tangent * tangent / length;
+    const Axes at = axes_at(data, rest.model_sin[i], rest.model_cos[i]);
     // A gain moves along the vector, an angle along the figure, which is at right angles to it
     // only where that is a circle.
-    const double both = std::max((vs * s + vc * c) / length, 1e-3);
-    along.push_back(out / both);
-    across.push_back(tangent - out * (vs * c - vc * s) / length / both);
+    const double out = out_of_figure(at, rest.sin[i], rest.cos[i]);
+    along.push_back(out / at.both);
+    across.push_back(rest.sin[i] * at.out_c - rest.cos[i] * at.out_s -
+                     out * (at.vector_s * at.out_c - at.vector_c * at.out_s) / at.both);
   }
+}
+
+double stretched_by_split(const Observations &data, const ResidualColumns &rest) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < data.size(); ++i)
+    sum += std::pow(axes_at(data, rest.model_sin[i], rest.model_cos[i]).both, -2);
+  return sum / static_cast<double>(std::max<std::size_t>(1, data.size()));
 }
 
 void keep_radial(const Observations &data, ResidualColumns &rest) {
@@ -68,39 +94,45 @@ std::optional<Directions> by_differences(const Observations &whole, const Model 
   data.coloured.reset();
   data = at_own_angle(std::move(data), model);
   const ResidualColumns rest = residual_columns(data, model);
-  std::vector<double> along, across, radial;
-  split(data, rest, radial, across);
-  across.clear();
-  std::vector<double> turned;
+  std::vector<double> out, along, between, by_gain;
+  std::vector<Axes> at;
+  std::vector<double> off;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    at.push_back(axes_at(data, rest.model_sin[i], rest.model_cos[i]));
+    off.push_back(out_of_figure(at.back(), rest.sin[i], rest.cos[i]));
+  }
   for (std::size_t i = kDifference; i < data.size(); ++i) {
     if (data.time[i] - data.time[i - kDifference] > 1.5 * kDifference * data.frame_period_s)
       continue;
     double a = 0.0, b = 0.0;
     for (std::size_t k = 0; k <= kDifference; ++k) {
-      a += kWeights[k] * radial[i - k];
+      a += kWeights[k] * off[i - k];
       b += kWeights[k] * data.alpha[i - k];
     }
-    b *= model.periods_per_turn * model.baseline.amplitude_v;
-    along.push_back(a * a / kSquares);
-    across.push_back(b * b / kSquares);
-    turned.push_back(std::cos(2.0 * model.periods_per_turn * data.alpha[i - 1]));
+    const Axes &here = at[i - 1];
+    const auto place = data.place(rest.model_sin[i - 1], rest.model_cos[i - 1]);
+    b *= model.periods_per_turn * std::hypot(place.along[0], place.along[1]);
+    out.push_back(a * a / kSquares);
+    along.push_back(b * b / kSquares);
+    between.push_back(here.out_s * here.out_s - here.out_c * here.out_c);
+    by_gain.push_back(std::pow(here.length_v * here.both / model.baseline.amplitude_v, 2));
   }
-  if (static_cast<double>(along.size()) < criteria::kFewestForNoise)
+  if (static_cast<double>(out.size()) < criteria::kFewestForNoise)
     return std::nullopt;
-  const double most_along = kOutlier * quantile(along, 0.5),
-               most_across = kOutlier * quantile(across, 0.5);
-  double n = 0.0, sum_along = 0.0, sum_across = 0.0;
+  const double most_out = kOutlier * quantile(out, 0.5),
+               most_along = kOutlier * quantile(along, 0.5);
+  double n = 0.0, sum_out = 0.0, sum_along = 0.0;
   Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
   Eigen::Vector2d right = Eigen::Vector2d::Zero();
   double squares = 0.0;
-  for (std::size_t i = 0; i < along.size(); ++i) {
-    if (along[i] > most_along || across[i] > most_across)
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (out[i] > most_out || along[i] > most_along)
       continue;
     n += 1.0;
+    sum_out += out[i];
     sum_along += along[i];
-    sum_across += across[i];
-    const Eigen::Vector2d x(1.0, turned[i]);
-    const double y = along[i] - across[i];
+    const Eigen::Vector2d x(by_gain[i], between[i]);
+    const double y = out[i] - along[i];
     normal += x * x.transpose();
     right += y * x;
     squares += y * y;
@@ -110,7 +142,7 @@ std::optional<Directions> by_differences(const Observations &whole, const Model 
   const Eigen::Matrix2d inverse = normal.inverse();
   const Eigen::Vector2d of = inverse * right;
   const double variance = std::max(squares - of.dot(right), 0.0) / n;
-  return Directions{sum_along / n, sum_across / n, of[0],
+  return Directions{sum_out / n, sum_along / n, of[0],
                     std::sqrt(kTogether * variance * inverse(0, 0))};
 }
 

@@ -10,7 +10,9 @@
 
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/held_rows.h"
+#include "diagnosis/conditions/level_gap.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/leftovers.h"
 #include "diagnosis/work.h"
 
 namespace ada {
@@ -28,11 +30,12 @@ double taken_off_v(const Finding &f) {
 }
 
 /// Whether a reading that leaves something over says less of the sensor than one by the radius
-/// alone, which leaves nothing: what more it says is a ripple of the shaft that is smaller than
-/// what is left, or it says nothing more and the other does. Then the shaft turns unevenly, and not
-/// by that ripple. One that is larger is what the shaft does, and the rest is what it does besides.
+/// alone: it names less, and no ripple of the shaft beside it; or the other leaves nothing, and
+/// what more it says is a ripple of the shaft that is smaller than what is left. Then the shaft
+/// turns unevenly, and not by that ripple. One that is larger is what the shaft does, and the rest
+/// is what it does besides.
 bool is_the_shafts_alone(const Diagnosis &with_motion, const Diagnosis &by_radius) {
-  if (!by_radius.structure.empty() || with_motion.structure.empty())
+  if (with_motion.structure.empty())
     return false;
   double left_v = 0.0;
   for (const Structure &s : with_motion.structure)
@@ -48,7 +51,8 @@ bool is_the_shafts_alone(const Diagnosis &with_motion, const Diagnosis &by_radiu
       return false;
     }
   }
-  return ripples > 0 || by_radius.findings.size() > with_motion.findings.size();
+  return ripples > 0 ? by_radius.structure.empty()
+                     : by_radius.findings.size() > with_motion.findings.size();
 }
 
 bool holds_tone(const Model *model) {
@@ -68,6 +72,17 @@ Diagnosis with_alternation(const Alternation &seen, Diagnosis out) {
   out.findings.insert(out.findings.begin(), std::move(f));
   if (out.verdict == Verdict::no_discrepancy)
     out.verdict = Verdict::explained;
+  return out;
+}
+
+/// A result of readings of which two ranges were joined, and that they had to be.
+Diagnosis with_gap(const LevelGap &seen, Diagnosis out) {
+  if (out.verdict == Verdict::insufficient_data)
+    return out;
+  const Structure gap = structure_of(seen, true);
+  const auto smaller = [&](const Structure &s) { return s.rms_v < gap.rms_v; };
+  out.structure.insert(std::find_if(out.structure.begin(), out.structure.end(), smaller), gap);
+  out.verdict = out.findings.empty() ? Verdict::unexplained : Verdict::partly_explained;
   return out;
 }
 
@@ -107,6 +122,8 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
         options.heldout = &of_judge->without;
       return with_alternation(*seen, diagnose(seen->without, options));
     }
+  if (const auto gap = level_gap(capture); gap && joins(capture, *gap))
+    return with_gap(*gap, diagnose(joined(capture, *gap), options));
   std::optional<FreshReadings> judge;
   if (given.heldout && (judge = fresh_readings(*given.heldout)))
     options.heldout = &judge->capture;

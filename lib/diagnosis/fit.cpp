@@ -439,18 +439,16 @@ ResidualColumns residuals_alone(const Observations &data, const Model &model) {
 }
 
 Observations at_own_angle(Observations data, const Model &model) {
-  // Newton's step to where the model's vector has the direction of the pair. On an ellipse with the
-  // axes a and b the vector and its derivative span a b, wherever it is; the form of the figure
-  // gives a^2 there, and the root of its determinant a / b.
-  const auto &[ss, sc, cc] = data.figure;
-  const double ratio = std::sqrt(std::max(ss * cc - sc * sc, 1e-12));
   for (int pass = 0; pass < 2; ++pass) {
     const ResidualColumns r = residual_columns(data, model);
     for (std::size_t i = 0; i < data.size(); ++i) {
-      const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
-      const double area = (ss * s * s + 2.0 * sc * s * c + cc * c * c) / ratio;
+      // Newton's step to where the model's vector has the direction of the pair. On an ellipse the
+      // vector and its derivative span the product of the half axes, wherever it is.
+      const Observations::Place at = data.place(r.model_sin[i], r.model_cos[i]);
+      const auto &[s, c] = at.vector;
+      const auto [near_s, near_c] = data.nearest(data.vsin[i], data.vcos[i]);
       data.alpha[i] +=
-          (r.sin[i] * c - r.cos[i] * s) / std::max(area, 1e-12) / model.periods_per_turn;
+          (near_s * c - near_c * s) / (at.long_axis_v * at.short_axis_v) / model.periods_per_turn;
     }
   }
   return data;

@@ -51,6 +51,37 @@ std::array<double, 2> unit(double s, double c) {
 
 } // namespace
 
+Observations::Place Observations::place(double sin_v, double cos_v) const {
+  // The form of the figure gives a^2 on an ellipse with the half axes a and b, and the root of its
+  // determinant a / b.
+  const auto &[ss, sc, cc] = figure;
+  const double ratio = std::sqrt(std::max(ss * cc - sc * sc, 1e-12));
+  const double s = sin_v - centre_sin_v, c = cos_v - centre_cos_v;
+  const double out_s = ss * s + sc * c, out_c = sc * s + cc * c;
+  const double a = std::sqrt(std::max(s * out_s + c * out_c, 1e-12));
+  return {{s, c}, {out_c / ratio, -out_s / ratio}, a, a / ratio};
+}
+
+double Observations::to_nearest(const Place &pair) const {
+  constexpr double kReach = 4.0; // standard deviations
+  if (figure_v == 0.0)
+    return 0.0;
+  const auto &[s, c] = pair.vector;
+  const auto &[along_s, along_c] = pair.along;
+  // Newton's step; the second derivative of the figure is minus its vector.
+  const double length2 = s * s + c * c, speed2 = along_s * along_s + along_c * along_c;
+  const double most = kReach * noise_v / std::max(std::sqrt(length2), 1e-12);
+  const double off = std::clamp(1.0 - figure_v / pair.long_axis_v, -most, most); // of the pair
+  return off * (s * along_s + c * along_c) /
+         std::max(speed2 + off * (length2 - speed2), 0.5 * speed2);
+}
+
+std::array<double, 2> Observations::nearest(double sin_v, double cos_v) const {
+  const Place pair = place(sin_v, cos_v);
+  const double step = to_nearest(pair), along = std::sin(step), on = std::cos(step);
+  return {pair.vector[0] * on + pair.along[0] * along, pair.vector[1] * on + pair.along[1] * along};
+}
+
 std::array<double, 2> Observations::outward(double sin_v, double cos_v) const {
   const double s = sin_v - centre_sin_v, c = cos_v - centre_cos_v;
   return unit(figure[0] * s + figure[1] * c, figure[1] * s + figure[2] * c);
@@ -59,7 +90,8 @@ std::array<double, 2> Observations::outward(double sin_v, double cos_v) const {
 std::array<double, 2> Observations::direction_at(std::size_t i, double model_sin,
                                                  double model_cos) const {
   if (disturbed == Direction::motion) {
-    const auto [s, c] = outward(vsin[i], vcos[i]);
+    const auto [near_s, near_c] = nearest(vsin[i], vcos[i]);
+    const auto [s, c] = outward(centre_sin_v + near_s, centre_cos_v + near_c);
     return {c, -s};
   }
   return disturbed == Direction::radius ? outward(model_sin, model_cos)
@@ -109,6 +141,8 @@ Observations Observations::select(const std::vector<std::uint32_t> &indices) con
   out.centre_sin_v = centre_sin_v;
   out.centre_cos_v = centre_cos_v;
   out.figure = figure;
+  out.figure_v = figure_v;
+  out.noise_v = noise_v;
   for_each_column(out, [&](auto &column, auto which) { column = pick(this->*which, indices); });
   return out;
 }

@@ -59,11 +59,28 @@ struct Observations {
   /// across the vector: of a reference that is off by much, what goes into the length by that would
   /// pass for noise of the sensor.
   std::array<double, 3> figure{1.0, 0.0, 1.0};
+  double figure_v = 0.0; ///< its longer half axis; 0: not known
+  double noise_v = 0.0; ///< white, of one channel: so far a sample may lie off the figure by itself
 
   /// What nobody can name, as a part of the noise of these samples; nullptr: white noise only.
   std::shared_ptr<const Coloured> coloured;
 
   std::size_t size() const { return time.size(); }
+  /// The vector from the middle to a point of the figure, and its derivative.
+  struct Place {
+    std::array<double, 2> vector, along; ///< (VSIN, VCOS), V; V a radian of the electrical angle
+    double long_axis_v, short_axis_v;    ///< half axes of the figure of that length
+  };
+  /// In the direction of this pair, and as long.
+  Place place(double sin_v, double cos_v) const;
+  /// How far along the figure, in electrical radians, the point that is nearest to the pair lies
+  /// from the one in its direction. What noise takes off the curve and what it takes along are
+  /// independent of each other there and nowhere else: by direction alone an ellipse comes out
+  /// rounder than it is. What lies further off than noise takes it does so for another reason, and
+  /// tells its direction itself.
+  double to_nearest(const Place &pair) const;
+  /// The vector to that point, but as long as the pair.
+  std::array<double, 2> nearest(double sin_v, double cos_v) const;
   /// Unit vector (VSIN, VCOS) out of the figure where the pair is there.
   std::array<double, 2> outward(double sin_v, double cos_v) const;
   /// Unit vector (VSIN, VCOS) of the disturbance at sample i. A supply moves what the model gives

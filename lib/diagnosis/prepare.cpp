@@ -208,14 +208,32 @@ FirstHarmonic first_harmonic(const Observations &all, const Scene &scene) {
 }
 
 /// The ellipse that these axes span; a circle where they are those of no pair.
-std::array<double, 3> figure_of(const Eigen::Matrix2d &axes) {
+void take_figure(const Eigen::Matrix2d &axes, Observations &of) {
   constexpr double kMostOfAxes = 8.0; // one to the other: 75 degrees off a quarter of a period, 7.6
   const Eigen::Matrix2d moments = axes.transpose() * axes;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> own(moments);
   if (!(own.eigenvalues()[0] * kMostOfAxes * kMostOfAxes > own.eigenvalues()[1]))
-    return {1.0, 0.0, 1.0};
+    return;
   const Eigen::Matrix2d figure = moments.inverse() * own.eigenvalues()[1];
-  return {figure(0, 0), figure(0, 1), figure(1, 1)};
+  of.figure = {figure(0, 0), figure(0, 1), figure(1, 1)};
+  of.figure_v = std::sqrt(own.eigenvalues()[1]);
+}
+
+/// A pair that tells its angle itself: each sample at the point of its figure that is nearest, and
+/// without what noise puts it outside on the average. Noise along a curved line leads off it, by
+/// half the curvature times its variance (Chernov, Circular and linear regression, 2010, ch. 7).
+void put_on_figure(Observations &all, int periods) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all.alpha[i] += all.to_nearest(all.place(all.vsin[i], all.vcos[i])) / periods;
+    const auto [s, c] = all.nearest(all.vsin[i], all.vcos[i]);
+    const auto there = all.place(all.centre_sin_v + s, all.centre_cos_v + c);
+    const double curvature = there.long_axis_v * there.short_axis_v /
+                             std::pow(std::hypot(there.along[0], there.along[1]), 3);
+    const double outside = 0.5 * curvature * all.noise_v * all.noise_v;
+    const auto [us, uc] = all.outward(all.centre_sin_v + s, all.centre_cos_v + c);
+    all.vsin[i] -= static_cast<float>(outside * us);
+    all.vcos[i] -= static_cast<float>(outside * uc);
+  }
 }
 
 } // namespace
@@ -233,8 +251,12 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
                                             : criteria::kLeastOfOnePass;
   // An error of the angle moves the pair along the figure that it draws, whoever tells the angle.
   const FirstHarmonic pair = first_harmonic(all, scene);
-  for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
-    o->figure = figure_of(pair.axes);
+  for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts}) {
+    take_figure(pair.axes, *o);
+    o->noise_v = scene.white_noise_v;
+  }
+  if (scene.radius_only && scene.all.figure_v > 0.0)
+    put_on_figure(scene.all, scene.periods);
   // By its own angle a pair goes all the way round its centre.
   const double error = scene.has_reference ? pair.centre_error : 0.0;
   const double seen = share_of_circle(all.alpha, scene.periods);

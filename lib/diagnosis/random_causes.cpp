@@ -86,6 +86,7 @@ double rms(const std::vector<std::complex<double>> &course, bool imaginary) {
 /// taken out.
 struct Shape {
   std::vector<double> along, across, omega, radius;
+  double stretched; ///< the variance of noise that is the same in all directions, in these two
   ResidualColumns rest;
   Observations data;
 };
@@ -113,6 +114,7 @@ Shape shape_of(const Anonymous &left, const Parts &parts, const Model &model) {
     out.along = std::move(along);
   if (mean_square(across) < mean_square(out.across))
     out.across = std::move(across);
+  out.stretched = stretched_by_split(out.data, out.rest);
   for (std::size_t i = 0; i < out.data.size(); ++i) {
     out.omega.push_back(out.data.omega[i]);
     out.radius.push_back(std::max(std::hypot(out.rest.model_sin[i] - out.data.centre_sin_v,
@@ -427,7 +429,7 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   } else if (in_order && in_order->frame_period_s > 0.0) {
     if (const auto seen_v2 = by_differences(*in_order, model);
         seen_v2 && seen_v2->gain_v2 - recorded.along_v2 > kSigmas * seen_v2->gain_error_v2 &&
-        seen_v2->along_v2 - recorded.along_v2 > criteria::kMoreVariance * seen_v2->across_v2)
+        seen_v2->out_v2 - recorded.along_v2 > criteria::kMoreVariance * seen_v2->along_v2)
       of_gain = {seen_v2->gain_v2 - recorded.along_v2, seen_v2->gain_error_v2};
   }
   if (of_gain.v2 > 0.0 && white(shape.along)) {
@@ -490,6 +492,7 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
                   : !parts.has_reference ? along
                   : differ               ? std::min(along, across)
                                          : 0.5 * (along + across);
+  white2 /= shape.stretched;
   const Effect *excess = effect_of(Evidence::noise, "noise", Pattern::offset, Character::white);
   const bool by_across = along > across && !parts.own_angle;
   const std::vector<double> &judged = by_across ? shape.across : shape.along;
@@ -499,7 +502,7 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   const bool is_white = fast && (plain || flicker.corner_hz <= 0.0);
   const double most = plain ? criteria::kMoreVariance : criteria::kTwiceAsMuch;
   if (!plain && fast)
-    white2 = std::min(white2, *fast);
+    white2 = std::min(white2, *fast / shape.stretched);
   if (excess && is_white && white2 > most * stated_v * stated_v) {
     const double more = std::sqrt(white2 - stated_v * stated_v);
     const double ratio = white2 / (stated_v * stated_v);
