@@ -4,7 +4,6 @@
 #include "conversion/ellipse.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/angle.h"
@@ -15,33 +14,10 @@ namespace ada {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> kFolding = {
-    "amplitude-mismatch",          "quadrature-error", "offset-temperature-drift",
-    "amplitude-temperature-drift", "channel-swap",     "channel-inverted"};
-
 /// Both channels right at once has no inverse; refused long before cos d reaches zero.
 constexpr double kMinCosDelta = 0.05;
 
-const EffectInstance *find(const Model &model, std::string_view id) {
-  for (const EffectInstance &e : model.effects)
-    if (e.effect != nullptr && effect_info(*e.effect).id == id)
-      return &e;
-  return nullptr;
-}
-
 } // namespace
-
-std::optional<double> effect_value(const Model &model, std::string_view id,
-                                   std::string_view parameter) {
-  const EffectInstance *instance = find(model, id);
-  if (instance == nullptr)
-    return std::nullopt;
-  const auto parameters = effect_info(*instance->effect).parameters;
-  for (std::size_t i = 0; i < parameters.size() && i < instance->values.size(); ++i)
-    if (parameters[i].name == parameter)
-      return instance->values[i];
-  return std::nullopt;
-}
 
 EllipseInverse invert(const EllipseParameters &e) {
   const double a_sin = e.amplitude_v * (1 + e.k / 2), a_cos = e.amplitude_v * (1 - e.k / 2);
@@ -72,10 +48,10 @@ EllipseInverse mirror_cos(const EllipseInverse &i, double supply_v) {
 }
 
 std::string_view EllipseModel::beyond(const Model &model) {
+  EllipseParts parts;
   for (const EffectInstance &e : model.effects) {
     const EffectInfo &info = effect_info(*e.effect);
-    const bool folds = std::find(kFolding.begin(), kFolding.end(), info.id) != kFolding.end();
-    if (!folds && info.correctable)
+    if (info.correctable && !e.effect->fold(e.values, parts))
       return info.id;
   }
   return model.remainder ? "periodic-remainder" : std::string_view();
@@ -89,44 +65,36 @@ EllipseModel::EllipseModel(const Model &model)
     throw Error(ADA4571_ERROR_UNSUPPORTED,
                 "the model holds '" + std::string(id) +
                     "', which goes beyond offsets, amplitudes and quadrature");
-  const auto value = [&](std::string_view id, std::string_view parameter) {
-    return effect_value(model, id, parameter).value_or(0.0);
-  };
+  for (const EffectInstance &e : model.effects)
+    e.effect->fold(e.values, parts_);
   reference_.amplitude_v = model.baseline.amplitude_v;
-  reference_.k = value("amplitude-mismatch", "k");
-  reference_.delta_rad = value("quadrature-error", "delta_deg") * kRadPerDeg;
+  reference_.k = parts_.k;
+  reference_.delta_rad = parts_.delta_rad;
   const Baseline last = correctable_part(model).baseline;
   reference_.centre_sin_v = 0.5 * supply_v_ + last.offset_sin_v;
   reference_.centre_cos_v = 0.5 * supply_v_ + last.offset_cos_v;
-  tc_sin_ = value("offset-temperature-drift", "tc_sin");
-  tc_cos_ = value("offset-temperature-drift", "tc_cos");
-  tc_amplitude_ = value("amplitude-temperature-drift", "tc_amplitude");
-  follows_temperature_ = tc_sin_ != 0 || tc_cos_ != 0 || tc_amplitude_ != 0;
-  swapped_ = find(model, "channel-swap") != nullptr;
-  if (const auto channel = effect_value(model, "channel-inverted", "channel"))
-    (*channel == 0 ? sin_inverted_ : cos_inverted_) = true;
   invert(reference_); // refuses a model without an inverse here rather than at the first sample
 }
 
 EllipseParameters EllipseModel::parameters_at(double vtemp_v) const {
   EllipseParameters e = reference_;
-  if (follows_temperature_) {
+  if (follows_temperature()) {
     const double dv = vtemp_v - vtemp_reference_v_;
-    e.centre_sin_v += tc_sin_ * dv;
-    e.centre_cos_v += tc_cos_ * dv;
+    e.centre_sin_v += parts_.tc_sin * dv;
+    e.centre_cos_v += parts_.tc_cos * dv;
     // A VTEMP far outside the sensor's range must not turn the ellipse inside out.
-    e.amplitude_v *= std::max(1 + tc_amplitude_ * dv, 0.05);
+    e.amplitude_v *= std::max(1 + parts_.tc_amplitude * dv, 0.05);
   }
   return e;
 }
 
 EllipseInverse EllipseModel::wired(EllipseInverse i) const {
   // Recorded = inverted(swapped(sensor)): the wiring in the order in which a signal passes it.
-  if (swapped_)
+  if (parts_.swapped)
     i = swap_channels(i);
-  if (sin_inverted_)
+  if (parts_.sin_inverted)
     i = mirror_sin(i, supply_v_);
-  if (cos_inverted_)
+  if (parts_.cos_inverted)
     i = mirror_cos(i, supply_v_);
   return i;
 }

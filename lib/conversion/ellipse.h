@@ -17,7 +17,6 @@
 // sample.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -72,7 +71,9 @@ public:
   double supply_v() const { return supply_v_; }
   /// Mechanical angle of psi = 0 is minus this.
   double zero_rad() const { return zero_rad_; }
-  bool follows_temperature() const { return follows_temperature_; }
+  bool follows_temperature() const {
+    return parts_.tc_sin != 0.0 || parts_.tc_cos != 0.0 || parts_.tc_amplitude != 0.0;
+  }
 
   /// The ellipse of the sensor itself, wiring not folded in.
   EllipseParameters parameters_at(double vtemp_v) const;
@@ -85,13 +86,7 @@ private:
   int periods_;
   double supply_v_, zero_rad_, vtemp_reference_v_;
   EllipseParameters reference_; ///< at vtemp_reference_v_
-  double tc_sin_ = 0, tc_cos_ = 0, tc_amplitude_ = 0;
-  bool follows_temperature_ = false;
-  bool swapped_ = false, sin_inverted_ = false, cos_inverted_ = false;
+  EllipseParts parts_;
 };
-
-/// Value of a parameter of the effect with this id; nothing when the model does not hold it.
-std::optional<double> effect_value(const Model &model, std::string_view id,
-                                   std::string_view parameter);
 
 } // namespace ada

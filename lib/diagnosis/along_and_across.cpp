@@ -66,6 +66,15 @@ void split(const Observations &data, const ResidualColumns &rest, std::vector<do
   }
 }
 
+double out_of_figure_rms_v(const Observations &data, const ResidualColumns &rest) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < data.size(); ++i)
+    sum += std::pow(out_of_figure(axes_at(data, rest.model_sin[i], rest.model_cos[i]), rest.sin[i],
+                                  rest.cos[i]),
+                    2);
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, data.size())));
+}
+
 double stretched_by_split(const Observations &data, const ResidualColumns &rest) {
   double sum = 0.0;
   for (std::size_t i = 0; i < data.size(); ++i)
@@ -92,9 +101,12 @@ std::optional<Directions> by_differences(const Observations &whole, const Model 
   std::iota(rows.begin(), rows.end(), static_cast<std::uint32_t>((whole.size() - rows.size()) / 2));
   Observations data = whole.select(rows);
   data.coloured.reset();
+  data.noise_alone = false; // by direction alone a noise of the gain moves no angle
   data = at_own_angle(std::move(data), model);
   const ResidualColumns rest = residual_columns(data, model);
-  std::vector<double> out, along, between, by_gain;
+  std::vector<double> out, along;
+  std::vector<Eigen::Vector3d>
+      of_what; // the gain, channels that are unlike, what both have in common
   std::vector<Axes> at;
   std::vector<double> off;
   for (std::size_t i = 0; i < data.size(); ++i) {
@@ -111,19 +123,21 @@ std::optional<Directions> by_differences(const Observations &whole, const Model 
     }
     const Axes &here = at[i - 1];
     const auto place = data.place(rest.model_sin[i - 1], rest.model_cos[i - 1]);
-    b *= model.periods_per_turn * std::hypot(place.along[0], place.along[1]);
+    b *= model.periods_per_turn * std::hypot(place.along[0], place.along[1]) * here.both;
     out.push_back(a * a / kSquares);
     along.push_back(b * b / kSquares);
-    between.push_back(here.out_s * here.out_s - here.out_c * here.out_c);
-    by_gain.push_back(std::pow(here.length_v * here.both / model.baseline.amplitude_v, 2));
+    of_what.emplace_back(std::pow(here.length_v * here.both / model.baseline.amplitude_v, 2),
+                         here.out_s * here.out_s - here.out_c * here.out_c +
+                             here.vector_s * here.vector_s - here.vector_c * here.vector_c,
+                         2.0 * (here.out_s * here.out_c + here.vector_s * here.vector_c));
   }
   if (static_cast<double>(out.size()) < criteria::kFewestForNoise)
     return std::nullopt;
   const double most_out = kOutlier * quantile(out, 0.5),
                most_along = kOutlier * quantile(along, 0.5);
   double n = 0.0, sum_out = 0.0, sum_along = 0.0;
-  Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
   double squares = 0.0;
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (out[i] > most_out || along[i] > most_along)
@@ -131,7 +145,7 @@ std::optional<Directions> by_differences(const Observations &whole, const Model 
     n += 1.0;
     sum_out += out[i];
     sum_along += along[i];
-    const Eigen::Vector2d x(by_gain[i], between[i]);
+    const Eigen::Vector3d &x = of_what[i];
     const double y = out[i] - along[i];
     normal += x * x.transpose();
     right += y * x;
@@ -139,8 +153,8 @@ std::optional<Directions> by_differences(const Observations &whole, const Model 
   }
   if (n < criteria::kFewestForNoise)
     return std::nullopt;
-  const Eigen::Matrix2d inverse = normal.inverse();
-  const Eigen::Vector2d of = inverse * right;
+  const Eigen::Matrix3d inverse = normal.inverse();
+  const Eigen::Vector3d of = inverse * right;
   const double variance = std::max(squares - of.dot(right), 0.0) / n;
   return Directions{sum_out / n, sum_along / n, of[0],
                     std::sqrt(kTogether * variance * inverse(0, 0))};

@@ -19,6 +19,9 @@ double mean_square(const std::vector<double> &x);
 void split(const Observations &data, const ResidualColumns &rest, std::vector<double> &along,
            std::vector<double> &across);
 
+/// Rms of what leads out of the figure, V.
+double out_of_figure_rms_v(const Observations &data, const ResidualColumns &rest);
+
 /// How many times the variance of noise that is the same in all directions is larger in these two,
 /// which are oblique on an ellipse: 1 on a circle.
 double stretched_by_split(const Observations &data, const ResidualColumns &rest);
@@ -27,18 +30,19 @@ double stretched_by_split(const Observations &data, const ResidualColumns &rest)
 /// smoothed, and what the smoothing leaves of it is as slow as flicker noise.
 void keep_radial(const Observations &data, ResidualColumns &rest);
 
-/// White noise out of the figure and along it where the angle is the pair's own, V^2, from
-/// differences from sample to sample.
+/// White noise where the angle is the pair's own, V^2, from differences from sample to sample: of
+/// what lies out of the figure, and of what the angle shows, scaled so that noise which is the same
+/// in all directions is as large in both.
 struct Directions {
   double out_v2, along_v2;
   double gain_v2, gain_error_v2; ///< of the noise that lies along the vector alone
 };
 
-/// Differences of what lies out of the figure and along it, in order and scaled to keep white noise
-/// as it is: the motion is in those along it, of which a smooth one leaves nothing, and a rough one
-/// makes more, never less. Of the channels' own noise, which may be unlike, the two get a share
-/// that goes with the difference of the squares of the direction out: beside that what is left of
-/// the one less the other is a noise of the gain. Nothing where too few rows follow each other.
+/// Differences in order, scaled to keep white noise as it is: the motion is in those of the angle,
+/// of which a smooth one leaves nothing, and a rough one makes more, never less. Of the channels'
+/// own noise, which may be unlike, and of what they have in common the two get shares that go with
+/// their directions: beside those what is left of the one less the other is a noise of the gain,
+/// which moves no angle. Nothing where too few rows follow each other.
 std::optional<Directions> by_differences(const Observations &whole, const Model &model);
 
 } // namespace ada

@@ -195,12 +195,9 @@ inline constexpr double kMostStretches = 256.0;
 inline constexpr std::size_t kSamplesOfStretch = 24, kFewestForSteps = 24, kMostSteps = 4;
 inline constexpr double kJump = 8.0, kSameSpeed = 0.1;
 /// A gap between two ranges of the readings of a channel: passed at least so often, and the next
-/// widest is at most this part of it, as is what the jumps differ by. Smaller than this part of
-/// what the channel swings it is one bit of the converter whose weight is off: 2 % is 41 steps of a
-/// converter of 12 bits that is used by half.
+/// widest is at most this part of it, as is what the jumps differ by.
 inline constexpr std::size_t kFewestCrossings = 4;
 inline constexpr double kNextGap = 0.25;
-inline constexpr double kSmallGap = 0.02;
 /// A pair that comes near the centre of its curve: within this part of its usual distance more
 /// often than in this share of the samples, a third of the least that follows. A disc that is
 /// filled evenly has 0.02 of them there (0.2 squared, the usual distance being 0.7 of its radius),

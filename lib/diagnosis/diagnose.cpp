@@ -10,9 +10,7 @@
 
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/held_rows.h"
-#include "diagnosis/conditions/level_gap.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/leftovers.h"
 #include "diagnosis/work.h"
 
 namespace ada {
@@ -75,17 +73,6 @@ Diagnosis with_alternation(const Alternation &seen, Diagnosis out) {
   return out;
 }
 
-/// A result of readings of which two ranges were joined, and that they had to be.
-Diagnosis with_gap(const LevelGap &seen, Diagnosis out) {
-  if (out.verdict == Verdict::insufficient_data)
-    return out;
-  const Structure gap = structure_of(seen, true);
-  const auto smaller = [&](const Structure &s) { return s.rms_v < gap.rms_v; };
-  out.structure.insert(std::find_if(out.structure.begin(), out.structure.end(), smaller), gap);
-  out.verdict = out.findings.empty() ? Verdict::unexplained : Verdict::partly_explained;
-  return out;
-}
-
 } // namespace
 
 std::string_view verdict_name(Verdict verdict) {
@@ -122,8 +109,6 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
         options.heldout = &of_judge->without;
       return with_alternation(*seen, diagnose(seen->without, options));
     }
-  if (const auto gap = level_gap(capture); gap && joins(capture, *gap))
-    return with_gap(*gap, diagnose(joined(capture, *gap), options));
   std::optional<FreshReadings> judge;
   if (given.heldout && (judge = fresh_readings(*given.heldout)))
     options.heldout = &judge->capture;

@@ -11,13 +11,9 @@
 namespace ada {
 
 bool is_static(const Effect &effect) {
-  const Stage stage = effect.info().stage;
-  if (effect.info().recorded)
-    return false;
-  for (const ParameterInfo &p : effect.info().parameters)
-    if (p.unit == "s" || p.unit == "Hz" || p.unit.substr(0, 2) == "V/" || p.unit == "1/V")
-      return false;
-  return stage == Stage::field || stage == Stage::bridge || stage == Stage::chain;
+  const EffectInfo &info = effect.info();
+  return info.character == Character::fixed && info.axis != "temperature" &&
+         (info.stage == Stage::field || info.stage == Stage::bridge || info.stage == Stage::chain);
 }
 
 Sizes sizes_at_rest(const Scene &scene, const Observations &data, const Model &model) {

@@ -64,6 +64,19 @@ Structure of_stale_rows(const Scene &scene) {
       std::sqrt(scene.stale.squares_v2 / (2.0 * n))};
 }
 
+/// Two ranges of a channel's readings that do not join.
+Structure of_gap(const LevelGap &gap) {
+  return {
+      "angle",
+      fmt::format("{} is never between {:.4g} V and {:.4g} V: each of the {} times that it passes "
+                  "there it jumps by {:.3g} V while the other channel goes on: two ranges of its "
+                  "readings do not join, as where the bytes or the sign of a reading are put "
+                  "together wrongly, or an amplifier changes its range; no cause is named before "
+                  "that is mended",
+                  gap.of_cos ? "VCOS" : "VSIN", gap.low_v, gap.high_v, gap.crossings, gap.jump_v),
+      0.5 * gap.jump_v / std::numbers::sqrt2}; // of one channel, half up and half down
+}
+
 /// Stretches in which the pair is not the sensor's: no cause, and none of its errors.
 Structure of_episodes(const Scene &scene) {
   const Episodes &e = scene.episodes;
@@ -80,20 +93,6 @@ Structure of_episodes(const Scene &scene) {
 }
 
 } // namespace
-
-Structure structure_of(const LevelGap &gap, bool joined) {
-  return {
-      "angle",
-      fmt::format("{} is never between {:.4g} V and {:.4g} V: each of the {} times that it passes "
-                  "there it jumps by {:.3g} V while the other channel goes on: two ranges of its "
-                  "readings do not join, as where {}",
-                  gap.of_cos ? "VCOS" : "VSIN", gap.low_v, gap.high_v, gap.crossings, gap.jump_v,
-                  joined ? "a bit of the converter weighs too much; the causes are those of the "
-                           "readings with the two ranges joined"
-                         : "the bytes or the sign of a reading are put together wrongly, or an "
-                           "amplifier changes its range; no cause is named before that is mended"),
-      0.5 * gap.jump_v / std::numbers::sqrt2}; // of one channel, half up and half down
-}
 
 std::vector<Structure> keep_for_last_look(Scene &scene, const Model &model, double noise_v) {
   std::vector<std::uint32_t> some(scene.all.size());
@@ -146,7 +145,7 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
   if (scene.stale.count != 0)
     out.of_rows.push_back(of_stale_rows(scene));
   if (scene.gap)
-    out.of_rows.push_back(structure_of(*scene.gap, false));
+    out.of_rows.push_back(of_gap(*scene.gap));
   if (scene.wrong_rows.count != 0)
     out.of_rows.push_back(of_wrong_rows(scene, model.baseline.amplitude_v));
   const double rest2 = last.heldout.residual_rms_v * last.heldout.residual_rms_v -

@@ -14,10 +14,6 @@
 
 namespace ada {
 
-/// Two ranges of a channel's readings that do not join. `joined`: causes were looked for in
-/// readings with the one range moved to the other.
-Structure structure_of(const LevelGap &gap, bool joined);
-
 struct LeftOver {
   std::vector<Structure> structure;
   std::vector<Structure> of_rows; ///< what rows are wrong: no random cause accounts for them

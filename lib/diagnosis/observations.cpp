@@ -63,15 +63,13 @@ Observations::Place Observations::place(double sin_v, double cos_v) const {
 }
 
 double Observations::to_nearest(const Place &pair) const {
-  constexpr double kReach = 4.0; // standard deviations
-  if (figure_v == 0.0)
+  if (!noise_alone)
     return 0.0;
   const auto &[s, c] = pair.vector;
   const auto &[along_s, along_c] = pair.along;
   // Newton's step; the second derivative of the figure is minus its vector.
   const double length2 = s * s + c * c, speed2 = along_s * along_s + along_c * along_c;
-  const double most = kReach * noise_v / std::max(std::sqrt(length2), 1e-12);
-  const double off = std::clamp(1.0 - figure_v / pair.long_axis_v, -most, most); // of the pair
+  const double off = 1.0 - figure_v / pair.long_axis_v; // of the pair
   return off * (s * along_s + c * along_c) /
          std::max(speed2 + off * (length2 - speed2), 0.5 * speed2);
 }
@@ -142,7 +140,7 @@ Observations Observations::select(const std::vector<std::uint32_t> &indices) con
   out.centre_cos_v = centre_cos_v;
   out.figure = figure;
   out.figure_v = figure_v;
-  out.noise_v = noise_v;
+  out.noise_alone = noise_alone;
   for_each_column(out, [&](auto &column, auto which) { column = pick(this->*which, indices); });
   return out;
 }

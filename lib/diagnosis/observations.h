@@ -60,7 +60,11 @@ struct Observations {
   /// pass for noise of the sensor.
   std::array<double, 3> figure{1.0, 0.0, 1.0};
   double figure_v = 0.0; ///< its longer half axis; 0: not known
-  double noise_v = 0.0; ///< white, of one channel: so far a sample may lie off the figure by itself
+  /// Nothing but noise lies off the figure. What noise takes off a curve and what it takes along it
+  /// are independent of each other at the nearest point and nowhere else: by its direction alone an
+  /// ellipse comes out rounder than it is. Where more lies off it, as beside a step or a gain that
+  /// wanders, the nearest point is none that the pair belongs to.
+  bool noise_alone = false;
 
   /// What nobody can name, as a part of the noise of these samples; nullptr: white noise only.
   std::shared_ptr<const Coloured> coloured;
@@ -73,13 +77,10 @@ struct Observations {
   };
   /// In the direction of this pair, and as long.
   Place place(double sin_v, double cos_v) const;
-  /// How far along the figure, in electrical radians, the point that is nearest to the pair lies
-  /// from the one in its direction. What noise takes off the curve and what it takes along are
-  /// independent of each other there and nowhere else: by direction alone an ellipse comes out
-  /// rounder than it is. What lies further off than noise takes it does so for another reason, and
-  /// tells its direction itself.
+  /// How far along the figure, in electrical radians, the point of it that is nearest to a pair
+  /// lies from the one in its direction; 0 unless `noise_alone`.
   double to_nearest(const Place &pair) const;
-  /// The vector to that point, but as long as the pair.
+  /// The vector of a pair, turned to there.
   std::array<double, 2> nearest(double sin_v, double cos_v) const;
   /// Unit vector (VSIN, VCOS) out of the figure where the pair is there.
   std::array<double, 2> outward(double sin_v, double cos_v) const;

@@ -219,18 +219,29 @@ void take_figure(const Eigen::Matrix2d &axes, Observations &of) {
   of.figure_v = std::sqrt(own.eigenvalues()[1]);
 }
 
-/// A pair that tells its angle itself: each sample at the point of its figure that is nearest, and
-/// without what noise puts it outside on the average. Noise along a curved line leads off it, by
-/// half the curvature times its variance (Chernov, Circular and linear regression, 2010, ch. 7).
-void put_on_figure(Observations &all, int periods) {
+/// A pair that tells its angle itself, off the figure of which nothing but noise lies: each sample
+/// at the nearest point of it, and without what noise puts it outside on the average. Noise along a
+/// curved line leads off it, by half the curvature times its variance (Chernov, Circular and linear
+/// regression, 2010, ch. 7).
+void put_on_figure(Observations &all, double noise_v, int periods) {
+  constexpr double kOfNoise = 1.2; // rms: what is not noise has less than 0.7 of it
+  double squares = 0.0;
   for (std::size_t i = 0; i < all.size(); ++i) {
+    const Observations::Place at = all.place(all.vsin[i], all.vcos[i]);
+    const auto [s, c] = all.outward(all.vsin[i], all.vcos[i]);
+    squares +=
+        std::pow((1.0 - all.figure_v / at.long_axis_v) * (at.vector[0] * s + at.vector[1] * c), 2);
+  }
+  all.noise_alone = squares < static_cast<double>(all.size()) * std::pow(kOfNoise * noise_v, 2);
+  for (std::size_t i = 0; all.noise_alone && i < all.size(); ++i) {
     all.alpha[i] += all.to_nearest(all.place(all.vsin[i], all.vcos[i])) / periods;
-    const auto [s, c] = all.nearest(all.vsin[i], all.vcos[i]);
-    const auto there = all.place(all.centre_sin_v + s, all.centre_cos_v + c);
+    const auto [near_s, near_c] = all.nearest(all.vsin[i], all.vcos[i]);
+    const double sin_v = all.centre_sin_v + near_s, cos_v = all.centre_cos_v + near_c;
+    const Observations::Place there = all.place(sin_v, cos_v);
     const double curvature = there.long_axis_v * there.short_axis_v /
                              std::pow(std::hypot(there.along[0], there.along[1]), 3);
-    const double outside = 0.5 * curvature * all.noise_v * all.noise_v;
-    const auto [us, uc] = all.outward(all.centre_sin_v + s, all.centre_cos_v + c);
+    const double outside = 0.5 * curvature * noise_v * noise_v;
+    const auto [us, uc] = all.outward(sin_v, cos_v);
     all.vsin[i] -= static_cast<float>(outside * us);
     all.vcos[i] -= static_cast<float>(outside * uc);
   }
@@ -251,12 +262,10 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
                                             : criteria::kLeastOfOnePass;
   // An error of the angle moves the pair along the figure that it draws, whoever tells the angle.
   const FirstHarmonic pair = first_harmonic(all, scene);
-  for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts}) {
+  for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
     take_figure(pair.axes, *o);
-    o->noise_v = scene.white_noise_v;
-  }
   if (scene.radius_only && scene.all.figure_v > 0.0)
-    put_on_figure(scene.all, scene.periods);
+    put_on_figure(scene.all, scene.white_noise_v, scene.periods);
   // By its own angle a pair goes all the way round its centre.
   const double error = scene.has_reference ? pair.centre_error : 0.0;
   const double seen = share_of_circle(all.alpha, scene.periods);

@@ -429,7 +429,7 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
   } else if (in_order && in_order->frame_period_s > 0.0) {
     if (const auto seen_v2 = by_differences(*in_order, model);
         seen_v2 && seen_v2->gain_v2 - recorded.along_v2 > kSigmas * seen_v2->gain_error_v2 &&
-        seen_v2->out_v2 - recorded.along_v2 > criteria::kMoreVariance * seen_v2->along_v2)
+        seen_v2->gain_v2 - recorded.along_v2 > (criteria::kMoreVariance - 1.0) * seen_v2->along_v2)
       of_gain = {seen_v2->gain_v2 - recorded.along_v2, seen_v2->gain_error_v2};
   }
   if (of_gain.v2 > 0.0 && white(shape.along)) {

@@ -109,7 +109,7 @@ Diagnosis Work::run() {
       !accounts_for_radius(parts_.heldout, found_.fit.model, found_.supply_rms_fraction, floor()))
     found_.supply_rms_fraction = 0.0;
   // What wandered hid what does not: with its course taken out the search is made once more.
-  constexpr int kMostRounds = 2;
+  constexpr int kMostRounds = 3; // one for each process, and one for what a step hid
   const Direction disturbed = scene_.all.disturbed;
   const double weight_along = scene_.all.weight_along;
   settle();

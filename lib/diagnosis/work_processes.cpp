@@ -43,6 +43,13 @@ bool Work::take_out_processes() {
   std::erase_if(found, [&](const RandomCause &c) { return goes_on(c); });
   if (found.empty() || goes_with_speed(slow, whole, white, named))
     return false;
+  // The largest alone: what it hid may be no process, as a step that a course of the same pattern
+  // would take in.
+  std::iter_swap(found.begin(), std::max_element(found.begin(), found.end(),
+                                                 [](const RandomCause &a, const RandomCause &b) {
+                                                   return a.slow_v2 < b.slow_v2;
+                                                 }));
+  found.resize(1);
   const int waves = slow.selection.orders[static_cast<std::size_t>(Axis::time)];
   if (!take_out_courses(std::move(slow), found))
     return false;

@@ -167,6 +167,9 @@ public:
   /// Acts on a simulated capture: lost rows, spikes, wander, the reference column.
   virtual void record(Values, Take &) const {}
 
+  /// Folds the effect into the ellipse of the pair. False: it does not fold.
+  virtual bool fold(Values, EllipseParts &) const { return false; }
+
   /// The one line that the effect adds; nothing: it adds more, or moves what is there.
   virtual std::optional<OneLine> one_line(Values) const { return {}; }
 

@@ -32,6 +32,13 @@ struct Baseline {
   double angle_zero_deg = 0.0; ///< mechanical: psi = p (alpha + zero)
 };
 
+/// What of a sensor's errors leaves the figure of the pair an ellipse, at every temperature.
+struct EllipseParts {
+  double k = 0.0, delta_rad = 0.0;                       ///< as in conversion/ellipse.h
+  double tc_sin = 0.0, tc_cos = 0.0, tc_amplitude = 0.0; ///< V/V, V/V, 1/V: along VTEMP
+  bool swapped = false, sin_inverted = false, cos_inverted = false;
+};
+
 struct Provenance {
   std::string serial;
   std::string date;             ///< ISO 8601, UTC

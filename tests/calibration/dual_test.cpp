@@ -12,6 +12,7 @@
 #include "calibration/single.h"
 #include "conversion/frame_converter.h"
 #include "support/angle_error.h"
+#include "support/effect_value.h"
 #include "support/seed.h"
 #include "support/sensor_pair.h"
 
@@ -56,7 +57,7 @@ TEST(Dual, stays_within_the_limit_from_minus_20_to_100_degrees) {
     floor = std::sqrt(floor / static_cast<double>(test.size()));
     std::printf("  dual: %.5f deg rms, mean noise gain %.3f\n", error, floor);
     EXPECT_LT(error, 0.0115 * floor);
-    EXPECT_EQ(effect_value(model, "amplitude-temperature-drift", "tc_amplitude").has_value(),
+    EXPECT_EQ(test::effect_value(model, "amplitude-temperature-drift", "tc_amplitude").has_value(),
               pair.tc_amplitude != 0);
   }
 }
@@ -67,9 +68,9 @@ TEST(Dual, order_of_the_captures_does_not_matter) {
   const Capture cold = at(pair, 0, 1), hot = at(pair, 110, 2);
   const Model a = calibrate_dual(cold, hot, CalibrationMethod::fit);
   const Model b = calibrate_dual(hot, cold, CalibrationMethod::fit);
-  EXPECT_NEAR(*effect_value(a, "offset-temperature-drift", "tc_sin"),
-              *effect_value(b, "offset-temperature-drift", "tc_sin"), 1e-12);
-  EXPECT_NEAR(*effect_value(a, "offset-temperature-drift", "tc_sin"), 0.01, 0.0001);
+  EXPECT_NEAR(*test::effect_value(a, "offset-temperature-drift", "tc_sin"),
+              *test::effect_value(b, "offset-temperature-drift", "tc_sin"), 1e-12);
+  EXPECT_NEAR(*test::effect_value(a, "offset-temperature-drift", "tc_sin"), 0.01, 0.0001);
 }
 
 void expect_refusal(const Capture &cold, const Capture &hot, const std::string &reason) {

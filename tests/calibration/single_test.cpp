@@ -14,6 +14,7 @@
 #include "conversion/ellipse.h"
 #include "conversion/frame_converter.h"
 #include "support/angle_error.h"
+#include "support/effect_value.h"
 #include "support/seed.h"
 #include "support/sensor_pair.h"
 
@@ -107,7 +108,7 @@ TEST(SingleFit, a_short_arc_leaves_out_what_it_cannot_tell) {
   Sampler sampler(pair, fresh_seed());
   const Capture c = sampler.capture(1000, 0.5, constant_speed(55.0 / 360 / 0.5)); // 110 deg elec.
   const Model model = calibrate_single(c, CalibrationMethod::fit);
-  EXPECT_FALSE(effect_value(model, "amplitude-mismatch", "k").has_value());
+  EXPECT_FALSE(test::effect_value(model, "amplitude-mismatch", "k").has_value());
   EXPECT_NEAR(model.baseline.offset_sin_v, pair.offset_sin_v, 0.003);
 }
 

@@ -69,29 +69,6 @@ KIND(noise_as_stated_is_no_excess_beside_a_reference_on_a_wide_ellipse) {
   expect_none(d, {"excess-noise", "amplitude-noise", "angle-noise"});
 }
 
-// A converter one bit of which weighs 1 % too much: both channels jump where it changes, and the
-// pair has the mismatch and the quadrature error that it had.
-KIND(a_bit_that_weighs_too_much_hides_no_ellipse) {
-  Bench bench;
-  const double turns = bench.within(12.0, 30.0);
-  // So many readings that no two neighbours of them are as far apart as the gap.
-  Capture c = bench.capture(20000, 1000.0, 1, [&](double t) { return kTwoPi * turns * t / 20.0; });
-  const double more = bench.within(0.012, 0.018) * bench.pair.amplitude_v;
-  const double level = 2.5 + bench.within(-0.2, 0.2) * bench.pair.amplitude_v;
-  for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v})
-    for (double &x : *v)
-      x += x > level ? more : 0.0;
-  const Diagnosis d = diagnose(c, {});
-  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
-  ASSERT_TRUE(k && delta) << left_of(d) << d.reason;
-  EXPECT_NEAR(k->values[0], bench.pair.k, 2e-3) << left_of(d);
-  EXPECT_NEAR(delta->values[0] * kRadPerDeg, bench.pair.delta_rad, 2e-3) << left_of(d);
-  EXPECT_EQ(d.verdict, Verdict::partly_explained);
-  EXPECT_TRUE(std::any_of(d.structure.begin(), d.structure.end(), [](const Structure &s) {
-    return s.description.find("a bit of the converter weighs too much") != std::string::npos;
-  })) << left_of(d);
-}
-
 // A disc of many lines that is run up and down within one of its turns, behind a low pass: the
 // amplitude falls where it is fast, whatever the time, and no reference is needed to see that.
 KIND(a_ring_behind_a_low_pass_shows_it_by_its_speed_alone) {

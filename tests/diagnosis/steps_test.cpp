@@ -135,6 +135,35 @@ KIND(offsets_that_step_up_or_down_twice_are_two_steps) {
   EXPECT_NEAR(steps[1].second, other, 2e-4);
 }
 
+// Currents of a motor under a load that comes and goes, one zero of which jumps: the amplitude
+// wanders by much more than the step, and a course of the offsets could take the step in.
+KIND(an_offset_that_jumps_beside_a_gain_that_wanders_is_a_step) {
+  Bench bench;
+  bench.pair.noise_v = 0.007 * bench.pair.amplitude_v;
+  const double at = bench.within(0.0, kTwoPi), waves = bench.within(1.0, 2.5),
+               rms = bench.within(0.04, 0.07), turns = bench.within(18.0, 30.0),
+               step = bench.within(0.04, 0.07) * bench.pair.amplitude_v,
+               moment = kSpan * bench.within(0.3, 0.7);
+  Capture c = bench.capture(12000, 2000.0, 2, [&](double t) {
+    const double x = t / kSpan;
+    return kTwoPi * turns * (x + 0.08 * std::sin(kTwoPi * x + at));
+  });
+  c.reference_deg.clear();
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double x = c.time_s[i] / kSpan;
+    const double gain =
+        1.0 + rms * (std::sin(kTwoPi * waves * x) + std::sin(kTwoPi * 0.6 * waves * x + at));
+    c.vsin_v[i] = 2.5 + gain * (c.vsin_v[i] - 2.5);
+    c.vcos_v[i] = 2.5 + gain * (c.vcos_v[i] - 2.5) + (c.time_s[i] >= moment ? step : 0.0);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *jump = named(d, "offset-step");
+  ASSERT_TRUE(jump) << all_of(d);
+  EXPECT_NEAR(jump->values[0], moment, 0.05 * kSpan) << all_of(d);
+  EXPECT_NEAR(std::hypot(jump->values[1], jump->values[2]), step, 0.15 * step) << all_of(d);
+  EXPECT_TRUE(named(d, "gain-wander")) << all_of(d);
+}
+
 KIND(flicker_noise_makes_no_step) {
   Bench bench;
   constexpr double kRate = 4000.0;

@@ -318,8 +318,7 @@ NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &m
     *v = std::sqrt(*v / n);
   // Where only the radius is judged, what lies across it is the motion's: noise is taken for white.
   if (parts.heldout.disturbed == Direction::motion)
-    out.sin_v = out.cos_v = out.across_v = out.along_v /=
-        std::sqrt(stretched_by_split(halves.heldout, r));
+    out.sin_v = out.cos_v = out.across_v = out.along_v = out_of_figure_rms_v(halves.heldout, r);
   return out;
 }
 

@@ -97,15 +97,4 @@ std::optional<LevelGap> level_gap(const Capture &capture) {
   return of_cos && (!of_sin || of_cos->jump_v > of_sin->jump_v) ? of_cos : of_sin;
 }
 
-bool joins(const Capture &capture, const LevelGap &gap) {
-  const std::vector<double> &x = gap.of_cos ? capture.vcos_v : capture.vsin_v;
-  return gap.jump_v < criteria::kSmallGap * (quantile(x, 0.98) - quantile(x, 0.02));
-}
-
-Capture joined(Capture capture, const LevelGap &gap) {
-  for (double &v : gap.of_cos ? capture.vcos_v : capture.vsin_v)
-    v += v <= gap.low_v ? 0.5 * gap.jump_v : -0.5 * gap.jump_v;
-  return capture;
-}
-
 } // namespace ada

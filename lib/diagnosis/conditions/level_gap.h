@@ -24,11 +24,4 @@ struct LevelGap {
 /// both channels along, and one that stands at several places leaves several gaps.
 std::optional<LevelGap> level_gap(const Capture &capture);
 
-/// Whether the two ranges join once the one is moved by the jump, as they do where a bit of the
-/// converter weighs too much: a jump that is small beside what the channel swings. Of a large one
-/// nobody knows what else is wrong.
-bool joins(const Capture &capture, const LevelGap &gap);
-/// The capture with both ranges moved half the way to each other.
-Capture joined(Capture capture, const LevelGap &gap);
-
 } // namespace ada

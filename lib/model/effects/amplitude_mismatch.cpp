@@ -29,6 +29,10 @@ constexpr EffectInfo kInfo{.id = "amplitude-mismatch",
 class AmplitudeMismatch final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
+  bool fold(Values v, EllipseParts &e) const override {
+    e.k = v[0];
+    return true;
+  }
   void apply(Values v, Wave &w) const override {
     for (std::size_t i = 0; i < w.n; ++i) {
       w.s[i] *= 1.0 + 0.5 * v[0];

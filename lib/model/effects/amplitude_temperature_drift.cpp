@@ -23,6 +23,10 @@ constexpr EffectInfo kInfo{.id = "amplitude-temperature-drift",
 class AmplitudeTemperatureDrift final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
+  bool fold(Values v, EllipseParts &e) const override {
+    e.tc_amplitude = v[0];
+    return true;
+  }
   void apply(Values v, Wave &w) const override {
     for (std::size_t i = 0; i < w.n; ++i) {
       const double gain = 1.0 + v[0] * w.temp[i];

@@ -25,6 +25,10 @@ constexpr EffectInfo kInfo{.id = "channel-inverted",
 class ChannelInverted final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
+  bool fold(Values v, EllipseParts &e) const override {
+    (v[0] == 0.0 ? e.sin_inverted : e.cos_inverted) = true;
+    return true;
+  }
   void apply(Values v, Wave &w) const override {
     double *channel = channel_of(w, v[0]);
     for (std::size_t i = 0; i < w.n; ++i)

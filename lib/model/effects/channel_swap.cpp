@@ -22,6 +22,10 @@ constexpr EffectInfo kInfo{.id = "channel-swap",
 class ChannelSwap final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
+  bool fold(Values, EllipseParts &e) const override {
+    e.swapped = true;
+    return true;
+  }
   void apply(Values, Wave &w) const override {
     for (std::size_t i = 0; i < w.n; ++i)
       std::swap(w.s[i], w.c[i]);

@@ -24,6 +24,11 @@ constexpr EffectInfo kInfo{.id = "offset-temperature-drift",
 class OffsetTemperatureDrift final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
+  bool fold(Values v, EllipseParts &e) const override {
+    e.tc_sin = v[0];
+    e.tc_cos = v[1];
+    return true;
+  }
   void apply(Values v, Wave &w) const override {
     for (std::size_t i = 0; i < w.n; ++i)
       w.add_offset(i, v[0] * w.temp[i], v[1] * w.temp[i]);

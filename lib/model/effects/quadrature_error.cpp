@@ -3,6 +3,7 @@
 //
 // s = A sin(psi + d/2), c = A cos(psi - d/2): an ellipse with its axes at 45 degrees.
 
+#include "base/angle.h"
 #include "model/effects/common.h"
 
 namespace ada {
@@ -29,6 +30,10 @@ constexpr EffectInfo kInfo{.id = "quadrature-error",
 class QuadratureError final : public Effect {
 public:
   const EffectInfo &info() const override { return kInfo; }
+  bool fold(Values v, EllipseParts &e) const override {
+    e.delta_rad = v[0] * kRadPerDeg;
+    return true;
+  }
   double channels_apart_rad(Values v) const override { return v[0] * kRadPerDeg; }
   void apply(Values v, Wave &w) const override {
     const double ch = std::cos(0.5 * v[0] * kRadPerDeg), sh = std::sin(0.5 * v[0] * kRadPerDeg);
