@@ -68,6 +68,17 @@ std::vector<std::uint32_t> in_rows(const std::vector<std::uint32_t> &spikes) {
   return out;
 }
 
+/// From one end to the other, unwrapped; 0 where that is no more than its noise.
+double moved_by_reference_deg(const Capture &capture) {
+  constexpr double kOfNoise = 20.0;
+  std::vector<double> alpha(capture.size());
+  for (std::size_t i = 0; i < alpha.size(); ++i)
+    alpha[i] = capture.reference_deg[i] * kRadPerDeg;
+  unwrap(alpha, kTwoPi);
+  const double moved = quantile(alpha, 0.99) - quantile(alpha, 0.01);
+  return moved > kOfNoise * noise_between(alpha) ? moved * kDegPerRad : 0.0;
+}
+
 } // namespace
 
 Scene prepare_record(const Capture &capture, bool needs_split, const Model *known,
@@ -106,9 +117,13 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   if (const double step = converter_step(capture.vsin_v); scene.white_noise_v < kCoarse * step)
     scene.coarse_step_v = step;
   if (stands_still(capture, look.white_noise_v)) {
+    const double moved_deg = capture.has_reference() ? moved_by_reference_deg(capture) : 0.0;
     scene.insufficient = fmt::format(
-        "the shaft does not turn: both signals stand still, but for {:.3g} mV that differ "
-        "from one reading to the next",
+        "{}: both signals stand still, but for {:.3g} mV that differ from one reading to the next",
+        moved_deg > 0.0 ? fmt::format("the reference moves by {:.3g} degrees and the pair does not "
+                                      "show it",
+                                      moved_deg)
+                        : "the shaft does not turn",
         1e3 * look.white_noise_v);
     return scene;
   }

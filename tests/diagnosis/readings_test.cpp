@@ -458,6 +458,21 @@ KIND(a_length_that_wanders_far_still_draws_a_circle) {
   EXPECT_NE(diagnose(c, {}).verdict, Verdict::insufficient_data);
 }
 
+/// A pair that stands still beside a reference that does not is none whose shaft rests.
+TEST(Readings, APairThatStandsStillBesideAReferenceThatMovesIsToldSo) {
+  Bench bench;
+  bench.pair.amplitude_v = 0.0;
+  const double turns = bench.within(0.05, 3.0);
+  Capture c = bench.capture(2000, 1000.0, 1, [&](double t) { return kTwoPi * turns * t / 2.0; });
+  const Diagnosis moves = diagnose(c, {});
+  EXPECT_EQ(moves.verdict, Verdict::insufficient_data);
+  EXPECT_NE(moves.reason.find("the reference moves by"), std::string::npos) << moves.reason;
+  for (double &x : c.reference_deg)
+    x = 30.0 + bench.normal(0.01);
+  const Diagnosis rests = diagnose(c, {});
+  EXPECT_NE(rests.reason.find("the shaft does not turn"), std::string::npos) << rests.reason;
+}
+
 /// What bends the radius of a pair within each turn bends its own angle as well. Of a shaft that
 /// comes round at even intervals that is neither a tone nor a matter of speed.
 KIND(a_pair_of_triangles_shows_neither_tone_nor_low_pass) {
