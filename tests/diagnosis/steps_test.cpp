@@ -141,8 +141,8 @@ KIND(an_offset_that_jumps_beside_a_gain_that_wanders_is_a_step) {
   Bench bench;
   bench.pair.noise_v = 0.007 * bench.pair.amplitude_v;
   const double at = bench.within(0.0, kTwoPi), waves = bench.within(1.0, 2.5),
-               rms = bench.within(0.04, 0.07), turns = bench.within(18.0, 30.0),
-               step = bench.within(0.04, 0.07) * bench.pair.amplitude_v,
+               rms = bench.within(0.04, 0.06), turns = bench.within(20.0, 30.0),
+               step = bench.within(0.05, 0.08) * bench.pair.amplitude_v,
                moment = kSpan * bench.within(0.3, 0.7);
   Capture c = bench.capture(12000, 2000.0, 2, [&](double t) {
     const double x = t / kSpan;
