@@ -104,15 +104,15 @@ std::optional<Directions> by_differences(const Observations &whole, const Model 
   data.noise_alone = false; // by direction alone a noise of the gain moves no angle
   data = at_own_angle(std::move(data), model);
   const ResidualColumns rest = residual_columns(data, model);
-  std::vector<double> out, along;
-  std::vector<Eigen::Vector3d>
-      of_what; // the gain, channels that are unlike, what both have in common
   std::vector<Axes> at;
   std::vector<double> off;
   for (std::size_t i = 0; i < data.size(); ++i) {
     at.push_back(axes_at(data, rest.model_sin[i], rest.model_cos[i]));
     off.push_back(out_of_figure(at.back(), rest.sin[i], rest.cos[i]));
   }
+  std::vector<double> out, along;
+  // A noise of the gain, of channels that are unlike, and what both have in common.
+  std::vector<Eigen::Vector3d> shares;
   for (std::size_t i = kDifference; i < data.size(); ++i) {
     if (data.time[i] - data.time[i - kDifference] > 1.5 * kDifference * data.frame_period_s)
       continue;
@@ -126,16 +126,16 @@ std::optional<Directions> by_differences(const Observations &whole, const Model 
     b *= model.periods_per_turn * std::hypot(place.along[0], place.along[1]) * here.both;
     out.push_back(a * a / kSquares);
     along.push_back(b * b / kSquares);
-    of_what.emplace_back(std::pow(here.length_v * here.both / model.baseline.amplitude_v, 2),
-                         here.out_s * here.out_s - here.out_c * here.out_c +
-                             here.vector_s * here.vector_s - here.vector_c * here.vector_c,
-                         2.0 * (here.out_s * here.out_c + here.vector_s * here.vector_c));
+    shares.emplace_back(std::pow(here.length_v * here.both / model.baseline.amplitude_v, 2),
+                        here.out_s * here.out_s - here.out_c * here.out_c +
+                            here.vector_s * here.vector_s - here.vector_c * here.vector_c,
+                        2.0 * (here.out_s * here.out_c + here.vector_s * here.vector_c));
   }
   if (static_cast<double>(out.size()) < criteria::kFewestForNoise)
     return std::nullopt;
   const double most_out = kOutlier * quantile(out, 0.5),
                most_along = kOutlier * quantile(along, 0.5);
-  double n = 0.0, sum_out = 0.0, sum_along = 0.0;
+  double n = 0.0, sum_along = 0.0;
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   double squares = 0.0;
@@ -143,9 +143,8 @@ std::optional<Directions> by_differences(const Observations &whole, const Model 
     if (out[i] > most_out || along[i] > most_along)
       continue;
     n += 1.0;
-    sum_out += out[i];
     sum_along += along[i];
-    const Eigen::Vector3d &x = of_what[i];
+    const Eigen::Vector3d &x = shares[i];
     const double y = out[i] - along[i];
     normal += x * x.transpose();
     right += y * x;
@@ -156,8 +155,7 @@ std::optional<Directions> by_differences(const Observations &whole, const Model 
   const Eigen::Matrix3d inverse = normal.inverse();
   const Eigen::Vector3d of = inverse * right;
   const double variance = std::max(squares - of.dot(right), 0.0) / n;
-  return Directions{sum_out / n, sum_along / n, of[0],
-                    std::sqrt(kTogether * variance * inverse(0, 0))};
+  return Directions{sum_along / n, of[0], std::sqrt(kTogether * variance * inverse(0, 0))};
 }
 
 } // namespace ada

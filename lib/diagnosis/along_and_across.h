@@ -30,19 +30,18 @@ double stretched_by_split(const Observations &data, const ResidualColumns &rest)
 /// smoothed, and what the smoothing leaves of it is as slow as flicker noise.
 void keep_radial(const Observations &data, ResidualColumns &rest);
 
-/// White noise where the angle is the pair's own, V^2, from differences from sample to sample: of
-/// what lies out of the figure, and of what the angle shows, scaled so that noise which is the same
-/// in all directions is as large in both.
+/// White noise where the angle is the pair's own, V^2.
 struct Directions {
-  double out_v2, along_v2;
+  double along_v2;               ///< as the angle shows it, out of which a noise of the gain stays
   double gain_v2, gain_error_v2; ///< of the noise that lies along the vector alone
 };
 
-/// Differences in order, scaled to keep white noise as it is: the motion is in those of the angle,
-/// of which a smooth one leaves nothing, and a rough one makes more, never less. Of the channels'
-/// own noise, which may be unlike, and of what they have in common the two get shares that go with
-/// their directions: beside those what is left of the one less the other is a noise of the gain,
-/// which moves no angle. Nothing where too few rows follow each other.
+/// Differences in order of what lies out of the figure and of the angle, scaled so that white noise
+/// which is the same in all directions is as large in both as it is: the motion is in those of the
+/// angle, of which a smooth one leaves nothing, and a rough one makes more, never less. Of the
+/// channels' own noise, which may be unlike, and of what they have in common the two get shares
+/// that go with their directions: beside those what is left of the one less the other is a noise of
+/// the gain, which moves no angle. Nothing where too few rows follow each other.
 std::optional<Directions> by_differences(const Observations &whole, const Model &model);
 
 } // namespace ada

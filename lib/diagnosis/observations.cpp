@@ -75,6 +75,8 @@ double Observations::to_nearest(const Place &pair) const {
 }
 
 std::array<double, 2> Observations::nearest(double sin_v, double cos_v) const {
+  if (!noise_alone)
+    return {sin_v - centre_sin_v, cos_v - centre_cos_v};
   const Place pair = place(sin_v, cos_v);
   const double step = to_nearest(pair), along = std::sin(step), on = std::cos(step);
   return {pair.vector[0] * on + pair.along[0] * along, pair.vector[1] * on + pair.along[1] * along};

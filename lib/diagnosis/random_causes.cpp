@@ -86,7 +86,7 @@ double rms(const std::vector<std::complex<double>> &course, bool imaginary) {
 /// taken out.
 struct Shape {
   std::vector<double> along, across, omega, radius;
-  double stretched; ///< the variance of noise that is the same in all directions, in these two
+  double stretched; ///< as stretched_by_split has it
   ResidualColumns rest;
   Observations data;
 };

@@ -45,20 +45,13 @@ bool Work::take_out_processes() {
     return false;
   // The largest alone: what it hid may be no process, as a step that a course of the same pattern
   // would take in.
-  std::iter_swap(found.begin(), std::max_element(found.begin(), found.end(),
-                                                 [](const RandomCause &a, const RandomCause &b) {
-                                                   return a.slow_v2 < b.slow_v2;
-                                                 }));
-  found.resize(1);
+  const RandomCause largest = *std::ranges::max_element(found, {}, &RandomCause::slow_v2);
   const int waves = slow.selection.orders[static_cast<std::size_t>(Axis::time)];
-  if (!take_out_courses(std::move(slow), found))
+  if (!take_out_courses(std::move(slow), {largest}))
     return false;
   slow_waves_ = std::max(slow_waves_, waves);
-  double moved_v2 = 0.0;
-  for (const RandomCause &c : found)
-    moved_v2 += c.slow_v2;
-  std::move(found.begin(), found.end(), std::back_inserter(processes_));
-  return moved_v2 > unnamed_.selection.noise_v2;
+  processes_.push_back(largest);
+  return largest.slow_v2 > unnamed_.selection.noise_v2;
 }
 
 bool Work::goes_on(const RandomCause &c) const {
