@@ -13,10 +13,10 @@ namespace ada::test {
 namespace {
 
 /// A shaft that turns unevenly, so that the angle is the pair's own.
-Capture uneven(Bench &bench, double noise) {
+Capture uneven(Bench &bench, double noise, double least_deg, double most_deg) {
   bench.pair.k = bench.within(-0.3, 0.3);
   bench.pair.delta_rad =
-      std::copysign(bench.within(15.0, 40.0), bench.within(-1.0, 1.0)) * kRadPerDeg;
+      std::copysign(bench.within(least_deg, most_deg), bench.within(-1.0, 1.0)) * kRadPerDeg;
   bench.pair.noise_v = noise * bench.pair.amplitude_v;
   const double turns = bench.within(6.0, 25.0), share = bench.within(0.1, 0.35),
                at = bench.within(0.0, kTwoPi), span = 2.5;
@@ -34,7 +34,7 @@ KIND(noise_makes_no_figure_rounder) {
   constexpr int kDraws = 6;
   for (int draw = 0; draw < kDraws; ++draw) {
     Bench bench;
-    const Capture c = uneven(bench, bench.within(0.07, 0.12));
+    const Capture c = uneven(bench, bench.within(0.07, 0.12), 15.0, 40.0);
     const Diagnosis d = diagnose(c, {});
     const Finding *delta = named(d, "quadrature-error");
     ASSERT_TRUE(delta) << left_of(d) << d.reason;
@@ -50,7 +50,7 @@ KIND(noise_makes_no_figure_rounder) {
 // Noise as it is stated is none in excess, in whatever direction the figure is narrow.
 KIND(noise_as_stated_is_no_excess_on_a_wide_ellipse) {
   Bench bench;
-  Capture c = uneven(bench, bench.within(0.003, 0.02));
+  Capture c = uneven(bench, bench.within(0.003, 0.02), 35.0, 60.0);
   c.meta.noise_rms_v = bench.pair.noise_v;
   const Diagnosis d = diagnose(c, {});
   expect_none(d, {"excess-noise", "amplitude-noise"});
