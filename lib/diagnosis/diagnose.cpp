@@ -10,6 +10,7 @@
 
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/held_rows.h"
+#include "diagnosis/conditions/reference_scale.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/work.h"
 
@@ -73,33 +74,8 @@ Diagnosis with_alternation(const Alternation &seen, Diagnosis out) {
   return out;
 }
 
-} // namespace
-
-std::string_view verdict_name(Verdict verdict) {
-  switch (verdict) {
-  case Verdict::no_discrepancy:
-    return "no-discrepancy";
-  case Verdict::explained:
-    return "explained";
-  case Verdict::partly_explained:
-    return "partly-explained";
-  case Verdict::unexplained:
-    return "unexplained";
-  case Verdict::insufficient_data:
-    break;
-  }
-  return "insufficient-data";
-}
-
-Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
-  // Rows that repeat a reading are none.
-  if (const auto fresh = fresh_readings(capture)) {
-    Diagnosis out = diagnose(fresh->capture, given);
-    out.samples = capture.size();
-    out.rows_a_reading = fresh->rows_a_reading;
-    out.held_reference = fresh->of_reference;
-    return out;
-  }
+/// A diagnosis of readings whose reference has the degrees of the pair.
+Diagnosis diagnose_readings(const Capture &capture, const DiagnosisOptions &given) {
   DiagnosisOptions options = given;
   // A model that has such a tone says what the rows are displaced by.
   if (!holds_tone(given.baseline))
@@ -107,11 +83,8 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
       std::optional<Alternation> of_judge;
       if (given.heldout && (of_judge = large_alternation(*given.heldout)))
         options.heldout = &of_judge->without;
-      return with_alternation(*seen, diagnose(seen->without, options));
+      return with_alternation(*seen, diagnose_readings(seen->without, options));
     }
-  std::optional<FreshReadings> judge;
-  if (given.heldout && (judge = fresh_readings(*given.heldout)))
-    options.heldout = &judge->capture;
   int steps = 0; // of all searches: their number is not known before the last
   if (given.progress)
     options.progress = [&](double, const char *what) {
@@ -148,6 +121,50 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
       first.followed || criteria::kRadiusWorse * left_v < first.left.rms_v ||
       (left_v < criteria::kRadiusWorse * first.left.rms_v && is_the_shafts_alone(first.out, out));
   return better ? std::move(out) : std::move(first.out);
+}
+
+} // namespace
+
+std::string_view verdict_name(Verdict verdict) {
+  switch (verdict) {
+  case Verdict::no_discrepancy:
+    return "no-discrepancy";
+  case Verdict::explained:
+    return "explained";
+  case Verdict::partly_explained:
+    return "partly-explained";
+  case Verdict::unexplained:
+    return "unexplained";
+  case Verdict::insufficient_data:
+    break;
+  }
+  return "insufficient-data";
+}
+
+Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
+  DiagnosisOptions options = given;
+  std::optional<FreshReadings> judge;
+  if (given.heldout && (judge = fresh_readings(*given.heldout)))
+    options.heldout = &judge->capture;
+  // Rows that repeat a reading are none.
+  if (const auto fresh = fresh_readings(capture)) {
+    Diagnosis out = diagnose(fresh->capture, options);
+    out.samples = capture.size();
+    out.rows_a_reading = fresh->rows_a_reading;
+    out.held_reference = fresh->of_reference;
+    return out;
+  }
+  std::optional<ReferenceScale> scale_of_judge;
+  if (options.heldout && (scale_of_judge = reference_scale(*options.heldout)))
+    options.heldout = &scale_of_judge->mended;
+  const auto scaled = reference_scale(capture);
+  Diagnosis out = diagnose_readings(scaled ? scaled->mended : capture, options);
+  if (scaled) {
+    out.reference_scale = scaled->scale;
+    out.reference_scale_error = scaled->error;
+    out.scale_within_a_turn = scaled->within_a_turn;
+  }
+  return out;
 }
 
 } // namespace ada

@@ -65,4 +65,16 @@ std::string explanation(const Finding &finding) {
   return out;
 }
 
+std::string reference_scale_in_words(const Diagnosis &d) {
+  if (!d.reference_scale)
+    return "";
+  return fmt::format(
+      "the reference goes {:.6g} +- {:.2g} degrees for each that the pair turns: its scale, or a "
+      "drift; the pair is judged without that{}",
+      *d.reference_scale, d.reference_scale_error,
+      d.scale_within_a_turn ? ". Within one turn an error once a turn, of the sensor or of the "
+                              "reference, may look so: a record of several turns would tell"
+                            : "");
+}
+
 } // namespace ada

@@ -116,6 +116,9 @@ std::string to_json(const Diagnosis &d) {
     out["capture"]["rows_a_reading"] = d.rows_a_reading;
     out["capture"]["held"] = d.held_reference ? "reference" : "pair";
   }
+  if (d.reference_scale)
+    out["capture"]["reference_scale"] = {
+        {"value", *d.reference_scale}, {"std_error", d.reference_scale_error}, {"unit", "1"}};
   const bool judged = d.verdict != Verdict::insufficient_data;
   if (judged)
     out["baseline"] = {{"model", d.baseline_name},
