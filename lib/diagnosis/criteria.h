@@ -219,7 +219,7 @@ inline constexpr std::size_t kForCircle = 30000;
 /// that this is seen in: a tenth of a percent of a turn beside noise of half a degree, at ten
 /// errors.
 inline constexpr double kStraight = 0.97, kMostOfScale = 0.1;
-inline constexpr std::size_t kForScale = 3000;
+inline constexpr std::size_t kForScale = 2000;
 /// Held-out nats by which an axis must gain to be admitted: by chance once in e^6 = 400 axes. Each
 /// further step in its order must gain this many.
 inline constexpr double kAdmittedNats = 6.0, kNatsPerOrder = 1.0;

@@ -162,6 +162,8 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
   if (scaled) {
     out.reference_scale = scaled->scale;
     out.reference_scale_error = scaled->error;
+    out.reference_drift_deg_s = scaled->drift_deg_s;
+    out.reference_drift_error = scaled->drift_error;
     out.scale_within_a_turn = scaled->within_a_turn;
   }
   return out;

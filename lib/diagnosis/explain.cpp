@@ -68,13 +68,21 @@ std::string explanation(const Finding &finding) {
 std::string reference_scale_in_words(const Diagnosis &d) {
   if (!d.reference_scale)
     return "";
-  return fmt::format(
-      "the reference goes {:.6g} +- {:.2g} degrees for each that the pair turns: its scale, or a "
-      "drift; the pair is judged without that{}",
-      *d.reference_scale, d.reference_scale_error,
-      d.scale_within_a_turn ? ". Within one turn an error once a turn, of the sensor or of the "
-                              "reference, may look so: a record of several turns would tell"
-                            : "");
+  const bool drifts = d.reference_drift_deg_s != 0.0;
+  std::string out = "the reference ";
+  if (d.reference_scale_error > 0.0)
+    out += fmt::format("goes {:.6g} +- {:.2g} degrees for each that the pair turns{}",
+                       *d.reference_scale, d.reference_scale_error,
+                       drifts ? " and " : ": its scale, or a drift");
+  if (drifts)
+    out += fmt::format("drifts by {:.4g} +- {:.2g} deg/s", d.reference_drift_deg_s,
+                       d.reference_drift_error);
+  out += "; the pair is judged without that";
+  if (d.scale_within_a_turn)
+    out +=
+        ". Within one turn an error once a turn, of the sensor or of the reference, may look so: "
+        "a record of several turns would tell";
+  return out;
 }
 
 } // namespace ada

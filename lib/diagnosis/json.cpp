@@ -119,6 +119,10 @@ std::string to_json(const Diagnosis &d) {
   if (d.reference_scale)
     out["capture"]["reference_scale"] = {
         {"value", *d.reference_scale}, {"std_error", d.reference_scale_error}, {"unit", "1"}};
+  if (d.reference_drift_deg_s != 0.0)
+    out["capture"]["reference_drift"] = {{"value", d.reference_drift_deg_s},
+                                         {"std_error", d.reference_drift_error},
+                                         {"unit", "deg/s"}};
   const bool judged = d.verdict != Verdict::insufficient_data;
   if (judged)
     out["baseline"] = {{"model", d.baseline_name},

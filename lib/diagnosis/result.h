@@ -76,6 +76,7 @@ struct Diagnosis {
   /// was judged by degrees of its own.
   std::optional<double> reference_scale;
   double reference_scale_error = 0.0; ///< standard error
+  double reference_drift_deg_s = 0.0, reference_drift_error = 0.0; ///< over time, beside it
   bool scale_within_a_turn = false;   ///< which an error once a turn may look like
   double duration_s = 0.0, turns = 0.0;
   int periods_per_turn = 2;

@@ -136,7 +136,8 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
         price(now.fit.model.effects[effect]) - price(rival.fit.model.effects.back());
     const bool yields = self->info().yields_to == c.effect->info().id;
     const double needed = yields ? -criteria::kRivalNats : criteria::kRivalNats;
-    if (better && c.visible && saved >= 0.0 &&
+    // More numbers are no better cause, unless other evidence pays for them.
+    if (better && c.visible && (saved >= 0.0 || side > criteria::kRivalNats) &&
         (rival.score + saved > now.score + needed ||
          c.effect->info().prior_rank < self->info().prior_rank ||
          (yields &&

@@ -158,8 +158,13 @@ RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair
 std::vector<Ripple> ripples_against_time(std::span<const double> time,
                                          std::span<const double> angle,
                                          std::span<const char> usable, int orders) {
-  constexpr double kMostParts = 8.0, kTurnsOfPart = 4.0, kFewestTurns = 2.5;
+  // Of one turn and a half a smooth motion and a ripple once a turn are still apart.
+  constexpr double kMostParts = 8.0, kTurnsOfPart = 4.0, kFewestTurns = 1.5;
   constexpr std::size_t kFewestParts = 3;
+  // So few parts: their median says little of how they scatter, and four degrees of freedom have
+  // one in a thousand at twice as many standard deviations as a normal distribution.
+  constexpr std::size_t kFewParts = 5, kVeryFewParts = 4;
+  constexpr double kStudent = 2.0;
   // Rad: what a motion that ripples by nothing shows beside a drive that is never quite even.
   constexpr double kLeastError = 5e-5;
   constexpr double kOfMedian = 1.5; // standard deviation over the median of a vector's length
@@ -217,11 +222,17 @@ std::vector<Ripple> ripples_against_time(std::span<const double> time,
       im.push_back(part_of[n].imag());
     }
     Ripple r{quantile(re, 0.5), quantile(im, 0.5), 0.0};
-    for (std::size_t k = 0; k < re.size(); ++k)
+    double squares = 0.0;
+    for (std::size_t k = 0; k < re.size(); ++k) {
       off.push_back(std::hypot(re[k] - r.cos, im[k] - r.sin));
-    r.error = std::max(kOfMedian * quantile(std::move(off), 0.5) /
-                           std::sqrt(static_cast<double>(re.size())),
-                       kLeastError);
+      squares += off.back() * off.back();
+    }
+    const auto count = static_cast<double>(re.size());
+    double scatter = kOfMedian * quantile(std::move(off), 0.5);
+    if (re.size() <= kFewParts)
+      scatter = std::max(scatter, std::sqrt(0.5 * squares / (count - 1.0)) *
+                                      (re.size() <= kVeryFewParts ? kStudent : 1.0));
+    r.error = std::max(scatter / std::sqrt(count), kLeastError);
     out.push_back(r);
   }
   return out;

@@ -4,8 +4,8 @@
 #include "diagnosis/conditions/reference_scale.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -22,9 +22,14 @@ namespace {
 
 using Eigen::ArrayXd;
 
+/// Means of stretches that scatter by so many times what those of white noise do are worth a look
+/// for what goes on over time: of forty the variance is known to a quarter.
+constexpr double kEven = 2.0;
+
 /// Rows of one record, evenly spread over it.
 struct Rows {
   int periods;
+  double begin_s = 0.0;          ///< on the clock of the capture, where the time is 0
   ArrayXd time, alpha, sin, cos; ///< time and angle (rad, unwrapped) about their means
   ArrayXd speed;                 ///< rad/s, as a lag of either goes with it
 };
@@ -53,55 +58,86 @@ Rows rows_of(const Capture &capture, std::size_t begin, std::size_t end) {
   }
   constexpr std::size_t kHalfWindow = 2; // rows, which the noise of a reference needs
   Rows out{capture.meta.periods_per_turn,
+           0.0,
            as_array(time),
            as_array(alpha),
            as_array(sin),
            as_array(cos),
            as_array(differentiate(time, alpha, kHalfWindow).omega)};
-  out.time -= out.time.mean();
+  out.begin_s = out.time.mean();
+  out.time -= out.begin_s;
   out.alpha -= out.alpha.mean();
   return out;
 }
 
-/// What the pair departs by, beside the ellipse that it draws.
-enum class Course { none, way, time };
+/// What the pair departs by beside the ellipse that it draws: in a straight line over the way, and
+/// over time by a polynomial, as a drift changes; degree 0: not at all.
+struct Course {
+  bool way;
+  int degree;
+  int numbers() const { return (way ? 1 : 0) + degree; }
+};
 
 struct Fit {
   double squares = 0.0; ///< V^2, of both channels
   double numbers = 0.0; ///< that were fitted
-  double slope = 0.0;   ///< rad of the pair's shaft for a rad of the way, or over the whole time
-  double slope_variance = 0.0; ///< for noise of 1 V rms
-  ArrayXd along;               ///< what is left along the figure, rad of the shaft
+  double scale = 0.0;   ///< rad of the pair's shaft for a rad of the way, less one
+  Eigen::VectorXd
+      drift; ///< rad, coefficients of Chebyshev's polynomials of the time, from the first
+  double scale_variance = 0.0, drift_variance = 0.0; ///< for noise of 1 V rms; of the first
+  ArrayXd along; ///< what is left along the figure, rad of the shaft
 };
+
+double duration(const Rows &rows) {
+  return rows.time.maxCoeff() - rows.time.minCoeff();
+}
+
+/// Time about the middle of the record, in halves of it.
+double place_in_time(const Rows &rows, double time_s) {
+  const double middle = 0.5 * (rows.time.maxCoeff() + rows.time.minCoeff());
+  return 2.0 * (time_s - middle) / std::max(duration(rows), 1e-12);
+}
+
+double chebyshev(int degree, double x) {
+  double before = 1.0, now = x;
+  for (int k = 1; k < degree; ++k)
+    before = std::exchange(now, 2.0 * x * now - before);
+  return now;
+}
+
+Eigen::MatrixXd columns_of(const Rows &rows, Course course) {
+  Eigen::MatrixXd out(rows.alpha.size(), course.numbers());
+  Eigen::Index column = 0;
+  if (course.way)
+    out.col(column++) = rows.alpha;
+  for (int degree = 1; degree <= course.degree; ++degree, ++column)
+    for (Eigen::Index i = 0; i < out.rows(); ++i)
+      out(i, column) = chebyshev(degree, place_in_time(rows, rows.time[i]));
+  return out;
+}
 
 /// Least squares of both channels: an ellipse of its own centre and axes, and an angle that departs
 /// from the reference by orders 1 to `orders` of its turn, by a lag (as the speed) and by `course`
-/// (Gauss-Newton: the departures are small but for the slope, which begins at `slope`).
-Fit fit(const Rows &rows, int orders, Course course, double slope) {
-  constexpr int kSteps = 4;
+/// (Gauss-Newton: the departures are small but for the course, which begins at `begin`).
+Fit fit(const Rows &rows, int orders, Course course, const Eigen::VectorXd &begin) {
+  constexpr int kSteps = 3;
   const Eigen::Index n = rows.alpha.size();
-  const double span = rows.time.size() > 1 ? rows.time[n - 1] - rows.time[0] : 0.0;
-  Eigen::MatrixXd departs(n, 2 * orders + 1 + (course == Course::none ? 0 : 1));
-  Eigen::Index column = 0;
+  Eigen::MatrixXd departs(n, course.numbers() + 2 * orders + 1);
+  Eigen::VectorXd size = Eigen::VectorXd::Zero(departs.cols());
+  departs.leftCols(course.numbers()) = columns_of(rows, course);
+  size.head(begin.size()) = begin;
+  Eigen::Index column = course.numbers();
   const double speed = rows.speed.abs().maxCoeff();
   departs.col(column++) = speed > 0.0 ? ArrayXd(rows.speed / speed) : ArrayXd::Zero(n);
   for (int order = 1; order <= orders; ++order) {
     departs.col(column++) = (order * rows.alpha).cos();
     departs.col(column++) = (order * rows.alpha).sin();
   }
-  if (course == Course::way)
-    departs.col(column) = rows.alpha;
-  else if (course == Course::time)
-    departs.col(column) = rows.time / std::max(span, 1e-12);
-  Eigen::VectorXd size = Eigen::VectorXd::Zero(departs.cols());
-  if (course != Course::none)
-    size[column] = slope;
   Fit out;
   out.numbers = 6.0 + static_cast<double>(departs.cols());
-  const Eigen::Index all = 6 + departs.cols();
+  Eigen::VectorXd variances = Eigen::VectorXd::Zero(departs.cols());
   for (int step = 0; step <= kSteps; ++step) {
     const ArrayXd psi = rows.periods * (rows.alpha + (departs * size).array());
-    Eigen::MatrixXd of_sin = Eigen::MatrixXd::Zero(n, all), of_cos = of_sin;
     Eigen::MatrixXd circle(n, 3);
     circle << Eigen::VectorXd::Ones(n), psi.cos().matrix(), psi.sin().matrix();
     const Eigen::LDLT<Eigen::Matrix3d> own(circle.transpose() * circle);
@@ -117,6 +153,7 @@ Fit fit(const Rows &rows, int orders, Course course, double slope) {
       out.along = (left_sin * moves_sin + left_cos * moves_cos) / reach;
       break;
     }
+    Eigen::MatrixXd of_sin = Eigen::MatrixXd::Zero(n, 6 + departs.cols()), of_cos = of_sin;
     of_sin.leftCols(3) = circle;
     of_cos.middleCols(3, 3) = circle;
     of_sin.rightCols(departs.cols()) = departs.array().colwise() * moves_sin;
@@ -127,9 +164,15 @@ Fit fit(const Rows &rows, int orders, Course course, double slope) {
     // Columns that are the same on this record (a speed that never changes) share what they take.
     const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(normal);
     size += solver.solve(right).tail(departs.cols());
-    out.slope_variance = solver.pseudoInverse()(all - 1, all - 1);
+    variances = solver.pseudoInverse().diagonal().tail(departs.cols());
   }
-  out.slope = course == Course::none ? 0.0 : size[column];
+  const Eigen::Index first = course.way ? 1 : 0;
+  if (course.way) {
+    out.scale = size[0];
+    out.scale_variance = variances[0];
+  }
+  out.drift = size.segment(first, course.degree);
+  out.drift_variance = course.degree > 0 ? variances[first] : 0.0;
   return out;
 }
 
@@ -157,14 +200,15 @@ double slow_part(const ArrayXd &left) {
 
 /// How fast the pair's own angle departs from the reference over several turns, whatever its
 /// ellipse: of each turn that comes to nothing.
-double departs_over_turns(const Rows &rows) {
+Eigen::VectorXd departs_over_turns(const Rows &rows, Course course) {
   const auto middle = [](const ArrayXd &v) {
     const Reach reach = bulk({v.data(), static_cast<std::size_t>(v.size())});
     return 0.5 * (reach.low + reach.high);
   };
   const double middle_sin = middle(rows.sin), middle_cos = middle(rows.cos);
-  double least_way = 0.0, slope = 0.0;
-  for (const double sense : {1.0, -1.0}) {
+  ArrayXd off;
+  double least_way = std::numeric_limits<double>::infinity();
+  for (const double sense : {1.0, -1.0}) { // the sensor may be mounted the other way round
     std::vector<double> apart;
     for (Eigen::Index i = 0; i < rows.alpha.size(); ++i)
       apart.push_back(sense * std::atan2(rows.sin[i] - middle_sin, rows.cos[i] - middle_cos) -
@@ -173,64 +217,87 @@ double departs_over_turns(const Rows &rows) {
     double way = 0.0;
     for (std::size_t i = 1; i < apart.size(); ++i)
       way += std::abs(apart[i] - apart[i - 1]);
-    const ArrayXd off = as_array(apart) / rows.periods;
-    if (sense > 0.0 || way < least_way) {
+    if (way < least_way) {
       least_way = way;
-      slope = (off * rows.alpha).sum() / std::max(rows.alpha.square().sum(), 1e-300);
+      off = as_array(apart) / rows.periods;
     }
   }
-  return slope;
+  const Eigen::MatrixXd x = columns_of(rows, course);
+  return (x.transpose() * x)
+      .completeOrthogonalDecomposition()
+      .solve(x.transpose() * (off - off.mean()).matrix());
 }
 
-/// The least of a measure over fits of 0 to some orders, which tell an error of the sensor or of
-/// the reference that comes again each turn.
 struct Best {
   Fit fit;
-  double nats;
+  double nats = std::numeric_limits<double>::infinity(); ///< the fewer the better
 };
 
-Best best_of(const std::vector<Fit> &fits, double rows, double inflated) {
-  const double effective = 2.0 * rows / inflated;
-  std::size_t best = 0;
-  std::vector<double> nats;
-  for (const Fit &f : fits)
-    nats.push_back(0.5 * effective * std::log(std::max(f.squares, 1e-300)) +
-                   0.5 * f.numbers * std::log(std::max(effective, 2.0)));
-  best = static_cast<std::size_t>(std::min_element(nats.begin(), nats.end()) - nats.begin());
-  return {fits[best], nats[best]};
+/// The best of fits with no to some orders of the turn, which tell an error of the sensor or of the
+/// reference that comes again each turn, by their information (Schwarz, 1978).
+Best best_of(const Rows &rows, Course course, double inflated) {
+  constexpr int kOrders = 6; // of two periods a turn the third of the electrical angle
+  const auto n = static_cast<double>(rows.alpha.size());
+  const double effective = 2.0 * n / inflated;
+  const double way = rows.alpha.maxCoeff() - rows.alpha.minCoeff();
+  Eigen::VectorXd begin = Eigen::VectorXd::Zero(course.numbers());
+  if (way > 2.0 * kTwoPi && course.numbers() > 0)
+    begin = departs_over_turns(rows, course);
+  Best out;
+  for (int orders = 0; orders <= kOrders; ++orders) {
+    Fit f = fit(rows, orders, course, begin);
+    const double nats = 0.5 * effective * std::log(std::max(f.squares, 1e-300)) +
+                        0.5 * f.numbers * std::log(std::max(effective, 2.0));
+    if (nats < out.nats)
+      out = {std::move(f), nats};
+  }
+  return out;
 }
 
-struct Slope {
-  double value, error; ///< rad of the pair's shaft for a rad of the reference, less one
-};
-
-std::optional<Slope> slope_of(const Rows &rows) {
-  constexpr int kOrders = 6; // of two periods a turn the third of the electrical angle
+/// What the pair of one record departs by in a straight line, if it does, and over time as that
+/// changes: a drift is seldom steady. Errors as of independent noise.
+std::optional<Fit> line_of(const Rows &rows) {
+  constexpr int kMostDegrees = 6;
   const auto n = static_cast<double>(rows.alpha.size());
   if (n < 2.0 * static_cast<double>(criteria::kFewestSamples))
     return {};
-  const double way = rows.alpha.maxCoeff() - rows.alpha.minCoeff();
-  const double begin = way > 2.0 * kTwoPi ? departs_over_turns(rows) : 0.0;
-  if (std::abs(begin) > criteria::kMostOfScale)
+  const double inflated = inflation(fit(rows, 6, {true, 0}, Eigen::VectorXd::Zero(1)).along);
+  const Best none = best_of(rows, {false, 0}, inflated);
+  Best best = best_of(rows, {true, 0}, inflated);
+  if (none.nats - best.nats < criteria::kRivalNats && inflation(none.fit.along) < kEven)
     return {};
-  std::array<std::vector<Fit>, 3> fits;
-  for (int orders = 0; orders <= kOrders; ++orders) {
-    fits[0].push_back(fit(rows, orders, Course::none, 0.0));
-    fits[1].push_back(fit(rows, orders, Course::way, begin));
-    fits[2].push_back(fit(rows, orders, Course::time, 0.0));
-  }
-  const double inflated = inflation(fits[1].back().along);
-  const Best none = best_of(fits[0], n, inflated), by_way = best_of(fits[1], n, inflated),
-             by_time = best_of(fits[2], n, inflated);
-  const Fit &found = by_way.fit;
-  const double took = std::pow(found.slope, 2) * rows.alpha.square().mean();
-  if (none.nats - by_way.nats < criteria::kRivalNats ||
-      by_time.nats < by_way.nats - criteria::kRivalNats ||
-      std::abs(found.slope) > criteria::kMostOfScale ||
-      slow_part(found.along) > (1.0 - criteria::kStraight) * took)
+  for (const bool way : {false, true})
+    if (Best with = best_of(rows, {way, 1}, inflated); with.nats < best.nats - criteria::kRivalNats)
+      best = std::move(with);
+  const ArrayXd line =
+      best.fit.scale * rows.alpha +
+      (best.fit.drift.size() > 0 ? best.fit.drift[0] / duration(rows) * 2.0 : 0.0) * rows.time;
+  if (none.nats - best.nats < criteria::kRivalNats ||
+      std::abs(best.fit.scale) > criteria::kMostOfScale ||
+      slow_part(best.fit.along) > (1.0 - criteria::kStraight) * line.square().mean())
     return {};
-  return Slope{found.slope, std::sqrt(found.slope_variance * found.squares / (2.0 * n) * inflated)};
+  for (int degree = 2; best.fit.drift.size() > 0 && degree <= kMostDegrees; ++degree)
+    if (Best with = best_of(rows, {best.fit.scale_variance > 0.0, degree}, inflated);
+        with.nats < best.nats - criteria::kRivalNats)
+      best = std::move(with);
+  const double variance = best.fit.squares / (2.0 * n) * inflated;
+  best.fit.scale_variance *= variance;
+  best.fit.drift_variance *= variance;
+  return best.fit;
 }
+
+/// Means of what several records say, by their errors.
+struct Mean {
+  double sum = 0.0, weight = 0.0;
+  void add(double value, double error) {
+    if (error > 0.0) {
+      sum += value / (error * error);
+      weight += 1.0 / (error * error);
+    }
+  }
+  double value() const { return weight > 0.0 ? sum / weight : 0.0; }
+  double error() const { return weight > 0.0 ? 1.0 / std::sqrt(weight) : 0.0; }
+};
 
 } // namespace
 
@@ -242,29 +309,42 @@ std::optional<ReferenceScale> reference_scale(const Capture &capture) {
     starts.push_back(0);
   starts.push_back(capture.size());
   std::optional<ReferenceScale> out;
-  double weight = 0.0, sum = 0.0, way = 0.0;
+  Mean scale, drift;
+  double way = 0.0;
   for (std::size_t k = 0; k + 1 < starts.size(); ++k) {
     const Rows rows = rows_of(capture, starts[k], starts[k + 1]);
-    const auto slope = slope_of(rows);
-    if (!slope)
+    const auto line = line_of(rows);
+    if (!line)
       continue;
     if (!out)
-      out.emplace(ReferenceScale{capture, 1.0, 0.0, false});
-    std::vector<double> turned(
-        capture.reference_deg.begin() + static_cast<std::ptrdiff_t>(starts[k]),
-        capture.reference_deg.begin() + static_cast<std::ptrdiff_t>(starts[k + 1]));
+      out.emplace(ReferenceScale{capture, 1.0, 0.0, 0.0, 0.0, false});
+    const auto begin = static_cast<std::ptrdiff_t>(starts[k]);
+    std::vector<double> turned(capture.reference_deg.begin() + begin,
+                               capture.reference_deg.begin() +
+                                   static_cast<std::ptrdiff_t>(starts[k + 1]));
     unwrap(turned, 360.0);
-    for (std::size_t i = 0; i < turned.size(); ++i)
-      out->mended.reference_deg[starts[k] + i] = (1.0 + slope->value) * turned[i];
+    const double took_s = std::max(duration(rows), 1e-12);
+    for (std::size_t i = 0; i < turned.size(); ++i) {
+      double &mended = out->mended.reference_deg[starts[k] + i];
+      mended = (1.0 + line->scale) * turned[i];
+      const double place = place_in_time(rows, capture.time_s[starts[k] + i] - rows.begin_s);
+      for (int degree = 1; degree <= line->drift.size(); ++degree)
+        mended += line->drift[degree - 1] * chebyshev(degree, place) * kDegPerRad;
+    }
+    // From one end of the record to the other: of an even polynomial that is nothing.
+    double over_all = 0.0;
+    for (int degree = 1; degree <= line->drift.size(); degree += 2)
+      over_all += 2.0 * line->drift[degree - 1] * kDegPerRad;
     way = std::max(way, rows.alpha.maxCoeff() - rows.alpha.minCoeff());
-    const double w = 1.0 / std::max(slope->error * slope->error, 1e-30);
-    sum += w * slope->value;
-    weight += w;
+    scale.add(line->scale, std::sqrt(line->scale_variance));
+    drift.add(-over_all / took_s, 2.0 * std::sqrt(line->drift_variance) * kDegPerRad / took_s);
   }
   if (out) {
-    const double turned = 1.0 + sum / weight;
-    out->scale = 1.0 / turned;
-    out->error = 1.0 / std::sqrt(weight) / (turned * turned);
+    const double turns = 1.0 + scale.value();
+    out->scale = 1.0 / turns;
+    out->error = scale.error() / (turns * turns);
+    out->drift_deg_s = drift.value();
+    out->drift_error = drift.error();
     out->within_a_turn = way < kTwoPi;
   }
   return out;
