@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/angle.h"
+#include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/noise_causes.h"
 #include "diagnosis/whiteness.h"
@@ -92,6 +93,26 @@ Structure of_episodes(const Scene &scene) {
       std::sqrt(e.squares_v2 / (2.0 * n))};
 }
 
+/// What goes on from one row to the next and is no white noise, V rms: the mean square of a
+/// residual less half that of its steps (von Neumann, Ann. Math. Statist. 12, 367, 1941). 0 where
+/// that is little, or not clear of chance: of white noise the ratio of the two scatters by the root
+/// of the rows. It asks no more rows than that, and does not say what the residual goes with.
+double goes_on_v(const ResidualColumns &r) {
+  constexpr double kOfSteps = 0.25; // of the power of the noise: 12 % of the rms
+  double squares = 0.0, steps = 0.0;
+  for (const auto *v : {&r.sin, &r.cos})
+    for (std::size_t i = 1; i < v->size(); ++i) {
+      squares += 0.5 * ((*v)[i] * (*v)[i] + (*v)[i - 1] * (*v)[i - 1]);
+      steps += 0.5 * std::pow((*v)[i] - (*v)[i - 1], 2);
+    }
+  const auto rows = static_cast<double>(r.sin.size());
+  const double excess = squares - steps;
+  return excess > kOfSteps * steps &&
+                 excess * std::sqrt(2.0 * rows) > criteria::kClearErrors * squares
+             ? std::sqrt(excess / (2.0 * rows))
+             : 0.0;
+}
+
 } // namespace
 
 std::vector<Structure> keep_for_last_look(Scene &scene, const Model &model, double noise_v) {
@@ -138,6 +159,15 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
     for (const auto &more : {angle, find_structure_in_rough(scene, model, least), bursts})
       out.structure.insert(out.structure.end(), more.begin(), more.end());
   }
+  // Too few rows for the tests of what it goes with. Of stops each has an error of its own.
+  if (const double left_v = goes_on_v(residual_columns(scene.all, model));
+      out.structure.empty() && !explained.supply_inferred && !scene.stops &&
+      left_v > explained.second_order_v)
+    out.structure.push_back({"time",
+                             fmt::format("{:.3g} mV rms go on from one row to the next, as no "
+                                         "white noise does; these rows do not tell with what",
+                                         1e3 * left_v),
+                             left_v});
   if (scene.episodes.count != 0)
     out.of_rows.push_back(of_episodes(scene));
   if (scene.own_jumps.count_as_structure(scene.radius_only))
