@@ -139,6 +139,8 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
     // More numbers are no better cause, unless other evidence pays for them.
     if (better && c.visible && (saved >= 0.0 || side > criteria::kRivalNats) &&
         (rival.score + saved > now.score + needed ||
+         // What the order of the stages blurs speaks for neither: other evidence does.
+         (side > criteria::kRivalNats && left <= blurred) ||
          c.effect->info().prior_rank < self->info().prior_rank ||
          (yields &&
           left <= std::min({blurred, criteria::kSlight * part, criteria::kHidden * noise}))) &&
