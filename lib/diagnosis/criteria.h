@@ -213,12 +213,13 @@ inline constexpr double kMostElsewhere = 0.25, kElsewhere = 8.0, kOffCircle = 0.
 inline constexpr double kAllRound = 360.0 - 2.0 * 360.0 / kFewestSamples;
 /// Samples that this is seen in: a share of one in 300 to a tenth of it.
 inline constexpr std::size_t kForCircle = 30000;
-/// A reference of another scale departs from the pair in a straight line. One through a walk takes
-/// this part of its mean square in one of two thousand, one through a single step three quarters.
-/// By more than the other part the wheel is another one, and the periods a turn are wrong. Rows
-/// that this is seen in: a tenth of a percent of a turn beside noise of half a degree, at ten
-/// errors.
-inline constexpr double kStraight = 0.97, kMostOfScale = 0.1;
+/// A reference of another scale goes away from the pair in a straight line, and one that is bowed
+/// in a plain curve. A line through a walk takes the first part of its mean square in one of two
+/// thousand, and a polynomial of the third degree the second; of a single step they take three
+/// quarters and less than nine tenths. By more than the last part the wheel is another one, and the
+/// periods a turn are wrong. Rows that this is seen in: a tenth of a percent of a turn beside noise
+/// of half a degree, at ten errors.
+inline constexpr double kStraight = 0.97, kPlainCurve = 0.985, kMostOfScale = 0.1;
 inline constexpr std::size_t kForScale = 2000;
 /// Held-out nats by which an axis must gain to be admitted: by chance once in e^6 = 400 axes. Each
 /// further step in its order must gain this many.

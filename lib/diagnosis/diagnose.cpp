@@ -10,7 +10,7 @@
 
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/held_rows.h"
-#include "diagnosis/conditions/reference_scale.h"
+#include "diagnosis/conditions/reference_course.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/work.h"
 
@@ -154,18 +154,13 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
     out.held_reference = fresh->of_reference;
     return out;
   }
-  std::optional<ReferenceScale> scale_of_judge;
-  if (options.heldout && (scale_of_judge = reference_scale(*options.heldout)))
-    options.heldout = &scale_of_judge->mended;
-  const auto scaled = reference_scale(capture);
-  Diagnosis out = diagnose_readings(scaled ? scaled->mended : capture, options);
-  if (scaled) {
-    out.reference_scale = scaled->scale;
-    out.reference_scale_error = scaled->error;
-    out.reference_drift_deg_s = scaled->drift_deg_s;
-    out.reference_drift_error = scaled->drift_error;
-    out.scale_within_a_turn = scaled->within_a_turn;
-  }
+  std::optional<FollowedReference> followed_of_judge;
+  if (options.heldout && (followed_of_judge = followed_reference(*options.heldout)))
+    options.heldout = &followed_of_judge->mended;
+  const auto followed = followed_reference(capture);
+  Diagnosis out = diagnose_readings(followed ? followed->mended : capture, options);
+  if (followed)
+    out.reference_course = followed->course;
   return out;
 }
 

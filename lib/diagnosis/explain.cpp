@@ -65,20 +65,19 @@ std::string explanation(const Finding &finding) {
   return out;
 }
 
-std::string reference_scale_in_words(const Diagnosis &d) {
-  if (!d.reference_scale)
-    return "";
-  const bool drifts = d.reference_drift_deg_s != 0.0;
-  std::string out = "the reference ";
-  if (d.reference_scale_error > 0.0)
-    out += fmt::format("goes {:.6g} +- {:.2g} degrees for each that the pair turns{}",
-                       *d.reference_scale, d.reference_scale_error,
-                       drifts ? " and " : ": its scale, or a drift");
-  if (drifts)
-    out += fmt::format("drifts by {:.4g} +- {:.2g} deg/s", d.reference_drift_deg_s,
-                       d.reference_drift_error);
-  out += "; the pair is judged without that";
-  if (d.scale_within_a_turn)
+std::string in_words(const ReferenceCourse &c) {
+  std::vector<std::string> parts;
+  if (c.scale_error > 0.0)
+    parts.push_back(fmt::format("goes {:.6g} +- {:.2g} degrees for each that the pair turns",
+                                c.scale, c.scale_error));
+  if (c.drift_error > 0.0)
+    parts.push_back(fmt::format("drifts by {:.4g} +- {:.2g} deg/s", c.drift_deg_s, c.drift_error));
+  if (c.bend_deg > 0.0)
+    parts.push_back(fmt::format("bends by {:.3g} deg beside that", c.bend_deg));
+  std::string out =
+      fmt::format("the reference {}{}; the pair is judged without that", fmt::join(parts, " and "),
+                  c.drift_error > 0.0 ? "" : ": its scale, or a drift");
+  if (c.within_a_turn)
     out +=
         ". Within one turn an error once a turn, of the sensor or of the reference, may look so: "
         "a record of several turns would tell";

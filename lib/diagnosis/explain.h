@@ -17,8 +17,8 @@ std::string separation(const Effect &effect, const std::vector<std::string> &riv
 /// The cause in a sentence, with its numbers.
 std::string explanation(const Finding &finding);
 
-/// Of a reference whose degrees are not the shaft's: how far, and what else would look so.
-std::string reference_scale_in_words(const Diagnosis &diagnosis);
+/// How a reference goes away from the shaft, and what else would look so.
+std::string in_words(const ReferenceCourse &course);
 
 /// A parameter for a person: value, error and unit; "vsin" for a channel.
 std::string parameter_text(const ParameterInfo &info, double value, double std_error);

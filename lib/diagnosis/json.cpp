@@ -116,13 +116,16 @@ std::string to_json(const Diagnosis &d) {
     out["capture"]["rows_a_reading"] = d.rows_a_reading;
     out["capture"]["held"] = d.held_reference ? "reference" : "pair";
   }
-  if (d.reference_scale)
+  if (d.reference_course) {
+    const ReferenceCourse &c = *d.reference_course;
     out["capture"]["reference_scale"] = {
-        {"value", *d.reference_scale}, {"std_error", d.reference_scale_error}, {"unit", "1"}};
-  if (d.reference_drift_deg_s != 0.0)
-    out["capture"]["reference_drift"] = {{"value", d.reference_drift_deg_s},
-                                         {"std_error", d.reference_drift_error},
-                                         {"unit", "deg/s"}};
+        {"value", c.scale}, {"std_error", c.scale_error}, {"unit", "1"}};
+    if (c.drift_error > 0.0)
+      out["capture"]["reference_drift"] = {{"value", c.drift_deg_s},
+                                           {"std_error", c.drift_error},
+                                           {"unit", "deg/s"},
+                                           {"bend_deg", c.bend_deg}};
+  }
   const bool judged = d.verdict != Verdict::insufficient_data;
   if (judged)
     out["baseline"] = {{"model", d.baseline_name},

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "diagnosis/axis.h"
+#include "diagnosis/conditions/reference_course.h"
 #include "model/effect.h"
 #include "model/model.h"
 
@@ -72,12 +73,8 @@ struct Diagnosis {
   std::size_t samples = 0;
   double rows_a_reading = 1.0; ///< more than one: each pair is held for several rows
   bool held_reference = false; ///< it is the reference that is held, and not the pair
-  /// Degrees of the reference for each that the pair turned, where they are not the same; the pair
-  /// was judged by degrees of its own.
-  std::optional<double> reference_scale;
-  double reference_scale_error = 0.0; ///< standard error
-  double reference_drift_deg_s = 0.0, reference_drift_error = 0.0; ///< over time, beside it
-  bool scale_within_a_turn = false;   ///< which an error once a turn may look like
+  /// Of a reference that goes away from the shaft; the pair was judged without that.
+  std::optional<ReferenceCourse> reference_course;
   double duration_s = 0.0, turns = 0.0;
   int periods_per_turn = 2;
   std::vector<std::string> channels;

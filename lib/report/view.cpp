@@ -11,7 +11,7 @@
 #include "base/angle.h"
 #include "base/pick.h"
 #include "conversion/angle_solver.h"
-#include "diagnosis/conditions/reference_scale.h"
+#include "diagnosis/conditions/reference_course.h"
 #include "diagnosis/fit.h"
 
 namespace ada {
@@ -182,9 +182,9 @@ bool has_part_in(const Diagnosis &d, Axis axis) {
 /// Without a reference what is known of the sensor may have bent the motion or not, by how the
 /// diagnosis went: the look that the extended model fits.
 Scene scene_of(const Diagnosis &d, const Capture &capture) {
-  if (d.reference_scale)
-    if (const auto scaled = reference_scale(capture)) {
-      Scene out = prepare(scaled->mended, false, nullptr, d.extended.vdd_reference_v);
+  if (d.reference_course)
+    if (const auto followed = followed_reference(capture)) {
+      Scene out = prepare(followed->mended, false, nullptr, d.extended.vdd_reference_v);
       out.capture = &capture;
       return out;
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 
-#include "diagnosis/conditions/reference_scale.h"
+#include "diagnosis/conditions/reference_course.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/conditions/travel.h"
 #include "diagnosis/criteria.h"
 #include "motion/kinematics.h"
 
@@ -254,10 +255,28 @@ Best best_of(const Rows &rows, Course course, double inflated) {
   return out;
 }
 
-/// What the pair of one record departs by in a straight line, if it does, and over time as that
-/// changes: a drift is seldom steady. Errors as of independent noise.
-std::optional<Fit> line_of(const Rows &rows) {
-  constexpr int kMostDegrees = 6;
+/// Mean square of the straight line that a fit has over the way and over time, rad^2.
+double of_line(const Rows &rows, const Fit &f) {
+  const double drift = f.drift.size() > 0 ? 2.0 * f.drift[0] / duration(rows) : 0.0;
+  return (f.scale * rows.alpha + drift * rows.time).square().mean();
+}
+
+/// Mean square of all of its course, rad^2.
+double of_course(const Rows &rows, const Fit &f) {
+  const Course course{f.scale_variance > 0.0, static_cast<int>(f.drift.size())};
+  Eigen::VectorXd size(course.numbers());
+  if (course.way)
+    size[0] = f.scale;
+  size.tail(f.drift.size()) = f.drift;
+  const ArrayXd all = columns_of(rows, course) * size;
+  return (all - all.mean()).square().mean();
+}
+
+/// The course of one record, if it has one. Errors as of independent noise.
+std::optional<Fit> course_of(const Rows &rows) {
+  // Of a plain curve; and of one that is known to be none of the shaft's, as no drift is steady.
+  constexpr int kPlain = 3, kMostDegrees = 6;
+  constexpr double kTurnsOfCurve = 2.0; // in fewer a curve looks like errors of low orders
   const auto n = static_cast<double>(rows.alpha.size());
   if (n < 2.0 * static_cast<double>(criteria::kFewestSamples))
     return {};
@@ -266,20 +285,30 @@ std::optional<Fit> line_of(const Rows &rows) {
   Best best = best_of(rows, {true, 0}, inflated);
   if (none.nats - best.nats < criteria::kRivalNats && inflation(none.fit.along) < kEven)
     return {};
-  for (const bool way : {false, true})
-    if (Best with = best_of(rows, {way, 1}, inflated); with.nats < best.nats - criteria::kRivalNats)
-      best = std::move(with);
-  const ArrayXd line =
-      best.fit.scale * rows.alpha +
-      (best.fit.drift.size() > 0 ? best.fit.drift[0] / duration(rows) * 2.0 : 0.0) * rows.time;
-  if (none.nats - best.nats < criteria::kRivalNats ||
-      std::abs(best.fit.scale) > criteria::kMostOfScale ||
-      slow_part(best.fit.along) > (1.0 - criteria::kStraight) * line.square().mean())
+  // A shaft that turns more evenly than its reference would else pass for one without.
+  const auto try_degree = [&](int degree) {
+    for (const bool way : {false, true})
+      if (Best with = best_of(rows, {way, degree}, inflated);
+          with.nats < best.nats - criteria::kRivalNats &&
+          std::abs(with.fit.scale) < criteria::kMostOfScale)
+        best = std::move(with);
+  };
+  const auto takes_all_but = [&](double part, double course) {
+    return slow_part(best.fit.along) < part * course;
+  };
+  try_degree(1);
+  bool found = takes_all_but(1.0 - criteria::kStraight, of_line(rows, best.fit));
+  const std::vector<double> alpha(rows.alpha.begin(), rows.alpha.end());
+  if (!found && travel_of(alpha) > kTurnsOfCurve * kTwoPi) {
+    for (int degree = 2; degree <= kPlain; ++degree)
+      try_degree(degree);
+    found = takes_all_but(1.0 - criteria::kPlainCurve, of_course(rows, best.fit));
+  }
+  if (!found || none.nats - best.nats < criteria::kRivalNats ||
+      std::abs(best.fit.scale) > criteria::kMostOfScale)
     return {};
   for (int degree = 2; best.fit.drift.size() > 0 && degree <= kMostDegrees; ++degree)
-    if (Best with = best_of(rows, {best.fit.scale_variance > 0.0, degree}, inflated);
-        with.nats < best.nats - criteria::kRivalNats)
-      best = std::move(with);
+    try_degree(degree);
   const double variance = best.fit.squares / (2.0 * n) * inflated;
   best.fit.scale_variance *= variance;
   best.fit.drift_variance *= variance;
@@ -301,52 +330,57 @@ struct Mean {
 
 } // namespace
 
-std::optional<ReferenceScale> reference_scale(const Capture &capture) {
+std::optional<FollowedReference> followed_reference(const Capture &capture) {
   if (!capture.has_reference())
     return {};
   std::vector<std::size_t> starts = capture.starts;
   if (starts.empty())
     starts.push_back(0);
   starts.push_back(capture.size());
-  std::optional<ReferenceScale> out;
-  Mean scale, drift;
+  std::optional<FollowedReference> out;
+  Mean turned_more, drift;
   double way = 0.0;
   for (std::size_t k = 0; k + 1 < starts.size(); ++k) {
     const Rows rows = rows_of(capture, starts[k], starts[k + 1]);
-    const auto line = line_of(rows);
-    if (!line)
+    const auto found = course_of(rows);
+    if (!found)
       continue;
     if (!out)
-      out.emplace(ReferenceScale{capture, 1.0, 0.0, 0.0, 0.0, false});
+      out.emplace(FollowedReference{capture, {}});
     const auto begin = static_cast<std::ptrdiff_t>(starts[k]);
     std::vector<double> turned(capture.reference_deg.begin() + begin,
                                capture.reference_deg.begin() +
                                    static_cast<std::ptrdiff_t>(starts[k + 1]));
     unwrap(turned, 360.0);
     const double took_s = std::max(duration(rows), 1e-12);
-    for (std::size_t i = 0; i < turned.size(); ++i) {
-      double &mended = out->mended.reference_deg[starts[k] + i];
-      mended = (1.0 + line->scale) * turned[i];
-      const double place = place_in_time(rows, capture.time_s[starts[k] + i] - rows.begin_s);
-      for (int degree = 1; degree <= line->drift.size(); ++degree)
-        mended += line->drift[degree - 1] * chebyshev(degree, place) * kDegPerRad;
-    }
     // From one end of the record to the other: of an even polynomial that is nothing.
     double over_all = 0.0;
-    for (int degree = 1; degree <= line->drift.size(); degree += 2)
-      over_all += 2.0 * line->drift[degree - 1] * kDegPerRad;
+    for (Eigen::Index degree = 1; degree <= found->drift.size(); degree += 2)
+      over_all += 2.0 * found->drift[degree - 1] * kDegPerRad;
+    Reach bend;
+    for (std::size_t i = 0; i < turned.size(); ++i) {
+      const double place = place_in_time(rows, capture.time_s[starts[k] + i] - rows.begin_s);
+      double off = 0.0;
+      for (int degree = 1; degree <= found->drift.size(); ++degree)
+        off += found->drift[degree - 1] * chebyshev(degree, place) * kDegPerRad;
+      out->mended.reference_deg[starts[k] + i] = (1.0 + found->scale) * turned[i] + off;
+      off -= 0.5 * over_all * place;
+      bend = i == 0 ? Reach{off, off} : Reach{std::min(bend.low, off), std::max(bend.high, off)};
+    }
+    if (found->drift.size() > 1)
+      out->course.bend_deg = std::max(out->course.bend_deg, bend.width());
     way = std::max(way, rows.alpha.maxCoeff() - rows.alpha.minCoeff());
-    scale.add(line->scale, std::sqrt(line->scale_variance));
-    drift.add(-over_all / took_s, 2.0 * std::sqrt(line->drift_variance) * kDegPerRad / took_s);
+    turned_more.add(found->scale, std::sqrt(found->scale_variance));
+    drift.add(-over_all / took_s, 2.0 * std::sqrt(found->drift_variance) * kDegPerRad / took_s);
   }
-  if (out) {
-    const double turns = 1.0 + scale.value();
-    out->scale = 1.0 / turns;
-    out->error = scale.error() / (turns * turns);
-    out->drift_deg_s = drift.value();
-    out->drift_error = drift.error();
-    out->within_a_turn = way < kTwoPi;
-  }
+  if (!out)
+    return {};
+  const double turns = 1.0 + turned_more.value();
+  out->course.scale = 1.0 / turns;
+  out->course.scale_error = turned_more.error() / (turns * turns);
+  out->course.drift_deg_s = drift.value();
+  out->course.drift_error = drift.error();
+  out->course.within_a_turn = way < kTwoPi;
   return out;
 }
 
