@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
+#include "diagnosis/admission.h"
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/reference_course.h"
@@ -123,6 +125,19 @@ Diagnosis diagnose_readings(const Capture &capture, const DiagnosisOptions &give
   return better ? std::move(out) : std::move(first.out);
 }
 
+/// Nats of a diagnosis on held-out data, less the price of the causes that it names; of data that
+/// say nothing, less than any.
+double worth(const Diagnosis &d) {
+  if (d.verdict == Verdict::insufficient_data)
+    return -std::numeric_limits<double>::infinity();
+  constexpr double kHeldOut = 1.0 / 3.0; // of the samples, or a second capture as long
+  double out =
+      kHeldOut * static_cast<double>(d.samples) * d.extended_quality.heldout.log_likelihood;
+  for (const EffectInstance &e : d.extended.effects)
+    out -= price(e);
+  return out;
+}
+
 } // namespace
 
 std::string_view verdict_name(Verdict verdict) {
@@ -158,10 +173,16 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
   if (options.heldout && (followed_of_judge = followed_reference(*options.heldout)))
     options.heldout = &followed_of_judge->mended;
   const auto followed = followed_reference(capture);
-  Diagnosis out = diagnose_readings(followed ? followed->mended : capture, options);
-  if (followed)
-    out.reference_course = followed->course;
-  return out;
+  if (!followed)
+    return diagnose_readings(capture, options);
+  // What has a name may say the same, or more: a slip, a lag, an error once a turn.
+  Diagnosis as_read = diagnose_readings(capture, options);
+  Diagnosis mended = diagnose_readings(followed->mended, options);
+  const double course = criteria::kNatsPerCoordinate * followed->course.numbers;
+  if (mended.verdict == Verdict::insufficient_data || worth(mended) - course <= worth(as_read))
+    return as_read;
+  mended.reference_course = followed->course;
+  return mended;
 }
 
 } // namespace ada

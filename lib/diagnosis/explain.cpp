@@ -74,9 +74,12 @@ std::string in_words(const ReferenceCourse &c) {
     parts.push_back(fmt::format("drifts by {:.4g} +- {:.2g} deg/s", c.drift_deg_s, c.drift_error));
   if (c.bend_deg > 0.0)
     parts.push_back(fmt::format("bends by {:.3g} deg beside that", c.bend_deg));
-  std::string out =
-      fmt::format("the reference {}{}; the pair is judged without that", fmt::join(parts, " and "),
-                  c.drift_error > 0.0 ? "" : ": its scale, or a drift");
+  const char *or_else = c.drift_error <= 0.0   ? ": its scale, or a drift"
+                        : c.scale_error <= 0.0 ? ", or its scale does where the shaft turns evenly"
+                                               : "";
+  std::string out = fmt::format("the reference {}{}; a magnet that creeps on its shaft looks the "
+                                "same; the pair is judged without that",
+                                fmt::join(parts, " and "), or_else);
   if (c.within_a_turn)
     out +=
         ". Within one turn an error once a turn, of the sensor or of the reference, may look so: "

@@ -118,8 +118,9 @@ std::string to_json(const Diagnosis &d) {
   }
   if (d.reference_course) {
     const ReferenceCourse &c = *d.reference_course;
-    out["capture"]["reference_scale"] = {
-        {"value", c.scale}, {"std_error", c.scale_error}, {"unit", "1"}};
+    if (c.scale_error > 0.0)
+      out["capture"]["reference_scale"] = {
+          {"value", c.scale}, {"std_error", c.scale_error}, {"unit", "1"}};
     if (c.drift_error > 0.0)
       out["capture"]["reference_drift"] = {{"value", c.drift_deg_s},
                                            {"std_error", c.drift_error},

@@ -93,23 +93,23 @@ Structure of_episodes(const Scene &scene) {
       std::sqrt(e.squares_v2 / (2.0 * n))};
 }
 
-/// What goes on from one row to the next and is no white noise, V rms: the mean square of a
-/// residual less half that of its steps (von Neumann, Ann. Math. Statist. 12, 367, 1941). 0 where
-/// that is little, or not clear of chance: of white noise the ratio of the two scatters by the root
-/// of the rows. It asks no more rows than that, and does not say what the residual goes with.
+/// What goes on from one row to the next and is no white noise, V rms: the root of the mean product
+/// of a residual with the one before. 0 where that is little beside the rest, or not clear of
+/// chance: of noise without memory, whatever its size at each row, the sum of the products scatters
+/// by the root of the sum of their squares. It asks no more rows than that, and does not say what
+/// the residual goes with.
 double goes_on_v(const ResidualColumns &r) {
-  constexpr double kOfSteps = 0.25; // of the power of the noise: 12 % of the rms
-  double squares = 0.0, steps = 0.0;
-  for (const auto *v : {&r.sin, &r.cos})
-    for (std::size_t i = 1; i < v->size(); ++i) {
-      squares += 0.5 * ((*v)[i] * (*v)[i] + (*v)[i - 1] * (*v)[i - 1]);
-      steps += 0.5 * std::pow((*v)[i] - (*v)[i - 1], 2);
-    }
-  const auto rows = static_cast<double>(r.sin.size());
-  const double excess = squares - steps;
-  return excess > kOfSteps * steps &&
-                 excess * std::sqrt(2.0 * rows) > criteria::kClearErrors * squares
-             ? std::sqrt(excess / (2.0 * rows))
+  constexpr double kOfRest = 0.25; // of the power: 12 % of the rms
+  double squares = 0.0, products = 0.0, scatter = 0.0;
+  for (std::size_t i = 1; i < r.sin.size(); ++i) {
+    const double product = r.sin[i] * r.sin[i - 1] + r.cos[i] * r.cos[i - 1];
+    squares += r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
+    products += product;
+    scatter += product * product;
+  }
+  return products > kOfRest * (squares - products) &&
+                 products > criteria::kClearErrors * std::sqrt(scatter)
+             ? std::sqrt(products / (2.0 * static_cast<double>(r.sin.size())))
              : 0.0;
 }
 

@@ -168,5 +168,34 @@ KIND(a_tone_that_beats_is_one_tone) {
   EXPECT_NEAR(tone->values[0], hz, apart + 0.5);
 }
 
+/// A hundred rows are too few to say what it goes with; that it is no noise they do say.
+KIND(what_goes_on_from_row_to_row_is_not_explained) {
+  Bench bench;
+  const auto rows = static_cast<std::size_t>(bench.within(80.0, 120.0));
+  const double seconds = static_cast<double>(rows) / 10.0;
+  Capture c = bench.capture(rows, 10.0, 1, [&](double t) { return kTwoPi * 1.1 * t / seconds; });
+  bench.pair.noise_v *= 0.3;
+  double along = 0.0, across = 0.0;
+  for (std::size_t i = 0; i < rows; ++i) { // it forgets itself within some eight rows
+    along = 0.88 * along + bench.normal(5e-3);
+    across = 0.88 * across + bench.normal(5e-3);
+    c.vsin_v[i] += along * bench.pair.amplitude_v;
+    c.vcos_v[i] += across * bench.pair.amplitude_v;
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_NE(d.verdict, Verdict::explained) << left_of(d);
+  EXPECT_NE(d.verdict, Verdict::no_discrepancy) << left_of(d);
+}
+
+KIND(few_rows_of_white_noise_leave_nothing) {
+  Bench bench;
+  const auto rows = static_cast<std::size_t>(bench.within(60.0, 300.0));
+  const double seconds = static_cast<double>(rows) / 10.0, turns = bench.within(1.1, 6.0);
+  const Capture c =
+      bench.capture(rows, 10.0, 1, [&](double t) { return kTwoPi * turns * t / seconds; });
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
+}
+
 } // namespace
 } // namespace ada::test

@@ -27,77 +27,99 @@ using Eigen::ArrayXd;
 /// for what goes on over time: of forty the variance is known to a quarter.
 constexpr double kEven = 2.0;
 
+/// Orders of the turn that an error of sensor or reference has: of two periods a turn the third of
+/// the electrical angle.
+constexpr int kOrders = 6;
+
+/// Speeds of a record that are told apart: a tenth of what a start or a stop takes of it.
+constexpr std::size_t kSpeedsOfRecord = 100;
+
+/// A range of values, and places in it from -1 to 1.
+struct Range {
+  double middle = 0.0, half = 0.0;
+  double place(double x) const { return (x - middle) / std::max(half, 1e-12); }
+};
+
+Range range_of(const ArrayXd &v) {
+  return v.size() == 0
+             ? Range{}
+             : Range{0.5 * (v.maxCoeff() + v.minCoeff()), 0.5 * (v.maxCoeff() - v.minCoeff())};
+}
+
+/// The reference of some rows, rad, unwrapped; not a number where it has none.
+std::vector<double> unwrapped(const Capture &capture, std::size_t begin, std::size_t end) {
+  std::vector<std::size_t> read;
+  std::vector<double> alpha, out(end - begin, kAbsent);
+  for (std::size_t i = begin; i < end; ++i)
+    if (std::isfinite(capture.reference_deg[i])) {
+      read.push_back(i - begin);
+      alpha.push_back(capture.reference_deg[i] * kRadPerDeg);
+    }
+  unwrap(alpha, kTwoPi);
+  for (std::size_t k = 0; k < read.size(); ++k)
+    out[read[k]] = alpha[k];
+  return out;
+}
+
 /// Rows of one record, evenly spread over it.
 struct Rows {
-  int periods;
-  double begin_s = 0.0;          ///< on the clock of the capture, where the time is 0
-  ArrayXd time, alpha, sin, cos; ///< time and angle (rad, unwrapped) about their means
-  ArrayXd speed;                 ///< rad/s, as a lag of either goes with it
+  int periods = 1;
+  ArrayXd time, alpha, sin, cos; ///< angle: of the reference, rad, unwrapped
+  ArrayXd speed, acceleration;   ///< rad/s, rad/s^2
+  Range of_time, of_way;
+  double way() const { return 2.0 * of_way.half; }
 };
 
 ArrayXd as_array(const std::vector<double> &v) {
   return Eigen::Map<const ArrayXd>(v.data(), static_cast<Eigen::Index>(v.size()));
 }
 
-Rows rows_of(const Capture &capture, std::size_t begin, std::size_t end) {
+Rows rows_of(const Capture &capture, std::size_t begin, const std::vector<double> &reference) {
   std::vector<std::size_t> whole;
-  std::vector<double> unwrapped;
-  for (std::size_t i = begin; i < end; ++i)
-    if (std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]) &&
-        std::isfinite(capture.reference_deg[i])) {
-      whole.push_back(i);
-      unwrapped.push_back(capture.reference_deg[i] * kRadPerDeg);
-    }
-  unwrap(unwrapped, kTwoPi);
+  for (std::size_t k = 0; k < reference.size(); ++k)
+    if (std::isfinite(capture.vsin_v[begin + k]) && std::isfinite(capture.vcos_v[begin + k]) &&
+        std::isfinite(reference[k]))
+      whole.push_back(k);
   const std::size_t stride = whole.size() / criteria::kForScale + 1;
   std::vector<double> time, alpha, sin, cos;
   for (std::size_t k = 0; k < whole.size(); k += stride) {
-    time.push_back(capture.time_s[whole[k]]);
-    alpha.push_back(unwrapped[k]);
-    sin.push_back(capture.vsin_v[whole[k]]);
-    cos.push_back(capture.vcos_v[whole[k]]);
+    time.push_back(capture.time_s[begin + whole[k]]);
+    alpha.push_back(reference[whole[k]]);
+    sin.push_back(capture.vsin_v[begin + whole[k]]);
+    cos.push_back(capture.vcos_v[begin + whole[k]]);
   }
-  constexpr std::size_t kHalfWindow = 2; // rows, which the noise of a reference needs
-  Rows out{capture.meta.periods_per_turn,
-           0.0,
-           as_array(time),
-           as_array(alpha),
-           as_array(sin),
-           as_array(cos),
-           as_array(differentiate(time, alpha, kHalfWindow).omega)};
-  out.begin_s = out.time.mean();
-  out.time -= out.begin_s;
-  out.alpha -= out.alpha.mean();
+  Rows out;
+  out.periods = capture.meta.periods_per_turn;
+  out.time = as_array(time);
+  out.alpha = as_array(alpha);
+  out.sin = as_array(sin);
+  out.cos = as_array(cos);
+  // The noise of a speed would leave a part of a lag over, for whatever goes as the speed does.
+  const std::size_t half_window = std::max<std::size_t>(2, time.size() / kSpeedsOfRecord);
+  const Kinematics motion = differentiate(time, alpha, half_window);
+  out.speed = as_array(motion.omega);
+  out.acceleration = as_array({motion.accel.begin(), motion.accel.end()});
+  out.of_time = range_of(out.time);
+  out.of_way = range_of(out.alpha);
   return out;
 }
 
-/// What the pair departs by beside the ellipse that it draws: in a straight line over the way, and
-/// over time by a polynomial, as a drift changes; degree 0: not at all.
+/// What the pair departs by beside the ellipse that it draws: polynomials over the way and over
+/// time, of these degrees, and a step; degree 0: nothing.
 struct Course {
-  bool way;
-  int degree;
-  int numbers() const { return (way ? 1 : 0) + degree; }
+  int way = 0, time = 0;
+  double step_s = kAbsent;
+  int numbers() const { return way + time + (std::isnan(step_s) ? 0 : 1); }
 };
 
 struct Fit {
+  Course course;
   double squares = 0.0; ///< V^2, of both channels
   double numbers = 0.0; ///< that were fitted
-  double scale = 0.0;   ///< rad of the pair's shaft for a rad of the way, less one
-  Eigen::VectorXd
-      drift; ///< rad, coefficients of Chebyshev's polynomials of the time, from the first
-  double scale_variance = 0.0, drift_variance = 0.0; ///< for noise of 1 V rms; of the first
-  ArrayXd along; ///< what is left along the figure, rad of the shaft
+  Eigen::VectorXd size{};      ///< rad of the pair's shaft, of Chebyshev's polynomials and the step
+  Eigen::VectorXd variances{}; ///< of those, for noise of 1 V rms
+  ArrayXd along{};             ///< what is left along the figure, rad of the shaft
 };
-
-double duration(const Rows &rows) {
-  return rows.time.maxCoeff() - rows.time.minCoeff();
-}
-
-/// Time about the middle of the record, in halves of it.
-double place_in_time(const Rows &rows, double time_s) {
-  const double middle = 0.5 * (rows.time.maxCoeff() + rows.time.minCoeff());
-  return 2.0 * (time_s - middle) / std::max(duration(rows), 1e-12);
-}
 
 double chebyshev(int degree, double x) {
   double before = 1.0, now = x;
@@ -106,44 +128,68 @@ double chebyshev(int degree, double x) {
   return now;
 }
 
-Eigen::MatrixXd columns_of(const Rows &rows, Course course) {
-  Eigen::MatrixXd out(rows.alpha.size(), course.numbers());
-  Eigen::Index column = 0;
-  if (course.way)
-    out.col(column++) = rows.alpha;
-  for (int degree = 1; degree <= course.degree; ++degree, ++column)
-    for (Eigen::Index i = 0; i < out.rows(); ++i)
-      out(i, column) = chebyshev(degree, place_in_time(rows, rows.time[i]));
+/// What goes with each of the numbers of a course at one row.
+Eigen::VectorXd terms_at(const Rows &rows, const Course &course, double time_s, double alpha_rad) {
+  Eigen::VectorXd out(course.numbers());
+  Eigen::Index k = 0;
+  for (int degree = 1; degree <= course.way; ++degree)
+    out[k++] = chebyshev(degree, rows.of_way.place(alpha_rad));
+  for (int degree = 1; degree <= course.time; ++degree)
+    out[k++] = chebyshev(degree, rows.of_time.place(time_s));
+  if (!std::isnan(course.step_s))
+    out[k] = time_s < course.step_s ? -0.5 : 0.5;
   return out;
 }
 
+Eigen::MatrixXd columns_of(const Rows &rows, const Course &course) {
+  Eigen::MatrixXd out(rows.alpha.size(), course.numbers());
+  for (Eigen::Index i = 0; i < out.rows(); ++i)
+    out.row(i) = terms_at(rows, course, rows.time[i], rows.alpha[i]);
+  return out;
+}
+
+/// From one end of a range to the other, of the polynomials from `first` on: of an even one that is
+/// nothing.
+double end_to_end(const Eigen::VectorXd &size, int first, int degrees) {
+  double out = 0.0;
+  for (int degree = 1; degree <= degrees; degree += 2)
+    out += 2.0 * size[first + degree - 1];
+  return out;
+}
+
+/// Rad of the pair's shaft for a rad of the reference, less one.
+double scale_of(const Rows &rows, const Fit &f) {
+  return rows.way() > 0.0 ? end_to_end(f.size, 0, f.course.way) / rows.way() : 0.0;
+}
+
 /// Least squares of both channels: an ellipse of its own centre and axes, and an angle that departs
-/// from the reference by orders 1 to `orders` of its turn, by a lag (as the speed) and by `course`
+/// from the reference by orders 1 to `orders` of its turn, by a lag and by `course`
 /// (Gauss-Newton: the departures are small but for the course, which begins at `begin`).
-Fit fit(const Rows &rows, int orders, Course course, const Eigen::VectorXd &begin) {
+Fit fit(const Rows &rows, int orders, const Course &course, const Eigen::VectorXd &begin) {
   constexpr int kSteps = 3;
-  const Eigen::Index n = rows.alpha.size();
-  Eigen::MatrixXd departs(n, course.numbers() + 2 * orders + 1);
+  const Eigen::Index n = rows.alpha.size(), own = course.numbers();
+  Eigen::MatrixXd departs(n, own + 1 + 2 * orders);
+  departs.leftCols(own) = columns_of(rows, course);
+  const double fastest = std::max(rows.speed.abs().maxCoeff(), 1e-300);
+  departs.col(own) = rows.speed / fastest;
   Eigen::VectorXd size = Eigen::VectorXd::Zero(departs.cols());
-  departs.leftCols(course.numbers()) = columns_of(rows, course);
-  size.head(begin.size()) = begin;
-  Eigen::Index column = course.numbers();
-  const double speed = rows.speed.abs().maxCoeff();
-  departs.col(column++) = speed > 0.0 ? ArrayXd(rows.speed / speed) : ArrayXd::Zero(n);
-  for (int order = 1; order <= orders; ++order) {
-    departs.col(column++) = (order * rows.alpha).cos();
-    departs.col(column++) = (order * rows.alpha).sin();
-  }
-  Fit out;
-  out.numbers = 6.0 + static_cast<double>(departs.cols());
-  Eigen::VectorXd variances = Eigen::VectorXd::Zero(departs.cols());
+  size.head(own) = begin;
+  Fit out{.course = course, .numbers = 6.0 + static_cast<double>(departs.cols())};
   for (int step = 0; step <= kSteps; ++step) {
-    const ArrayXd psi = rows.periods * (rows.alpha + (departs * size).array());
+    // A sensor errs at its own angle, from which the reference has gone away.
+    const ArrayXd turned = rows.alpha + (departs.leftCols(own) * size.head(own)).array();
+    for (int order = 1; order <= orders; ++order) {
+      departs.col(own + 2 * order - 1) = (order * turned).cos();
+      departs.col(own + 2 * order) = (order * turned).sin();
+    }
+    const double lag_s = -size[own] / fastest; // to second order it goes with the acceleration
+    const ArrayXd psi = rows.periods * (rows.alpha + (departs * size).array() +
+                                        0.5 * lag_s * lag_s * rows.acceleration);
     Eigen::MatrixXd circle(n, 3);
     circle << Eigen::VectorXd::Ones(n), psi.cos().matrix(), psi.sin().matrix();
-    const Eigen::LDLT<Eigen::Matrix3d> own(circle.transpose() * circle);
-    const Eigen::Vector3d a = own.solve(circle.transpose() * rows.sin.matrix());
-    const Eigen::Vector3d b = own.solve(circle.transpose() * rows.cos.matrix());
+    const Eigen::LDLT<Eigen::Matrix3d> normal_of_circle(circle.transpose() * circle);
+    const Eigen::Vector3d a = normal_of_circle.solve(circle.transpose() * rows.sin.matrix());
+    const Eigen::Vector3d b = normal_of_circle.solve(circle.transpose() * rows.cos.matrix());
     const ArrayXd left_sin = rows.sin - (circle * a).array();
     const ArrayXd left_cos = rows.cos - (circle * b).array();
     const ArrayXd moves_sin = rows.periods * (a[2] * psi.cos() - a[1] * psi.sin());
@@ -165,15 +211,9 @@ Fit fit(const Rows &rows, int orders, Course course, const Eigen::VectorXd &begi
     // Columns that are the same on this record (a speed that never changes) share what they take.
     const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(normal);
     size += solver.solve(right).tail(departs.cols());
-    variances = solver.pseudoInverse().diagonal().tail(departs.cols());
+    out.variances = solver.pseudoInverse().diagonal().segment(6, own);
   }
-  const Eigen::Index first = course.way ? 1 : 0;
-  if (course.way) {
-    out.scale = size[0];
-    out.scale_variance = variances[0];
-  }
-  out.drift = size.segment(first, course.degree);
-  out.drift_variance = course.degree > 0 ? variances[first] : 0.0;
+  out.size = size.head(own);
   return out;
 }
 
@@ -199,9 +239,9 @@ double slow_part(const ArrayXd &left) {
   return stretch < 2.0 ? variance : variance / stretch * (inflation(left) - 1.0);
 }
 
-/// How fast the pair's own angle departs from the reference over several turns, whatever its
-/// ellipse: of each turn that comes to nothing.
-Eigen::VectorXd departs_over_turns(const Rows &rows, Course course) {
+/// How the pair's own angle departs from the reference over several turns, whatever its ellipse: of
+/// each turn that comes to nothing.
+Eigen::VectorXd departs_over_turns(const Rows &rows, const Course &course) {
   const auto middle = [](const ArrayXd &v) {
     const Reach reach = bulk({v.data(), static_cast<std::size_t>(v.size())});
     return 0.5 * (reach.low + reach.high);
@@ -223,10 +263,19 @@ Eigen::VectorXd departs_over_turns(const Rows &rows, Course course) {
       off = as_array(apart) / rows.periods;
     }
   }
-  const Eigen::MatrixXd x = columns_of(rows, course);
-  return (x.transpose() * x)
-      .completeOrthogonalDecomposition()
-      .solve(x.transpose() * (off - off.mean()).matrix());
+  Eigen::MatrixXd x(rows.alpha.size(), course.numbers() + 1);
+  x << columns_of(rows, course), Eigen::VectorXd::Ones(rows.alpha.size());
+  return Eigen::VectorXd((x.transpose() * x)
+                             .completeOrthogonalDecomposition()
+                             .solve(x.transpose() * off.matrix()))
+      .head(course.numbers());
+}
+
+/// Where the fits of a course begin: on fewer turns none of it is large.
+Eigen::VectorXd begin_of(const Rows &rows, const Course &course) {
+  if (rows.way() > 2.0 * kTwoPi && course.numbers() > 0)
+    return departs_over_turns(rows, course);
+  return Eigen::VectorXd::Zero(course.numbers());
 }
 
 struct Best {
@@ -234,84 +283,120 @@ struct Best {
   double nats = std::numeric_limits<double>::infinity(); ///< the fewer the better
 };
 
-/// The best of fits with no to some orders of the turn, which tell an error of the sensor or of the
-/// reference that comes again each turn, by their information (Schwarz, 1978).
-Best best_of(const Rows &rows, Course course, double inflated) {
-  constexpr int kOrders = 6; // of two periods a turn the third of the electrical angle
-  const auto n = static_cast<double>(rows.alpha.size());
-  const double effective = 2.0 * n / inflated;
-  const double way = rows.alpha.maxCoeff() - rows.alpha.minCoeff();
-  Eigen::VectorXd begin = Eigen::VectorXd::Zero(course.numbers());
-  if (way > 2.0 * kTwoPi && course.numbers() > 0)
-    begin = departs_over_turns(rows, course);
-  Best out;
-  for (int orders = 0; orders <= kOrders; ++orders) {
-    Fit f = fit(rows, orders, course, begin);
-    const double nats = 0.5 * effective * std::log(std::max(f.squares, 1e-300)) +
-                        0.5 * f.numbers * std::log(std::max(effective, 2.0));
-    if (nats < out.nats)
-      out = {std::move(f), nats};
+/// The fit of one record. What its noise remembers makes the rows count for so many fewer.
+class Record {
+public:
+  explicit Record(const Rows &rows) : rows_(rows) {
+    const std::vector<double> alpha(rows.alpha.begin(), rows.alpha.end());
+    travel_ = travel_of(alpha);
+    const Course all{.way = kPlain, .time = kPlain}; // what all of it together leaves over
+    inflated_ = inflation(fit(rows, kOrders, all, begin_of(rows, all)).along);
   }
-  return out;
+
+  /// The best of fits with no to some orders of the turn, which tell an error of the sensor or of
+  /// the reference that comes again each turn, by their information (Schwarz, 1978).
+  Best best_of(const Course &course) const {
+    const double effective = 2.0 * static_cast<double>(rows_.alpha.size()) / inflated_;
+    const Eigen::VectorXd begin = begin_of(rows_, course);
+    Best out;
+    for (int orders = 0; orders <= kOrders; ++orders) {
+      Fit f = fit(rows_, orders, course, begin);
+      const double nats = 0.5 * effective * std::log(std::max(f.squares, 1e-300)) +
+                          0.5 * f.numbers * std::log(std::max(effective, 2.0));
+      if (nats < out.nats)
+        out = {std::move(f), nats};
+    }
+    return out;
+  }
+
+  /// The course that the pair departs by, if it does by one.
+  std::optional<Fit> course() const;
+
+private:
+  static constexpr int kPlain = 3; ///< degrees of a plain curve
+  const Rows &rows_;
+  double inflated_, travel_;
+
+  void try_course(const Course &course, Best &best) const;
+  bool is_small(const Fit &f) const;
+  bool takes_all_but(double part, const Fit &f) const;
+  bool is_a_step(const Best &best) const;
+};
+
+/// Takes a better one. A shaft that turns more evenly than its reference would else pass for one
+/// without.
+void Record::try_course(const Course &course, Best &best) const {
+  if (Best with = best_of(course);
+      with.nats < best.nats - criteria::kRivalNats && is_small(with.fit))
+    best = std::move(with);
 }
 
-/// Mean square of the straight line that a fit has over the way and over time, rad^2.
-double of_line(const Rows &rows, const Fit &f) {
-  const double drift = f.drift.size() > 0 ? 2.0 * f.drift[0] / duration(rows) : 0.0;
-  return (f.scale * rows.alpha + drift * rows.time).square().mean();
+/// Whether a course is a small part of the way that the shaft went.
+bool Record::is_small(const Fit &f) const {
+  const ArrayXd all = columns_of(rows_, f.course) * f.size;
+  const double most = all.size() > 0 ? all.maxCoeff() - all.minCoeff() : 0.0;
+  return std::abs(scale_of(rows_, f)) < criteria::kMostOfScale &&
+         most < criteria::kMostOfScale * travel_;
 }
 
-/// Mean square of all of its course, rad^2.
-double of_course(const Rows &rows, const Fit &f) {
-  const Course course{f.scale_variance > 0.0, static_cast<int>(f.drift.size())};
-  Eigen::VectorXd size(course.numbers());
-  if (course.way)
-    size[0] = f.scale;
-  size.tail(f.drift.size()) = f.drift;
-  const ArrayXd all = columns_of(rows, course) * size;
-  return (all - all.mean()).square().mean();
+/// Whether what is left that is slow is this part of the course, in mean squares, or less.
+bool Record::takes_all_but(double part, const Fit &f) const {
+  const ArrayXd all = columns_of(rows_, f.course) * f.size;
+  return slow_part(f.along) < part * (all - all.mean()).square().mean();
 }
 
-/// The course of one record, if it has one. Errors as of independent noise.
-std::optional<Fit> course_of(const Rows &rows) {
-  // Of a plain curve; and of one that is known to be none of the shaft's, as no drift is steady.
-  constexpr int kPlain = 3, kMostDegrees = 6;
+/// Whether one step at some moment does as well: a slip is likelier.
+bool Record::is_a_step(const Best &best) const {
+  constexpr Eigen::Index kMoments = 40, kCloser = 5;
+  const Eigen::Index rows = rows_.time.size();
+  Eigen::Index at = rows / 2;
+  double least = std::numeric_limits<double>::infinity();
+  for (Eigen::Index apart = std::max<Eigen::Index>(1, rows / kMoments), reach = rows / 2;;
+       reach = apart, apart = std::max<Eigen::Index>(1, apart / kCloser)) {
+    const Eigen::Index about = at;
+    for (Eigen::Index row = about - reach; row <= about + reach; row += apart) {
+      if (row <= 0 || row >= rows)
+        continue;
+      if (const double nats = best_of({.step_s = rows_.time[row]}).nats; nats < least) {
+        least = nats;
+        at = row;
+      }
+    }
+    if (least < best.nats + criteria::kRivalNats)
+      return true;
+    if (apart == 1)
+      return false;
+  }
+}
+
+std::optional<Fit> Record::course() const {
+  constexpr int kMostDegrees = 6;       // of a course that is known to be none of the shaft's
   constexpr double kTurnsOfCurve = 2.0; // in fewer a curve looks like errors of low orders
-  const auto n = static_cast<double>(rows.alpha.size());
-  if (n < 2.0 * static_cast<double>(criteria::kFewestSamples))
-    return {};
-  const double inflated = inflation(fit(rows, 6, {true, 0}, Eigen::VectorXd::Zero(1)).along);
-  const Best none = best_of(rows, {false, 0}, inflated);
-  Best best = best_of(rows, {true, 0}, inflated);
+  const Best none = best_of({});
+  Best best = best_of({.way = 1});
   if (none.nats - best.nats < criteria::kRivalNats && inflation(none.fit.along) < kEven)
     return {};
-  // A shaft that turns more evenly than its reference would else pass for one without.
-  const auto try_degree = [&](int degree) {
-    for (const bool way : {false, true})
-      if (Best with = best_of(rows, {way, degree}, inflated);
-          with.nats < best.nats - criteria::kRivalNats &&
-          std::abs(with.fit.scale) < criteria::kMostOfScale)
-        best = std::move(with);
-  };
-  const auto takes_all_but = [&](double part, double course) {
-    return slow_part(best.fit.along) < part * course;
-  };
-  try_degree(1);
-  bool found = takes_all_but(1.0 - criteria::kStraight, of_line(rows, best.fit));
-  const std::vector<double> alpha(rows.alpha.begin(), rows.alpha.end());
-  if (!found && travel_of(alpha) > kTurnsOfCurve * kTwoPi) {
-    for (int degree = 2; degree <= kPlain; ++degree)
-      try_degree(degree);
-    found = takes_all_but(1.0 - criteria::kPlainCurve, of_course(rows, best.fit));
+  try_course({.time = 1}, best);
+  try_course({.way = 1, .time = 1}, best);
+  bool found = takes_all_but(1.0 - criteria::kStraight, best.fit);
+  const bool may_bend = travel_ > kTurnsOfCurve * kTwoPi;
+  if (!found && may_bend) {
+    for (int degree = 2; degree <= kPlain; ++degree) {
+      try_course({.way = degree}, best);
+      try_course({.time = degree}, best);
+      try_course({.way = 1, .time = degree}, best);
+    }
+    found = takes_all_but(1.0 - criteria::kPlainCurve, best.fit);
   }
-  if (!found || none.nats - best.nats < criteria::kRivalNats ||
-      std::abs(best.fit.scale) > criteria::kMostOfScale)
+  if (!found || none.nats - best.nats < criteria::kRivalNats || !is_small(best.fit) ||
+      is_a_step(best))
     return {};
-  for (int degree = 2; best.fit.drift.size() > 0 && degree <= kMostDegrees; ++degree)
-    try_degree(degree);
-  const double variance = best.fit.squares / (2.0 * n) * inflated;
-  best.fit.scale_variance *= variance;
-  best.fit.drift_variance *= variance;
+  const Course kind = best.fit.course;
+  for (int degree = 2; may_bend && degree <= kMostDegrees; ++degree)
+    try_course({.way = kind.time > 0 ? kind.way : degree, .time = kind.time > 0 ? degree : 0},
+               best);
+  best.fit.variances *=
+      best.fit.squares / (2.0 * static_cast<double>(rows_.alpha.size())) * inflated_;
   return best.fit;
 }
 
@@ -328,6 +413,41 @@ struct Mean {
   double error() const { return weight > 0.0 ? 1.0 / std::sqrt(weight) : 0.0; }
 };
 
+/// What the courses of all records have in common.
+struct Told {
+  Mean turns_more, drift_deg_s;
+  double bend_deg = 0.0, way = 0.0;
+  int numbers = 0;
+};
+
+/// Gives rows from `begin` on the degrees that the pair turned by.
+void mend(const Rows &rows, const Fit &found, const std::vector<double> &reference,
+          std::size_t begin, Capture &capture, Told &told) {
+  const double scale = scale_of(rows, found);
+  const double took_s = std::max(2.0 * rows.of_time.half, 1e-12);
+  const double drift = end_to_end(found.size, found.course.way, found.course.time) / took_s;
+  Reach bend{0.0, 0.0};
+  for (std::size_t k = 0; k < reference.size(); ++k) {
+    const double time_s = capture.time_s[begin + k];
+    const double off = terms_at(rows, found.course, time_s, reference[k]).dot(found.size);
+    capture.reference_deg[begin + k] = (reference[k] + off) * kDegPerRad;
+    if (std::isnan(off))
+      continue;
+    const double bent =
+        off - scale * (reference[k] - rows.of_way.middle) - drift * (time_s - rows.of_time.middle);
+    bend = {std::min(bend.low, bent), std::max(bend.high, bent)};
+  }
+  if (found.course.way > 1 || found.course.time > 1)
+    told.bend_deg = std::max(told.bend_deg, bend.width() * kDegPerRad);
+  told.way = std::max(told.way, rows.way());
+  told.numbers += found.course.numbers();
+  if (found.course.way > 0)
+    told.turns_more.add(scale, 2.0 * std::sqrt(found.variances[0]) / rows.way());
+  if (found.course.time > 0)
+    told.drift_deg_s.add(-drift * kDegPerRad,
+                         2.0 * kDegPerRad / took_s * std::sqrt(found.variances[found.course.way]));
+}
+
 } // namespace
 
 std::optional<FollowedReference> followed_reference(const Capture &capture) {
@@ -338,49 +458,29 @@ std::optional<FollowedReference> followed_reference(const Capture &capture) {
     starts.push_back(0);
   starts.push_back(capture.size());
   std::optional<FollowedReference> out;
-  Mean turned_more, drift;
-  double way = 0.0;
+  Told told;
   for (std::size_t k = 0; k + 1 < starts.size(); ++k) {
-    const Rows rows = rows_of(capture, starts[k], starts[k + 1]);
-    const auto found = course_of(rows);
+    const std::vector<double> reference = unwrapped(capture, starts[k], starts[k + 1]);
+    const Rows rows = rows_of(capture, starts[k], reference);
+    if (rows.alpha.size() < static_cast<Eigen::Index>(2 * criteria::kFewestSamples))
+      continue;
+    const auto found = Record(rows).course();
     if (!found)
       continue;
     if (!out)
       out.emplace(FollowedReference{capture, {}});
-    const auto begin = static_cast<std::ptrdiff_t>(starts[k]);
-    std::vector<double> turned(capture.reference_deg.begin() + begin,
-                               capture.reference_deg.begin() +
-                                   static_cast<std::ptrdiff_t>(starts[k + 1]));
-    unwrap(turned, 360.0);
-    const double took_s = std::max(duration(rows), 1e-12);
-    // From one end of the record to the other: of an even polynomial that is nothing.
-    double over_all = 0.0;
-    for (Eigen::Index degree = 1; degree <= found->drift.size(); degree += 2)
-      over_all += 2.0 * found->drift[degree - 1] * kDegPerRad;
-    Reach bend;
-    for (std::size_t i = 0; i < turned.size(); ++i) {
-      const double place = place_in_time(rows, capture.time_s[starts[k] + i] - rows.begin_s);
-      double off = 0.0;
-      for (int degree = 1; degree <= found->drift.size(); ++degree)
-        off += found->drift[degree - 1] * chebyshev(degree, place) * kDegPerRad;
-      out->mended.reference_deg[starts[k] + i] = (1.0 + found->scale) * turned[i] + off;
-      off -= 0.5 * over_all * place;
-      bend = i == 0 ? Reach{off, off} : Reach{std::min(bend.low, off), std::max(bend.high, off)};
-    }
-    if (found->drift.size() > 1)
-      out->course.bend_deg = std::max(out->course.bend_deg, bend.width());
-    way = std::max(way, rows.alpha.maxCoeff() - rows.alpha.minCoeff());
-    turned_more.add(found->scale, std::sqrt(found->scale_variance));
-    drift.add(-over_all / took_s, 2.0 * std::sqrt(found->drift_variance) * kDegPerRad / took_s);
+    mend(rows, *found, reference, starts[k], out->mended, told);
   }
   if (!out)
     return {};
-  const double turns = 1.0 + turned_more.value();
-  out->course.scale = 1.0 / turns;
-  out->course.scale_error = turned_more.error() / (turns * turns);
-  out->course.drift_deg_s = drift.value();
-  out->course.drift_error = drift.error();
-  out->course.within_a_turn = way < kTwoPi;
+  const double turns = 1.0 + told.turns_more.value();
+  out->course = {.numbers = told.numbers,
+                 .scale = 1.0 / turns,
+                 .scale_error = told.turns_more.error() / (turns * turns),
+                 .drift_deg_s = told.drift_deg_s.value(),
+                 .drift_error = told.drift_deg_s.error(),
+                 .bend_deg = told.bend_deg,
+                 .within_a_turn = told.way < kTwoPi};
   return out;
 }
 
