@@ -94,21 +94,23 @@ Structure of_episodes(const Scene &scene) {
 }
 
 /// What goes on from one row to the next and is no white noise, V rms: the root of the mean product
-/// of a residual with the one before. 0 where that is little beside the rest, or not clear of
-/// chance: of noise without memory, whatever its size at each row, the sum of the products scatters
-/// by the root of the sum of their squares. It asks no more rows than that, and does not say what
-/// the residual goes with.
+/// of a residual with the one before. 0 where that is little beside the rest, or where the signs of
+/// the products do not show it: of noise without memory, whatever its size at each row, they are as
+/// often negative. It asks no more rows than that, and does not say what the residual goes with.
 double goes_on_v(const ResidualColumns &r) {
   constexpr double kOfRest = 0.25; // of the power: 12 % of the rms
-  double squares = 0.0, products = 0.0, scatter = 0.0;
+  const auto sign = [](double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; };
+  double squares = 0.0, products = 0.0, signs = 0.0, scatter = 0.0;
   for (std::size_t i = 1; i < r.sin.size(); ++i) {
-    const double product = r.sin[i] * r.sin[i - 1] + r.cos[i] * r.cos[i - 1];
+    const double of_sin = r.sin[i] * r.sin[i - 1], of_cos = r.cos[i] * r.cos[i - 1];
     squares += r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
-    products += product;
-    scatter += product * product;
+    products += of_sin + of_cos;
+    const double both = sign(of_sin) + sign(of_cos); // of one row they may be the same noise
+    signs += both;
+    scatter += both * both;
   }
   return products > kOfRest * (squares - products) &&
-                 products > criteria::kClearErrors * std::sqrt(scatter)
+                 signs > criteria::kClearErrors * std::sqrt(scatter)
              ? std::sqrt(products / (2.0 * static_cast<double>(r.sin.size())))
              : 0.0;
 }
