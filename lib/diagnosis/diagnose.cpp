@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/reference_course.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/explain.h"
 #include "diagnosis/work.h"
 
 namespace ada {
@@ -125,6 +127,22 @@ Diagnosis diagnose_readings(const Capture &capture, const DiagnosisOptions &give
   return better ? std::move(out) : std::move(first.out);
 }
 
+/// A result without a course of the reference, and the course: no cause has that name, so that it
+/// is left over.
+Diagnosis with_course(const ReferenceCourse &course, Diagnosis out) {
+  out.reference_course = course;
+  if (out.verdict == Verdict::no_discrepancy)
+    out.verdict = Verdict::unexplained;
+  else if (out.verdict == Verdict::explained)
+    out.verdict = Verdict::partly_explained;
+  const double left_v = course.rms_rad * out.periods_per_turn *
+                        std::abs(out.extended.baseline.amplitude_v) / std::numbers::sqrt2;
+  out.structure.push_back({std::string(axis_name(Axis::time)), in_words(course), left_v});
+  std::stable_sort(out.structure.begin(), out.structure.end(),
+                   [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
+  return out;
+}
+
 /// Nats of a diagnosis on held-out data, less the price of the causes that it names; of data that
 /// say nothing, less than any.
 double worth(const Diagnosis &d) {
@@ -178,11 +196,15 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
   // What has a name may say the same, or more: a slip, a lag, an error once a turn.
   Diagnosis as_read = diagnose_readings(capture, options);
   Diagnosis mended = diagnose_readings(followed->mended, options);
+  // What they explain down to the noise needs no course beside them, unless with it fewer do.
+  const bool enough =
+      as_read.structure.empty() && as_read.findings.size() <= mended.findings.size();
   const double course = criteria::kNatsPerCoordinate * followed->course.numbers;
-  if (mended.verdict == Verdict::insufficient_data || worth(mended) - course <= worth(as_read))
+  if (mended.verdict == Verdict::insufficient_data ||
+      (enough && as_read.verdict != Verdict::insufficient_data) ||
+      worth(mended) - course <= worth(as_read))
     return as_read;
-  mended.reference_course = followed->course;
-  return mended;
+  return with_course(followed->course, std::move(mended));
 }
 
 } // namespace ada

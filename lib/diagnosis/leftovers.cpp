@@ -93,10 +93,10 @@ Structure of_episodes(const Scene &scene) {
       std::sqrt(e.squares_v2 / (2.0 * n))};
 }
 
-/// What goes on from one row to the next and is no white noise, V rms: the root of the mean product
-/// of a residual with the one before. 0 where that is little beside the rest, or where the signs of
-/// the products do not show it: of noise without memory, whatever its size at each row, they are as
-/// often negative. It asks no more rows than that, and does not say what the residual goes with.
+/// What goes on from one row to the next, V rms: the root of the mean product of a residual with
+/// the one before. 0 where that is little beside the rest, or where the signs of the products do
+/// not show it: of noise without memory they are as often negative, whatever its size at each row.
+/// It asks few rows, and does not say what the residual goes with.
 double goes_on_v(const ResidualColumns &r) {
   constexpr double kOfRest = 0.25; // of the power: 12 % of the rms
   const auto sign = [](double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; };
@@ -162,14 +162,16 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
       out.structure.insert(out.structure.end(), more.begin(), more.end());
   }
   // Too few rows for the tests of what it goes with. Of stops each has an error of its own.
-  if (const double left_v = goes_on_v(residual_columns(scene.all, model));
-      out.structure.empty() && !explained.supply_inferred && !scene.stops &&
-      left_v > explained.second_order_v)
-    out.structure.push_back({"time",
-                             fmt::format("{:.3g} mV rms go on from one row to the next, as no "
-                                         "white noise does; these rows do not tell with what",
-                                         1e3 * left_v),
-                             left_v});
+  if (out.structure.empty() && !explained.supply_inferred && !scene.stops &&
+      scene.all.size() < criteria::kFewestForMeans)
+    if (const double left_v = goes_on_v(residual_columns(scene.all, model));
+        left_v > explained.second_order_v)
+      out.structure.push_back(
+          {"time",
+           fmt::format("{:.3g} mV rms go on from row to row, as no white noise does; "
+                       "these rows are too few to tell with what",
+                       1e3 * left_v),
+           left_v});
   if (scene.episodes.count != 0)
     out.of_rows.push_back(of_episodes(scene));
   if (scene.own_jumps.count_as_structure(scene.radius_only))

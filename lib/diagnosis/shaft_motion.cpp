@@ -235,7 +235,9 @@ Kinematics motion_by_reference(Screened &look, Scene &scene) {
   scene.reference_ripples =
       ripples_against_time(capture.time_s, alpha, look.usable, kReferenceOrders);
   read_between_steps(look, alpha);
-  Kinematics motion = differentiate(capture.time_s, std::move(alpha), 4);
+  constexpr std::size_t kLeastWindow = 4;
+  const std::size_t window = window_of_speed(capture.time_s, alpha, kLeastWindow);
+  Kinematics motion = differentiate(capture.time_s, std::move(alpha), window);
   leave_out_changes(motion, look.usable);
   return motion;
 }

@@ -597,6 +597,42 @@ double slowest_of_range(std::span<const double> omega) {
   return fast > kRange * slow && least > kAtRest * fast ? slow : 0.0;
 }
 
+std::size_t window_of_speed(std::span<const double> time, std::span<const double> alpha,
+                            std::size_t least) {
+  // Of normal ones 0.972 lie within the first, and none beyond the second: where the speed changes
+  // at once a few do.
+  constexpr double kShare = 0.95, kSigmas = 2.2, kNoneBeyond = 6.0;
+  constexpr std::size_t kWindowsOfRecord = 20, kMost = 64;
+  constexpr std::size_t kEnough = 100000; // a long record has no memory to spare: from its middle
+  if (const std::size_t n = alpha.size(); n > kEnough) {
+    time = time.subspan((n - kEnough) / 2, kEnough);
+    alpha = alpha.subspan((n - kEnough) / 2, kEnough);
+  }
+  const double noise = noise_between(alpha), step = median_step(time);
+  std::size_t half = least;
+  if (!(noise > 0.0) || !(step > 0.0))
+    return half;
+  // Of a straight line over k samples to either side.
+  const auto variance = [&](std::size_t k) {
+    const auto n = static_cast<double>(k);
+    return 3.0 * noise * noise / (n * (n + 1.0) * (2.0 * n + 1.0) * step * step);
+  };
+  std::vector<double> speed = local_slopes(time, alpha, half);
+  while (2 * half <= kMost && 2 * half * kWindowsOfRecord <= time.size()) {
+    std::vector<double> wider = local_slopes(time, alpha, 2 * half);
+    std::vector<double> apart; // at the ends a window has fewer samples
+    for (std::size_t i = 2 * half; i + 2 * half < speed.size(); ++i)
+      apart.push_back(std::abs(wider[i] - speed[i]));
+    const double sigma = std::sqrt(variance(half) - variance(2 * half));
+    if (*std::max_element(apart.begin(), apart.end()) > kNoneBeyond * sigma ||
+        quantile(std::move(apart), kShare) > kSigmas * sigma)
+      break;
+    half *= 2;
+    speed = std::move(wider);
+  }
+  return half;
+}
+
 Kinematics differentiate(std::span<const double> time, std::vector<double> alpha,
                          std::size_t half_window) {
   Kinematics out;

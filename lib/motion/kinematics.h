@@ -38,6 +38,13 @@ std::vector<float> travel_since_reversal(std::span<const double> alpha,
 /// number where none is.
 std::size_t first_motion(std::span<const double> alpha);
 
+/// Samples to either side over which the speed of an unwrapped angle is told best, from `least` on:
+/// twice as many as long as the speeds that they tell differ by no more than the noise of the angle
+/// makes them (Lepski, Theory Probab. Appl. 35, 454, 1990). Of an angle without noise that is
+/// `least`.
+std::size_t window_of_speed(std::span<const double> time, std::span<const double> alpha,
+                            std::size_t least);
+
 /// Speed and acceleration of an unwrapped angle by local straight lines over +-half_window samples.
 Kinematics differentiate(std::span<const double> time, std::vector<double> alpha,
                          std::size_t half_window);

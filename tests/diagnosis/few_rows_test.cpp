@@ -176,9 +176,9 @@ KIND(what_goes_on_from_row_to_row_is_not_explained) {
   Capture c = bench.capture(rows, 10.0, 1, [&](double t) { return kTwoPi * 1.1 * t / seconds; });
   bench.pair.noise_v *= 0.3;
   double along = 0.0, across = 0.0;
-  for (std::size_t i = 0; i < rows; ++i) { // it forgets itself within some eight rows
-    along = 0.88 * along + bench.normal(5e-3);
-    across = 0.88 * across + bench.normal(5e-3);
+  for (std::size_t i = 0; i < rows; ++i) { // it forgets itself within some thirty rows
+    along = 0.97 * along + bench.normal(2e-3);
+    across = 0.97 * across + bench.normal(2e-3);
     c.vsin_v[i] += along * bench.pair.amplitude_v;
     c.vcos_v[i] += across * bench.pair.amplitude_v;
   }

@@ -10,6 +10,7 @@
 
 #include "diagnosis/bench.h"
 #include "diagnosis/conditions/reference_course.h"
+#include "motion/kinematics.h"
 
 namespace ada::test {
 namespace {
@@ -74,7 +75,8 @@ KIND(a_reference_of_another_scale_over_several_turns_hides_no_pair) {
   expect_scale(d, scale);
   expect_pair(d, bench.pair, 1e-3);
   expect_none(d, kOfTheSensor);
-  EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
+  EXPECT_EQ(d.verdict, Verdict::partly_explained);
+  EXPECT_EQ(d.structure.size(), 1u) << left_of(d);
 }
 
 KIND(a_gyroscope_on_an_arm_that_swings_has_a_scale_and_a_drift) {
@@ -174,6 +176,42 @@ TEST(ReferenceCourse, NoReadingsAndNoMotionAreNone) {
   EXPECT_FALSE(followed_reference(bench.capture(1, kRate, 1, [](double) { return 0.0; })));
   c.reference_deg.clear();
   EXPECT_FALSE(followed_reference(c));
+}
+
+/// The speed of a noisy reference is noisy, and a lag times that is no noise of the angle.
+KIND(a_lag_behind_a_noisy_reference_on_a_coast_down_is_a_lag) {
+  Bench bench;
+  const double late_s = bench.within(2e-3, 5e-3), slows_s = bench.within(4.0, 10.0);
+  const double first = kTwoPi * bench.within(0.2, 0.6), noise_deg = bench.within(0.05, 0.15);
+  const auto angle = [=](double t) { return first * slows_s * (1.0 - std::exp(-t / slows_s)); };
+  Capture c = bench.capture(2000, kRate, 1, [&](double t) { return angle(t - late_s); });
+  read_as(c, [&](double t) { return angle(t) * kDegPerRad + bench.normal(noise_deg); });
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "propagation-delay");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], late_s, 0.15 * late_s);
+  expect_none(d, {"stray-field", "sensor-off-axis", "field-direction-error", "hysteresis"});
+  EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
+}
+
+TEST(WindowOfSpeed, IsWideWhereTheSpeedIsNoisyAndNarrowWhereItChanges) {
+  Bench bench;
+  constexpr std::size_t kLeast = 4;
+  for (const double noise_rad : {0.0, 1e-3}) {
+    std::vector<double> time, even, turning;
+    for (int i = 0; i < 4000; ++i) {
+      const double t = i / kRate;
+      time.push_back(t);
+      even.push_back(2.0 * t + 0.3 * std::sin(0.5 * t) + bench.normal(noise_rad));
+      turning.push_back(40.0 * std::abs(t - 10.0) + bench.normal(noise_rad));
+    }
+    const std::size_t wide = window_of_speed(time, even, kLeast);
+    if (noise_rad == 0.0)
+      EXPECT_EQ(wide, kLeast);
+    else
+      EXPECT_GE(wide, 8 * kLeast);
+    EXPECT_EQ(window_of_speed(time, turning, kLeast), kLeast);
+  }
 }
 
 /// The reference is a magnetic encoder with errors of its own, on a wheel that spins evenly.

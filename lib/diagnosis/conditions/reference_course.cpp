@@ -31,9 +31,6 @@ constexpr double kEven = 2.0;
 /// the electrical angle.
 constexpr int kOrders = 6;
 
-/// Speeds of a record that are told apart: a tenth of what a start or a stop takes of it.
-constexpr std::size_t kSpeedsOfRecord = 100;
-
 /// A range of values, and places in it from -1 to 1.
 struct Range {
   double middle = 0.0, half = 0.0;
@@ -95,7 +92,8 @@ Rows rows_of(const Capture &capture, std::size_t begin, const std::vector<double
   out.sin = as_array(sin);
   out.cos = as_array(cos);
   // The noise of a speed would leave a part of a lag over, for whatever goes as the speed does.
-  const std::size_t half_window = std::max<std::size_t>(2, time.size() / kSpeedsOfRecord);
+  constexpr std::size_t kLeastWindow = 2;
+  const std::size_t half_window = window_of_speed(time, alpha, kLeastWindow);
   const Kinematics motion = differentiate(time, alpha, half_window);
   out.speed = as_array(motion.omega);
   out.acceleration = as_array({motion.accel.begin(), motion.accel.end()});
@@ -374,7 +372,8 @@ std::optional<Fit> Record::course() const {
   constexpr double kTurnsOfCurve = 2.0; // in fewer a curve looks like errors of low orders
   const Best none = best_of({});
   Best best = best_of({.way = 1});
-  if (none.nats - best.nats < criteria::kRivalNats && inflation(none.fit.along) < kEven)
+  if (!std::isfinite(none.nats) || !std::isfinite(best.nats) || // values beyond all measure
+      (none.nats - best.nats < criteria::kRivalNats && inflation(none.fit.along) < kEven))
     return {};
   try_course({.time = 1}, best);
   try_course({.way = 1, .time = 1}, best);
@@ -417,6 +416,7 @@ struct Mean {
 struct Told {
   Mean turns_more, drift_deg_s;
   double bend_deg = 0.0, way = 0.0;
+  double squares_rad2 = 0.0; ///< of the courses, over all rows
   int numbers = 0;
 };
 
@@ -433,6 +433,7 @@ void mend(const Rows &rows, const Fit &found, const std::vector<double> &referen
     capture.reference_deg[begin + k] = (reference[k] + off) * kDegPerRad;
     if (std::isnan(off))
       continue;
+    told.squares_rad2 += off * off;
     const double bent =
         off - scale * (reference[k] - rows.of_way.middle) - drift * (time_s - rows.of_time.middle);
     bend = {std::min(bend.low, bent), std::max(bend.high, bent)};
@@ -475,6 +476,7 @@ std::optional<FollowedReference> followed_reference(const Capture &capture) {
     return {};
   const double turns = 1.0 + told.turns_more.value();
   out->course = {.numbers = told.numbers,
+                 .rms_rad = std::sqrt(told.squares_rad2 / static_cast<double>(capture.size())),
                  .scale = 1.0 / turns,
                  .scale_error = told.turns_more.error() / (turns * turns),
                  .drift_deg_s = told.drift_deg_s.value(),

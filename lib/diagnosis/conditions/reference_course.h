@@ -17,6 +17,7 @@ namespace ada {
 /// How a reference goes away from the shaft.
 struct ReferenceCourse {
   int numbers = 0;                             ///< that were fitted
+  double rms_rad = 0.0;                        ///< of all of it, of the shaft
   double scale = 1.0, scale_error = 0.0;       ///< degrees of the reference for each of the pair's
   double drift_deg_s = 0.0, drift_error = 0.0; ///< beside it, where the shaft turns unevenly
   double bend_deg = 0.0;      ///< from the most to the least of what it goes away by beside both
