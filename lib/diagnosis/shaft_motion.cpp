@@ -235,8 +235,12 @@ Kinematics motion_by_reference(Screened &look, Scene &scene) {
   scene.reference_ripples =
       ripples_against_time(capture.time_s, alpha, look.usable, kReferenceOrders);
   read_between_steps(look, alpha);
+  // On less than a turn a smooth speed is a function of the angle, and what goes with the one is
+  // not told from what goes with the other.
   constexpr std::size_t kLeastWindow = 4;
-  const std::size_t window = window_of_speed(capture.time_s, alpha, kLeastWindow);
+  const auto [low, high] = std::ranges::minmax(alpha);
+  const std::size_t window =
+      high - low > kTwoPi ? window_of_speed(capture.time_s, alpha, kLeastWindow) : kLeastWindow;
   Kinematics motion = differentiate(capture.time_s, std::move(alpha), window);
   leave_out_changes(motion, look.usable);
   return motion;

@@ -182,7 +182,7 @@ TEST(ReferenceCourse, NoReadingsAndNoMotionAreNone) {
 KIND(a_lag_behind_a_noisy_reference_on_a_coast_down_is_a_lag) {
   Bench bench;
   const double late_s = bench.within(2e-3, 5e-3), slows_s = bench.within(4.0, 10.0);
-  const double first = kTwoPi * bench.within(0.2, 0.6), noise_deg = bench.within(0.05, 0.15);
+  const double first = kTwoPi * bench.within(0.3, 0.8), noise_deg = bench.within(0.05, 0.15);
   const auto angle = [=](double t) { return first * slows_s * (1.0 - std::exp(-t / slows_s)); };
   Capture c = bench.capture(2000, kRate, 1, [&](double t) { return angle(t - late_s); });
   read_as(c, [&](double t) { return angle(t) * kDegPerRad + bench.normal(noise_deg); });
