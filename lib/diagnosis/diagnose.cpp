@@ -138,6 +138,7 @@ Diagnosis with_course(const ReferenceCourse &course, Diagnosis out) {
   const double left_v = course.rms_rad * out.periods_per_turn *
                         std::abs(out.extended.baseline.amplitude_v) / std::numbers::sqrt2;
   out.structure.push_back({std::string(axis_name(Axis::time)), in_words(course), left_v});
+  out.unexplained_rms_v = std::hypot(out.unexplained_rms_v, left_v);
   std::stable_sort(out.structure.begin(), out.structure.end(),
                    [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
   return out;

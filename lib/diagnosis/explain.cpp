@@ -68,8 +68,9 @@ std::string explanation(const Finding &finding) {
 std::string in_words(const ReferenceCourse &c) {
   std::vector<std::string> parts;
   if (c.scale_error > 0.0)
-    parts.push_back(fmt::format("goes {:.6g} +- {:.2g} degrees for each that the pair turns",
-                                c.scale, c.scale_error));
+    parts.push_back(fmt::format(
+        "goes {:.{}f} +- {:.2g} degrees for each that the pair turns", c.scale,
+        static_cast<int>(std::clamp(1.0 - std::log10(c.scale_error), 3.0, 9.0)), c.scale_error));
   if (c.drift_error > 0.0)
     parts.push_back(fmt::format("drifts by {:.4g} +- {:.2g} deg/s", c.drift_deg_s, c.drift_error));
   if (c.bend_deg > 0.0)
