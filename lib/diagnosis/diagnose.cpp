@@ -89,11 +89,6 @@ Diagnosis diagnose_readings(const Capture &capture, const DiagnosisOptions &give
         options.heldout = &of_judge->without;
       return with_alternation(*seen, diagnose_readings(seen->without, options));
     }
-  int steps = 0; // of all searches: their number is not known before the last
-  if (given.progress)
-    options.progress = [&](double, const char *what) {
-      given.progress(1.0 - 1.0 / (1.0 + 0.05 * ++steps), what);
-    };
   const auto run = [&](bool guess) {
     struct {
       Diagnosis out;
@@ -188,6 +183,11 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
     out.held_reference = fresh->of_reference;
     return out;
   }
+  int steps = 0; // of all searches: their number is not known before the last
+  if (given.progress)
+    options.progress = [&](double, const char *what) {
+      given.progress(1.0 - 1.0 / (1.0 + 0.05 * ++steps), what);
+    };
   std::optional<FollowedReference> followed_of_judge;
   if (options.heldout && (followed_of_judge = followed_reference(*options.heldout)))
     options.heldout = &followed_of_judge->mended;

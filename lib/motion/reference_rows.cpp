@@ -161,8 +161,9 @@ std::vector<Ripple> ripples_against_time(std::span<const double> time,
   // Of one turn and a half a smooth motion and a ripple once a turn are still apart.
   constexpr double kMostParts = 8.0, kTurnsOfPart = 4.0, kFewestTurns = 1.5;
   constexpr std::size_t kFewestParts = 3;
-  // So few parts: their median says little of how they scatter, and four degrees of freedom have
-  // one in a thousand at twice as many standard deviations as a normal distribution.
+  // So few parts: their median says little of how they scatter, and with four degrees of freedom
+  // one in a hundred lies beyond nearly twice as many standard deviations as of a normal
+  // distribution.
   constexpr std::size_t kFewParts = 5, kVeryFewParts = 4;
   constexpr double kStudent = 2.0;
   // Rad: what a motion that ripples by nothing shows beside a drive that is never quite even.
