@@ -223,11 +223,11 @@ void describe_motion(Scene &scene) {
     const auto [low, high] = std::minmax_element(all.alpha.begin(), all.alpha.end());
     scene.seen_turns = std::clamp((*high - *low) / kTwoPi, 1e-6, 1.0);
   }
-  // What a way back tells from the angle it is seen at must be seen at many: a quarter of a turn,
+  // What a way back tells from the angle it is seen at must be seen at many: an eighth of a turn,
   // or twice at each there is. The shaft's own smooth motion needs a turn to tell one from the
   // other.
   const double least =
-      scene.has_reference ? kTwoPi * std::min(0.25, 2.0 * scene.seen_turns) : kTwoPi;
+      scene.has_reference ? kTwoPi * std::min(0.125, 2.0 * scene.seen_turns) : kTwoPi;
   scene.both_directions =
       std::min(forward.time, backward.time) > 0.05 * (forward.time + backward.time) &&
       std::min(forward.travel, backward.travel) > least;

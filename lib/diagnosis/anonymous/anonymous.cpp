@@ -67,18 +67,24 @@ Halves halves_of(const Parts &parts, const Model &model) {
   return out;
 }
 
-int most_orders(const Scene &scene, std::size_t samples, int wanted) {
-  const int by_samples =
-      static_cast<int>(static_cast<double>(samples) / criteria::kSamplesPerOrder);
-  return std::clamp(by_samples / (scene.stops ? 10 : 1), 1, wanted);
+int most_orders(const Scene &scene, const Observations &train, int wanted) {
+  double places = static_cast<double>(train.size());
+  if (scene.stops) // all readings of one tell as much of the angle as one of them
+    places = 1.0 + static_cast<double>(std::count_if(
+                       train.alpha.begin() + 1, train.alpha.end(), [](const double &a) {
+                         return std::abs(a - *(&a - 1)) > criteria::kStopMovesRad;
+                       }));
+  return std::clamp(static_cast<int>(places / (scene.stops ? criteria::kStopsPerOrder
+                                                           : criteria::kSamplesPerOrder)),
+                    1, wanted);
 }
 
 Anonymous with_basis(const Scene &scene, const Halves &halves, double zero_rad, int orders,
                      const std::vector<SpectralLine> &lines, const std::vector<double> &steps_s,
                      Asked asked, RecentAnonymous *recent) {
   Anonymous out;
-  out.basis = generic_basis(scene, halves.train, zero_rad,
-                            most_orders(scene, halves.train.size(), orders), lines, steps_s, asked);
+  out.basis = generic_basis(scene, halves.train, zero_rad, most_orders(scene, halves.train, orders),
+                            lines, steps_s, asked);
   out.from = products(out.basis, halves.train, halves.train_left, halves.heldout,
                       halves.heldout_left, recent ? &recent->sums() : nullptr);
   out.lines = lines;

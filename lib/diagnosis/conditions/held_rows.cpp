@@ -138,38 +138,48 @@ std::optional<FreshReadings> fresh_readings(const Capture &capture) {
 }
 
 StaleRows leave_out_stale_rows(const Capture &capture, std::vector<char> &usable) {
-  constexpr std::size_t kReach = 4; // rows on either side
+  constexpr std::size_t kReach = 4;  // changes of the reading on either side
+  constexpr double kCatchesUp = 0.5; // of the way that it has gone on meanwhile
   const std::size_t n = capture.size();
   const std::vector<double> *channels[] = {&capture.vsin_v, &capture.vcos_v};
-  const auto repeats = [&](std::size_t i) {
-    return capture.vsin_v[i] == capture.vsin_v[i - 1] && capture.vcos_v[i] == capture.vcos_v[i - 1];
-  };
   const double steps[] = {converter_step(capture.vsin_v), converter_step(capture.vcos_v)};
+  const auto change = [&](int c, std::size_t i) {
+    return (*channels[c])[i] - (*channels[c])[i - 1];
+  };
+  std::vector<std::size_t> changes; // rows that differ from the one before
+  for (std::size_t i = 1; i < n; ++i)
+    if (change(0, i) != 0.0 || change(1, i) != 0.0)
+      changes.push_back(i);
   std::vector<std::size_t> stale;
   double by_chance = 0.0;
   StaleRows out;
-  for (std::size_t i = kReach + 1; i + kReach < n; ++i) {
-    // Two readings that differ by d rms fall on one step of q about once in d/q.
-    double chance = 1.0, goes_on_v2 = 0.0;
+  // Rows up to a change, with it: how far the pair goes from row to row by the changes about them,
+  // of which few lie between the stops of a table.
+  for (std::size_t k = kReach; k + kReach < changes.size(); ++k) {
+    const std::size_t first = changes[k - 1] + 1, last = changes[k];
+    double chance = 1.0, goes_on_v2 = 0.0, caught_up_v2 = 0.0;
     for (int c = 0; c < 2; ++c) {
-      double squares = 0.0, count = 0.0;
-      for (std::size_t k = i - kReach; k <= i + kReach; ++k)
-        if (!repeats(k)) {
-          const double d = (*channels[c])[k] - (*channels[c])[k - 1];
-          squares += d * d;
-          count += 1.0;
-        }
-      const double mean = count > 0.0 ? squares / count : 0.0;
-      goes_on_v2 += mean;
-      chance *= mean > 0.0 ? std::min(1.0, steps[c] / std::sqrt(mean)) : 1.0;
+      std::vector<double> ways;
+      for (std::size_t near = k - kReach; near <= k + kReach; ++near)
+        if (near != k)
+          ways.push_back(std::abs(change(c, changes[near])));
+      const double way = quantile(std::move(ways), 0.5);
+      goes_on_v2 += way * way;
+      caught_up_v2 += std::pow(change(c, last), 2);
+      // Two readings that differ by d fall on one step of q about once in d/q.
+      chance *= way > 0.0 ? std::min(1.0, steps[c] / way) : 1.0;
     }
     if (!std::isfinite(chance)) // beside a reading that is no number
       continue;
-    by_chance += chance;
-    if (repeats(i)) {
+    // A shaft that rests for long goes on from where it stood.
+    const auto rows = static_cast<double>(last - first);
+    if (last - first > kReach &&
+        std::sqrt(caught_up_v2) < kCatchesUp * rows * std::sqrt(goes_on_v2))
+      continue;
+    by_chance += chance * (rows + 1.0);
+    for (std::size_t i = first; i < last; ++i)
       stale.push_back(i);
-      out.squares_v2 += goes_on_v2;
-    }
+    out.squares_v2 += rows * goes_on_v2;
   }
   out.count = stale.size();
   if (out.count < criteria::kFewestStale ||

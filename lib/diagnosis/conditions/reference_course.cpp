@@ -4,6 +4,7 @@
 #include "diagnosis/conditions/reference_course.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -13,6 +14,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/conditions/holdout.h"
 #include "diagnosis/conditions/travel.h"
 #include "diagnosis/criteria.h"
 #include "motion/kinematics.h"
@@ -103,11 +105,19 @@ Rows rows_of(const Capture &capture, std::size_t begin, const std::vector<double
 }
 
 /// What the pair departs by beside the ellipse that it draws: polynomials over the way and over
-/// time, of these degrees, and a step; degree 0: nothing.
+/// time, of these degrees, and steps; degree 0: nothing.
 struct Course {
   int way = 0, time = 0;
-  double step_s = kAbsent;
-  int numbers() const { return way + time + (std::isnan(step_s) ? 0 : 1); }
+  std::vector<double> steps_s{}; ///< slips, which are no part of what the reference is mended by
+  int slow() const { return way + time; }
+  int numbers() const { return slow() + static_cast<int>(steps_s.size()); }
+  /// The same with other degrees.
+  Course of(int over_way, int over_time) const { return {over_way, over_time, steps_s}; }
+  Course with_step(double at_s) const {
+    Course out = *this;
+    out.steps_s.push_back(at_s);
+    return out;
+  }
 };
 
 struct Fit {
@@ -134,8 +144,8 @@ Eigen::VectorXd terms_at(const Rows &rows, const Course &course, double time_s, 
     out[k++] = chebyshev(degree, rows.of_way.place(alpha_rad));
   for (int degree = 1; degree <= course.time; ++degree)
     out[k++] = chebyshev(degree, rows.of_time.place(time_s));
-  if (!std::isnan(course.step_s))
-    out[k] = time_s < course.step_s ? -0.5 : 0.5;
+  for (double at_s : course.steps_s)
+    out[k++] = time_s < at_s ? -0.5 : 0.5;
   return out;
 }
 
@@ -310,12 +320,18 @@ public:
   /// The course that the pair departs by, if it does by one.
   std::optional<Fit> course() const;
 
+  /// Moments at which the pair jumps against the reference: they are fitted beside a course, which
+  /// they would bend.
+  std::vector<double> steps() const;
+
 private:
   static constexpr int kPlain = 3; ///< degrees of a plain curve
   const Rows &rows_;
   double inflated_, travel_;
 
   void try_course(const Course &course, Best &best) const;
+  /// What the course adds up to in each row, rad, without its steps.
+  ArrayXd slow_of(const Fit &f) const;
   bool is_small(const Fit &f) const;
   bool takes_all_but(double part, const Fit &f) const;
   bool is_a_step(const Best &best) const;
@@ -329,9 +345,14 @@ void Record::try_course(const Course &course, Best &best) const {
     best = std::move(with);
 }
 
+ArrayXd Record::slow_of(const Fit &f) const {
+  const int slow = f.course.slow();
+  return columns_of(rows_, f.course).leftCols(slow) * f.size.head(slow);
+}
+
 /// Whether a course is a small part of the way that the shaft went.
 bool Record::is_small(const Fit &f) const {
-  const ArrayXd all = columns_of(rows_, f.course) * f.size;
+  const ArrayXd all = slow_of(f);
   const double most = all.size() > 0 ? all.maxCoeff() - all.minCoeff() : 0.0;
   return std::abs(scale_of(rows_, f)) < criteria::kMostOfScale &&
          most < criteria::kMostOfScale * travel_;
@@ -339,11 +360,49 @@ bool Record::is_small(const Fit &f) const {
 
 /// Whether what is left that is slow is this part of the course, in mean squares, or less.
 bool Record::takes_all_but(double part, const Fit &f) const {
-  const ArrayXd all = columns_of(rows_, f.course) * f.size;
+  const ArrayXd all = slow_of(f);
   return slow_part(f.along) < part * (all - all.mean()).square().mean();
 }
 
-/// Whether one step at some moment does as well: a slip is likelier.
+std::vector<double> Record::steps() const {
+  constexpr std::size_t kMostSteps = 4;
+  constexpr std::array<Eigen::Index, 3> kSides{3, 9, 27}; // rows before and after
+  const Eigen::Index n = rows_.time.size();
+  const std::vector<double> alpha(rows_.alpha.begin(), rows_.alpha.end());
+  if (find_stops(alpha, noise_between(alpha))) // each has an error of its own
+    return {};
+  Best best = best_of({.way = 1, .time = 1});
+  // One number, and the choice of a row for it.
+  const double price = criteria::kRivalNats + std::log(static_cast<double>(n));
+  while (best.fit.course.steps_s.size() < kMostSteps) {
+    const ArrayXd &left = best.fit.along;
+    std::vector<double> sums(1, 0.0);
+    for (double v : left)
+      sums.push_back(sums.back() + v);
+    Eigen::Index at = 0;
+    double most = 0.0;
+    for (Eigen::Index side : kSides)
+      for (Eigen::Index i = side; i + side <= n; ++i) {
+        const double gap = std::abs(sums[static_cast<std::size_t>(i + side)] -
+                                    2.0 * sums[static_cast<std::size_t>(i)] +
+                                    sums[static_cast<std::size_t>(i - side)]) /
+                           std::sqrt(static_cast<double>(side));
+        if (gap > most) {
+          most = gap;
+          at = i;
+        }
+      }
+    if (most == 0.0)
+      break;
+    Best with = best_of(best.fit.course.with_step(rows_.time[at]));
+    if (!(with.nats < best.nats - price))
+      break;
+    best = std::move(with);
+  }
+  return best.fit.course.steps_s;
+}
+
+/// Whether one more step at some moment does as well: a slip is likelier.
 bool Record::is_a_step(const Best &best) const {
   constexpr Eigen::Index kMoments = 40, kCloser = 5;
   const Eigen::Index rows = rows_.time.size();
@@ -355,7 +414,8 @@ bool Record::is_a_step(const Best &best) const {
     for (Eigen::Index row = about - reach; row <= about + reach; row += apart) {
       if (row <= 0 || row >= rows)
         continue;
-      if (const double nats = best_of({.step_s = rows_.time[row]}).nats; nats < least) {
+      if (const double nats = best_of(best.fit.course.of(0, 0).with_step(rows_.time[row])).nats;
+          nats < least) {
         least = nats;
         at = row;
       }
@@ -370,20 +430,21 @@ bool Record::is_a_step(const Best &best) const {
 std::optional<Fit> Record::course() const {
   constexpr int kMostDegrees = 6;       // of a course that is known to be none of the shaft's
   constexpr double kTurnsOfCurve = 2.0; // in fewer a curve looks like errors of low orders
-  const Best none = best_of({});
-  Best best = best_of({.way = 1});
+  const Course slips{.steps_s = steps()};
+  const Best none = best_of(slips);
+  Best best = best_of(slips.of(1, 0));
   if (!std::isfinite(none.nats) || !std::isfinite(best.nats) || // values beyond all measure
       (none.nats - best.nats < criteria::kRivalNats && inflation(none.fit.along) < kEven))
     return {};
-  try_course({.time = 1}, best);
-  try_course({.way = 1, .time = 1}, best);
+  try_course(slips.of(0, 1), best);
+  try_course(slips.of(1, 1), best);
   bool found = takes_all_but(1.0 - criteria::kStraight, best.fit);
   const bool may_bend = travel_ > kTurnsOfCurve * kTwoPi;
   if (!found && may_bend) {
     for (int degree = 2; degree <= kPlain; ++degree) {
-      try_course({.way = degree}, best);
-      try_course({.time = degree}, best);
-      try_course({.way = 1, .time = degree}, best);
+      try_course(slips.of(degree, 0), best);
+      try_course(slips.of(0, degree), best);
+      try_course(slips.of(1, degree), best);
     }
     found = takes_all_but(1.0 - criteria::kPlainCurve, best.fit);
   }
@@ -392,8 +453,7 @@ std::optional<Fit> Record::course() const {
     return {};
   const Course kind = best.fit.course;
   for (int degree = 2; may_bend && degree <= kMostDegrees; ++degree)
-    try_course({.way = kind.time > 0 ? kind.way : degree, .time = kind.time > 0 ? degree : 0},
-               best);
+    try_course(kind.time > 0 ? kind.of(kind.way, degree) : kind.of(degree, 0), best);
   best.fit.variances *=
       best.fit.squares / (2.0 * static_cast<double>(rows_.alpha.size())) * inflated_;
   return best.fit;
@@ -429,7 +489,9 @@ void mend(const Rows &rows, const Fit &found, const std::vector<double> &referen
   Reach bend{0.0, 0.0};
   for (std::size_t k = 0; k < reference.size(); ++k) {
     const double time_s = capture.time_s[begin + k];
-    const double off = terms_at(rows, found.course, time_s, reference[k]).dot(found.size);
+    const int slow = found.course.slow();
+    const double off =
+        terms_at(rows, found.course, time_s, reference[k]).head(slow).dot(found.size.head(slow));
     capture.reference_deg[begin + k] = (reference[k] + off) * kDegPerRad;
     if (std::isnan(off))
       continue;
@@ -441,7 +503,7 @@ void mend(const Rows &rows, const Fit &found, const std::vector<double> &referen
   if (found.course.way > 1 || found.course.time > 1)
     told.bend_deg = std::max(told.bend_deg, bend.width() * kDegPerRad);
   told.way = std::max(told.way, rows.way());
-  told.numbers += found.course.numbers();
+  told.numbers += found.course.slow();
   if (found.course.way > 0)
     told.turns_more.add(scale, 2.0 * std::sqrt(found.variances[0]) / rows.way());
   if (found.course.time > 0)
