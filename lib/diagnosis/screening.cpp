@@ -191,6 +191,32 @@ Differences differences(const Screened &look, const std::vector<std::size_t> &or
   return out;
 }
 
+/// What an ellipse over the angle of the reference leaves of each sample: no noise is larger,
+/// however unevenly the rows come, of which differences would hold the motion.
+Differences beside_reference(const Screened &look) {
+  const Capture &c = look.capture;
+  Differences out;
+  const std::size_t every = c.size() / criteria::kNoiseRows + 1;
+  for (std::size_t i = 0; i < c.size(); i += every)
+    if (look.usable[i] && std::isfinite(c.reference_deg[i]))
+      out.middle.push_back(i);
+  const auto n = static_cast<Eigen::Index>(out.middle.size());
+  if (n < static_cast<Eigen::Index>(criteria::kFewestSamples))
+    return {};
+  Eigen::MatrixXd circle(n, 3), pair(n, 2);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const std::size_t i = out.middle[static_cast<std::size_t>(k)];
+    const double psi = c.meta.periods_per_turn * kRadPerDeg * c.reference_deg[i];
+    circle.row(k) << 1.0, std::cos(psi), std::sin(psi);
+    pair.row(k) << c.vsin_v[i], c.vcos_v[i];
+  }
+  const Eigen::MatrixXd rest =
+      pair - circle * (circle.transpose() * circle).ldlt().solve(circle.transpose() * pair);
+  out.sin.assign(rest.col(0).begin(), rest.col(0).end());
+  out.cos.assign(rest.col(1).begin(), rest.col(1).end());
+  return out;
+}
+
 /// The samples in the order of their places in the turn, where the shaft turns so far from one
 /// sample to the next that the pair's differences are signal; empty elsewhere. The place is that of
 /// the reference, or else the pair's own.
@@ -234,8 +260,7 @@ double white_noise(const Screened &look) {
   };
   std::array<double, 4> least;
   least.fill(kInfinite);
-  const auto take = [&](const std::vector<std::size_t> &order, const std::vector<double> &weights) {
-    const Differences d = differences(look, order, weights);
+  const auto take_of = [&](const Differences &d, bool may_be_none) {
     if (d.middle.empty())
       return;
     std::vector<double> along, across;
@@ -249,8 +274,11 @@ double white_noise(const Screened &look) {
     const std::array now{scale(d.sin), scale(d.cos), scale(std::move(along)),
                          scale(std::move(across))};
     for (std::size_t k = 0; k < least.size(); ++k)
-      if (now[k] > 0.0 || weights.size() > 3)
+      if (now[k] > 0.0 || may_be_none)
         least[k] = std::min(least[k], now[k]);
+  };
+  const auto take = [&](const std::vector<std::size_t> &order, const std::vector<double> &weights) {
+    take_of(differences(look, order, weights), weights.size() > 3);
   };
   const std::vector<double> first{1, -1}, second{1, -2, 1}, third{1, -3, 3, -1};
   for (const std::vector<double> &weights :
@@ -259,6 +287,8 @@ double white_noise(const Screened &look) {
         std::vector<double>{1, 0, -3, 0, 3, 0, -1},
         std::vector<double>{1, 0, -5, 0, 10, 0, -10, 0, 5, 0, -1}})
     take({}, weights);
+  if (look.capture.has_reference())
+    take_of(beside_reference(look), false);
   const std::array in_time = least;
   const std::vector<std::size_t> order = by_place_in_turn(look);
   if (!order.empty())
@@ -436,7 +466,11 @@ bool screen_stuck(Screened &look, const Effect &effect) {
     const double step_v = converter_step(*channels[k]);
     const std::span<const double> last(values + (n - tail), tail);
     const double spread = robust_spread(last);
-    if (spread > 0.01 * whole)
+    // What it holds is as still as a reading of noise: by little of the other's range, or by no
+    // more than from one reading to the next.
+    constexpr double kStill = 0.01, kOfNoise = 1.5, kStillMost = 0.1;
+    if (spread >
+        std::min(std::max(kStill * whole, kOfNoise * noise_between(last)), kStillMost * whole))
       continue;
     // As far back as it holds what it holds at the end. Of noise below 0.74 steps, rms, half of the
     // readings are the same step, and its median deviation is nothing.
