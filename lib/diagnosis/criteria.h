@@ -162,6 +162,8 @@ inline constexpr int kMostOrders = 96, kMostPeriods = 5;
 /// than this would need more orders than a capture tells.
 inline constexpr double kFewestTurnsToRepeat = 2.0;
 inline constexpr int kMostPeriodsInTurns = 32;
+/// Orders of the turn that a ring of more poles than that is asked for, beside those of its period.
+inline constexpr int kLowOrders = 12;
 /// Samples that an order takes: four numbers from two values each.
 inline constexpr double kSamplesPerOrder = 6.0;
 /// Stops of a table that an order takes: four numbers from two values each, so that what the stops

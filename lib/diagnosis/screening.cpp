@@ -467,10 +467,12 @@ bool screen_stuck(Screened &look, const Effect &effect) {
     const std::span<const double> last(values + (n - tail), tail);
     const double spread = robust_spread(last);
     // What it holds is as still as a reading of noise: by little of the other's range, or by no
-    // more than from one reading to the next.
+    // more than from one reading to the next, while the other goes slowly: neighbours of a fast
+    // shaft differ by the signal.
     constexpr double kStill = 0.01, kOfNoise = 1.5, kStillMost = 0.1;
-    if (spread >
-        std::min(std::max(kStill * whole, kOfNoise * noise_between(last)), kStillMost * whole))
+    const double others_v = noise_between({others + (n - tail), tail});
+    const double most_v = others_v < kStillMost * whole ? kOfNoise * noise_between(last) : 0.0;
+    if (spread > std::min(std::max(kStill * whole, most_v), kStillMost * whole))
       continue;
     // As far back as it holds what it holds at the end. Of noise below 0.74 steps, rms, half of the
     // readings are the same step, and its median deviation is nothing.

@@ -69,14 +69,21 @@ Halves halves_of(const Parts &parts, const Model &model) {
 
 int most_orders(const Scene &scene, const Observations &train, int wanted) {
   double places = static_cast<double>(train.size());
-  if (scene.stops) // all readings of one tell as much of the angle as one of them
+  if (scene.stops &&
+      train.size() > 0) // all readings of one tell as much of the angle as one of them
     places = 1.0 + static_cast<double>(std::count_if(
                        train.alpha.begin() + 1, train.alpha.end(), [](const double &a) {
                          return std::abs(a - *(&a - 1)) > criteria::kStopMovesRad;
                        }));
-  return std::clamp(static_cast<int>(places / (scene.stops ? criteria::kStopsPerOrder
-                                                           : criteria::kSamplesPerOrder)),
-                    1, wanted);
+  int left = std::max(1, static_cast<int>(places / (scene.stops ? criteria::kStopsPerOrder
+                                                                : criteria::kSamplesPerOrder)));
+  int out = 0;
+  for (int n = 1; n <= wanted && left > 0; ++n)
+    if (!in_turns(scene) || has_order(scene, n)) {
+      out = n;
+      --left;
+    }
+  return out;
 }
 
 Anonymous with_basis(const Scene &scene, const Halves &halves, double zero_rad, int orders,

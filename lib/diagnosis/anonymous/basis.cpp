@@ -164,9 +164,13 @@ void Basis::evaluate(const Observations &data, std::size_t first, std::size_t n,
 }
 
 bool in_turns(const Scene &scene) {
-  return scene.periods <= criteria::kMostPeriodsInTurns &&
-         (scene.has_reference || scene.periods == 1 ||
-          scene.turns >= criteria::kFewestTurnsToRepeat);
+  return (scene.has_reference && scene.periods <= criteria::kMostPeriodsInTurns) ||
+         scene.periods == 1 || scene.turns >= criteria::kFewestTurnsToRepeat;
+}
+
+bool has_order(const Scene &scene, int n) {
+  return scene.periods <= criteria::kMostPeriodsInTurns || n <= criteria::kLowOrders ||
+         n % scene.periods == 0;
 }
 
 Basis generic_basis(const Scene &scene, const Observations &data, double zero_rad, int orders,
@@ -184,7 +188,9 @@ Basis generic_basis(const Scene &scene, const Observations &data, double zero_ra
   // An order n is a modulation of the vector e^(jpx): along it (real coefficients) and across it
   // (imaginary ones). At n = p one side is the offset, and only the other is left.
   for (int n = step; n <= orders * step; n += step)
-    if (n == p)
+    if (step == 1 && !has_order(scene, n))
+      continue;
+    else if (n == p)
       out.add(Axis::angle, n / step, 2 * p);
     else
       for (auto kind : {Modulation::angle_cos, Modulation::angle_sin})

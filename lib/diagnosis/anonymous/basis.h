@@ -134,6 +134,10 @@ struct Asked {
 /// many poles has no two alike, and a scale of many lines is told by the line.
 bool in_turns(const Scene &scene);
 
+/// Whether an order of the turn is looked at: of a ring of many poles the low ones, by which its
+/// bore and its bearing err, and those of the electrical period.
+bool has_order(const Scene &scene, int n);
+
 /// What the capture lets each axis show. `orders`: highest order of the turn on the angle axis;
 /// `lines`: of the spectrum; `steps_s`: moments, s.
 Basis generic_basis(const Scene &scene, const Observations &data, double zero_rad, int orders,

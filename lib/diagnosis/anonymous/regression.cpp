@@ -174,9 +174,10 @@ Selection select(const Basis &basis, const Products &from) {
     int best_order = 0;
     double best_gain = 0.0, best_heldout = before;
     Eigen::VectorXd best_values;
-    for (const auto &[order, end] : ends) {
-      // Every order up to eight, then in steps of an eighth: finer makes no difference.
-      if (order > 8 && order != ends.back().first && order % std::max(1, order / 8) != 0)
+    for (std::size_t k = 0; k < ends.size(); ++k) {
+      const auto &[order, end] = ends[k];
+      // Each of the first eight, then in steps of an eighth: finer makes no difference.
+      if (k >= 8 && k + 1 < ends.size() && (k + 1) % ((k + 1) / 8) != 0)
         continue;
       Eigen::VectorXd values = nested.values(end);
       const double heldout = nested.heldout(values);

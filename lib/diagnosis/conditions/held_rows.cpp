@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <iterator>
 #include <map>
 
 #include "base/angle.h"
@@ -120,6 +121,71 @@ FreshReadings only(const Capture &capture, const std::vector<std::size_t> &first
   return out;
 }
 
+/// Rows that repeat a reading, and the changes of the reading about them.
+class Repeats {
+public:
+  explicit Repeats(const Capture &capture) : c_(capture) {
+    for (std::size_t i = 1; i < c_.size(); ++i)
+      if (change(0, i) != 0.0 || change(1, i) != 0.0)
+        changes_.push_back(i);
+    half_range_v_ = 0.5 * std::max(bulk(c_.vsin_v).width(), bulk(c_.vcos_v).width());
+  }
+  static constexpr std::size_t kReach = 4; ///< changes on either side
+  const std::vector<std::size_t> &changes() const { return changes_; }
+  double change(int channel, std::size_t i) const {
+    const std::vector<double> &v = channel == 0 ? c_.vsin_v : c_.vcos_v;
+    return v[i] - v[i - 1];
+  }
+  /// How far a channel goes at the changes about the k-th, V: of which few lie between the stops of
+  /// a table.
+  double way_v(int channel, std::size_t k) const {
+    return middle_of(k, [&](std::size_t i) { return std::abs(change(channel, i)); });
+  }
+  /// Whether the shaft stands in the rows before the k-th change, which takes the pair `way_v` on:
+  /// its reference says so; or the pair goes on from where it stood, or by moves far apart.
+  bool rests(std::size_t k, double way_v) const;
+
+private:
+  template <class Of> double middle_of(std::size_t k, const Of &of) const {
+    std::vector<double> about;
+    for (std::size_t near = k - kReach; near <= k + kReach; ++near)
+      if (near != k)
+        about.push_back(of(changes_[near]));
+    return quantile(std::move(about), 0.5);
+  }
+  /// However far that is, by its way from row to row.
+  double turns_deg(std::size_t from, std::size_t to) const {
+    double way = 0.0;
+    for (std::size_t i = from + 1; i <= to; ++i)
+      way += wrap_centred(c_.reference_deg[i] - c_.reference_deg[i - 1], 360.0);
+    return std::abs(way);
+  }
+  const Capture &c_;
+  std::vector<std::size_t> changes_;
+  double half_range_v_ = 0.0;
+};
+
+bool Repeats::rests(std::size_t k, double way_v) const {
+  constexpr double kHalf = 0.5;
+  const std::size_t first = changes_[k - 1], last = changes_[k] - 1;
+  const auto rows = static_cast<double>(last - first);
+  if (c_.has_reference()) {
+    const double way_deg = middle_of(k, [&](std::size_t i) { return turns_deg(i - 1, i); });
+    return !(turns_deg(first, last) >= kHalf * rows * way_deg);
+  }
+  if (last - first <= kReach)
+    return false;
+  const double apart = middle_of(k, [&](std::size_t i) {
+    return static_cast<double>(i -
+                               *std::prev(std::lower_bound(changes_.begin(), changes_.end(), i)));
+  });
+  if (apart > 1.0)
+    return true;
+  // Of more than a part of the turn the chord says nothing.
+  return rows * way_v < half_range_v_ &&
+         std::hypot(change(0, last + 1), change(1, last + 1)) < kHalf * rows * way_v;
+}
+
 } // namespace
 
 std::optional<FreshReadings> fresh_readings(const Capture &capture) {
@@ -138,48 +204,29 @@ std::optional<FreshReadings> fresh_readings(const Capture &capture) {
 }
 
 StaleRows leave_out_stale_rows(const Capture &capture, std::vector<char> &usable) {
-  constexpr std::size_t kReach = 4;  // changes of the reading on either side
-  constexpr double kCatchesUp = 0.5; // of the way that it has gone on meanwhile
-  const std::size_t n = capture.size();
-  const std::vector<double> *channels[] = {&capture.vsin_v, &capture.vcos_v};
   const double steps[] = {converter_step(capture.vsin_v), converter_step(capture.vcos_v)};
-  const auto change = [&](int c, std::size_t i) {
-    return (*channels[c])[i] - (*channels[c])[i - 1];
-  };
-  std::vector<std::size_t> changes; // rows that differ from the one before
-  for (std::size_t i = 1; i < n; ++i)
-    if (change(0, i) != 0.0 || change(1, i) != 0.0)
-      changes.push_back(i);
+  const Repeats repeats(capture);
+  const std::vector<std::size_t> &changes = repeats.changes();
   std::vector<std::size_t> stale;
   double by_chance = 0.0;
   StaleRows out;
-  // Rows up to a change, with it: how far the pair goes from row to row by the changes about them,
-  // of which few lie between the stops of a table.
-  for (std::size_t k = kReach; k + kReach < changes.size(); ++k) {
-    const std::size_t first = changes[k - 1] + 1, last = changes[k];
-    double chance = 1.0, goes_on_v2 = 0.0, caught_up_v2 = 0.0;
+  for (std::size_t k = Repeats::kReach; k + Repeats::kReach < changes.size(); ++k) {
+    double chance = 1.0, goes_on_v2 = 0.0;
     for (int c = 0; c < 2; ++c) {
-      std::vector<double> ways;
-      for (std::size_t near = k - kReach; near <= k + kReach; ++near)
-        if (near != k)
-          ways.push_back(std::abs(change(c, changes[near])));
-      const double way = quantile(std::move(ways), 0.5);
+      const double way = repeats.way_v(c, k);
       goes_on_v2 += way * way;
-      caught_up_v2 += std::pow(change(c, last), 2);
       // Two readings that differ by d fall on one step of q about once in d/q.
       chance *= way > 0.0 ? std::min(1.0, steps[c] / way) : 1.0;
     }
-    if (!std::isfinite(chance)) // beside a reading that is no number
+    if (!std::isfinite(goes_on_v2)) // beside a reading that is no number
       continue;
-    // A shaft that rests for long goes on from where it stood.
-    const auto rows = static_cast<double>(last - first);
-    if (last - first > kReach &&
-        std::sqrt(caught_up_v2) < kCatchesUp * rows * std::sqrt(goes_on_v2))
+    const std::size_t rows = changes[k] - changes[k - 1] - 1;
+    if (rows > 0 && repeats.rests(k, std::sqrt(goes_on_v2)))
       continue;
-    by_chance += chance * (rows + 1.0);
-    for (std::size_t i = first; i < last; ++i)
+    by_chance += chance * static_cast<double>(rows + 1);
+    for (std::size_t i = changes[k] - rows; i < changes[k]; ++i)
       stale.push_back(i);
-    out.squares_v2 += rows * goes_on_v2;
+    out.squares_v2 += static_cast<double>(rows) * goes_on_v2;
   }
   out.count = stale.size();
   if (out.count < criteria::kFewestStale ||

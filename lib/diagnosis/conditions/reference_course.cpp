@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -297,8 +298,7 @@ public:
   explicit Record(const Rows &rows) : rows_(rows) {
     const std::vector<double> alpha(rows.alpha.begin(), rows.alpha.end());
     travel_ = travel_of(alpha);
-    const Course all{.way = kPlain, .time = kPlain}; // what all of it together leaves over
-    inflated_ = inflation(fit(rows, kOrders, all, begin_of(rows, all)).along);
+    inflated_ = inflation_beside({});
   }
 
   /// The best of fits with no to some orders of the turn, which tell an error of the sensor or of
@@ -318,16 +318,22 @@ public:
   }
 
   /// The course that the pair departs by, if it does by one.
-  std::optional<Fit> course() const;
+  std::optional<Fit> course();
 
   /// Moments at which the pair jumps against the reference: they are fitted beside a course, which
   /// they would bend.
-  std::vector<double> steps() const;
+  std::vector<double> steps();
 
 private:
   static constexpr int kPlain = 3; ///< degrees of a plain curve
   const Rows &rows_;
-  double inflated_, travel_;
+  double inflated_ = 1.0, travel_ = 0.0;
+
+  /// Of what a plain curve over the way and one over time leave beside these steps.
+  double inflation_beside(std::vector<double> steps) const {
+    const Course all{kPlain, kPlain, std::move(steps)};
+    return inflation(fit(rows_, kOrders, all, begin_of(rows_, all)).along);
+  }
 
   void try_course(const Course &course, Best &best) const;
   /// What the course adds up to in each row, rad, without its steps.
@@ -364,16 +370,18 @@ bool Record::takes_all_but(double part, const Fit &f) const {
   return slow_part(f.along) < part * (all - all.mean()).square().mean();
 }
 
-std::vector<double> Record::steps() const {
+std::vector<double> Record::steps() {
   constexpr std::size_t kMostSteps = 4;
   constexpr std::array<Eigen::Index, 3> kSides{3, 9, 27}; // rows before and after
   const Eigen::Index n = rows_.time.size();
   const std::vector<double> alpha(rows_.alpha.begin(), rows_.alpha.end());
   if (find_stops(alpha, noise_between(alpha))) // each has an error of its own
     return {};
+  // What stands out of the noise from row to row, by chance once in a million; all together, as one
+  // slip may hide another.
+  constexpr double kStandsOut = 5.0;
   Best best = best_of({.way = 1, .time = 1});
-  // One number, and the choice of a row for it.
-  const double price = criteria::kRivalNats + std::log(static_cast<double>(n));
+  const double noise = noise_between({best.fit.along.data(), static_cast<std::size_t>(n)});
   while (best.fit.course.steps_s.size() < kMostSteps) {
     const ArrayXd &left = best.fit.along;
     std::vector<double> sums(1, 0.0);
@@ -392,14 +400,31 @@ std::vector<double> Record::steps() const {
           at = i;
         }
       }
-    if (most == 0.0)
+    if (!(most > kStandsOut * std::numbers::sqrt2 * noise))
       break;
     Best with = best_of(best.fit.course.with_step(rows_.time[at]));
-    if (!(with.nats < best.nats - price))
+    if (!(with.fit.squares < best.fit.squares))
       break;
     best = std::move(with);
   }
-  return best.fit.course.steps_s;
+  std::vector<double> steps = best.fit.course.steps_s;
+  if (steps.empty())
+    return steps;
+  // What all of them leave tells for how many rows it counts; those stay that are worth a number,
+  // and the choice of a row for it.
+  inflated_ = inflation_beside(steps);
+  const double price = criteria::kRivalNats + std::log(static_cast<double>(n));
+  best = best_of(best.fit.course);
+  for (std::size_t k = steps.size(); k-- > 0;) {
+    std::vector<double> fewer = steps;
+    fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
+    if (Best without = best_of({1, 1, fewer}); without.nats < best.nats + price) {
+      best = std::move(without);
+      steps = std::move(fewer);
+    }
+  }
+  inflated_ = inflation_beside(steps);
+  return steps;
 }
 
 /// Whether one more step at some moment does as well: a slip is likelier.
@@ -427,7 +452,7 @@ bool Record::is_a_step(const Best &best) const {
   }
 }
 
-std::optional<Fit> Record::course() const {
+std::optional<Fit> Record::course() {
   constexpr int kMostDegrees = 6;       // of a course that is known to be none of the shaft's
   constexpr double kTurnsOfCurve = 2.0; // in fewer a curve looks like errors of low orders
   const Course slips{.steps_s = steps()};
