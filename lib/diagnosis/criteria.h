@@ -166,9 +166,9 @@ inline constexpr int kMostPeriodsInTurns = 32;
 inline constexpr int kLowOrders = 12;
 /// Samples that an order takes: four numbers from two values each.
 inline constexpr double kSamplesPerOrder = 6.0;
-/// Stops of a table that an order takes: four numbers from two values each, so that what the stops
-/// say can be followed to the last. Held-out ones judge each order.
-inline constexpr double kStopsPerOrder = 2.0;
+/// The same where a second capture judges, at the same places or at others: what the places say may
+/// be followed to the last of them, four numbers from two values each.
+inline constexpr double kPlacesPerOrder = 2.0;
 /// Rows from which on the means of bins and of bands are looked at. A choice: of 72 places in the
 /// turn each then has five or six rows.
 inline constexpr std::size_t kFewestForMeans = 400;

@@ -14,6 +14,7 @@
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/reference_course.h"
+#include "diagnosis/conditions/stop_means.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/explain.h"
 #include "diagnosis/work.h"
@@ -183,6 +184,15 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
     out.held_reference = fresh->of_reference;
     return out;
   }
+  // What each stop has for itself no other stop confirms; the same ones in a second capture may.
+  const auto stops = means_of_stops(capture);
+  if (stops && !options.heldout) {
+    Diagnosis out = diagnose(stops->means, options);
+    out.samples = capture.size();
+    out.readings_a_stop =
+        static_cast<double>(capture.size()) / static_cast<double>(stops->means.size());
+    return with_stops(stops->differ_v, std::move(out));
+  }
   int steps = 0; // of all searches: their number is not known before the last
   if (given.progress)
     options.progress = [&](double, const char *what) {
@@ -192,8 +202,18 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
   if (options.heldout && (followed_of_judge = followed_reference(*options.heldout)))
     options.heldout = &followed_of_judge->mended;
   const auto followed = followed_reference(capture);
-  if (!followed)
-    return diagnose_readings(capture, options);
+  if (!followed) {
+    Diagnosis out = diagnose_readings(capture, options);
+    if (!stops || out.verdict == Verdict::insufficient_data)
+      return out;
+    const double left_v =
+        std::min(stops->differ_v,
+                 std::sqrt(std::max(0.0, std::pow(out.extended_quality.heldout.residual_rms_v, 2) -
+                                             std::pow(stops->reading_noise_v, 2))));
+    return left_v * left_v > criteria::kLittle * stops->differ_v * stops->differ_v
+               ? with_stops(left_v, std::move(out))
+               : std::move(out);
+  }
   // What has a name may say the same, or more: a slip, a lag, an error once a turn.
   Diagnosis as_read = diagnose_readings(capture, options);
   Diagnosis mended = diagnose_readings(followed->mended, options);

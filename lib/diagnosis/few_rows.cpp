@@ -4,9 +4,7 @@
 #include "diagnosis/few_rows.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 #include <string>
 
 #include <fmt/format.h>
@@ -72,45 +70,6 @@ std::vector<Structure> find_lines_of_rows(const Scene &scene, const Observations
     }
   }
   return out;
-}
-
-double between_stops_v(const Scene &scene, const Observations &data,
-                       const ResidualColumns &residual) {
-  // Standard deviations of the logarithm of a ratio of variances: by chance once in 30,000.
-  constexpr double kClear = 4.0;
-  if (!scene.stops)
-    return 0.0;
-  // A drift has parts of a stop differ by less than neighbouring stops: of a random walk the
-  // variances are one to four.
-  constexpr double kOfWalk = 4.0;
-  double steps2 = 0.0, halves2 = 0.0, stops = 0.0;
-  std::array<double, 2> before{};
-  for (std::size_t from = 0, to = 0; from < data.size(); from = to) {
-    for (to = from + 1; to < data.size() &&
-                        std::abs(data.alpha[to] - data.alpha[to - 1]) < criteria::kStopMovesRad;)
-      ++to;
-    if (static_cast<double>(to - from) < criteria::kFewestReadings)
-      continue;
-    // What the halves of a stop differ by holds a noise that remembers itself as well.
-    const std::size_t middle = from + (to - from) / 2;
-    for (std::size_t c = 0; c < before.size(); ++c) {
-      const std::vector<double> &v = c == 0 ? residual.sin : residual.cos;
-      const auto mean = [&](std::size_t begin, std::size_t end) {
-        return std::accumulate(v.begin() + static_cast<std::ptrdiff_t>(begin),
-                               v.begin() + static_cast<std::ptrdiff_t>(end), 0.0) /
-               static_cast<double>(end - begin);
-      };
-      const double here = mean(from, to);
-      steps2 += stops > 0.0 ? 0.5 * std::pow(here - before[c], 2) : 0.0;
-      halves2 += 0.25 * std::pow(mean(from, middle) - mean(middle, to), 2);
-      before[c] = here;
-    }
-    stops += 1.0;
-  }
-  if (stops < static_cast<double>(criteria::kFewestStops) ||
-      !(std::log(steps2 / std::max(kOfWalk * halves2, 1e-300)) > kClear * std::sqrt(2.0 / stops)))
-    return 0.0;
-  return std::sqrt((steps2 - halves2) / (2.0 * stops));
 }
 
 double share_of_lines_across(const Scene &scene, const Model &model) {

@@ -19,12 +19,6 @@ namespace ada {
 std::vector<Structure> find_lines_of_rows(const Scene &scene, const Observations &data,
                                           const ResidualColumns &residual, double least_rms_v);
 
-/// What the means of the stops of a table keep, V rms of a channel: an error that is the same in
-/// all readings of a stop and another one in the next. 0: no more than their noise gives them, or
-/// the shaft does not stop.
-double between_stops_v(const Scene &scene, const Observations &data,
-                       const ResidualColumns &residual);
-
 /// Part that such lines have of what the model leaves across the vector, beside a reference: that is
 /// no noise, although neighbours do not share it. 0 of more rows, where the line finders look.
 double share_of_lines_across(const Scene &scene, const Model &model);

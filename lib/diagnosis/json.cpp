@@ -116,6 +116,8 @@ std::string to_json(const Diagnosis &d) {
     out["capture"]["rows_a_reading"] = d.rows_a_reading;
     out["capture"]["held"] = d.held_reference ? "reference" : "pair";
   }
+  if (d.readings_a_stop > 1.0)
+    out["capture"]["readings_a_stop"] = d.readings_a_stop;
   if (d.reference_course) {
     const ReferenceCourse &c = *d.reference_course;
     if (c.scale_error > 0.0)

@@ -12,7 +12,6 @@
 
 #include "base/angle.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/few_rows.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/noise_causes.h"
 #include "diagnosis/whiteness.h"
@@ -162,16 +161,6 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
     for (const auto &more : {angle, find_structure_in_rough(scene, model, least), bursts})
       out.structure.insert(out.structure.end(), more.begin(), more.end());
   }
-  out.between_stops_v = between_stops_v(scene, scene.all, residual_columns(scene.all, model));
-  if (out.between_stops_v > explained.second_order_v)
-    out.structure.push_back(
-        {"angle",
-         fmt::format("{:.3g} mV rms are the same in all readings of a stop and change from stop to "
-                     "stop: the table does not stand where it says, or the sensor errs there; "
-                     "the same stops once more tell whether it comes again, and the table turned "
-                     "on the shaft whose it is",
-                     1e3 * out.between_stops_v),
-         out.between_stops_v});
   // Too few rows for the tests of what it goes with. Of stops each has an error of its own.
   if (out.structure.empty() && !explained.supply_inferred && !scene.stops &&
       scene.all.size() < criteria::kFewestForMeans)

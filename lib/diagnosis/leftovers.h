@@ -18,7 +18,6 @@ struct LeftOver {
   std::vector<Structure> structure;
   std::vector<Structure> of_rows; ///< what rows are wrong: no random cause accounts for them
   double unexplained_rms_v = 0.0;
-  double between_stops_v = 0.0; ///< that differs from stop to stop of a table, of a channel
   bool bursts = false; ///< samples in a row are left over
 };
 

@@ -73,6 +73,7 @@ struct Diagnosis {
   std::size_t samples = 0;
   double rows_a_reading = 1.0; ///< more than one: each pair is held for several rows
   bool held_reference = false; ///< it is the reference that is held, and not the pair
+  double readings_a_stop = 1.0; ///< more than one: each stop of a table counts as one reading
   /// Of a reference that goes away from the shaft; the pair was judged without that.
   std::optional<ReferenceCourse> reference_course;
   double duration_s = 0.0, turns = 0.0;

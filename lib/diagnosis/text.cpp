@@ -50,6 +50,10 @@ std::string to_text(const Diagnosis &d) {
   if (d.rows_a_reading > 1.0)
     out += fmt::format("{} is held for {:.3g} rows: the first of them is read\n",
                        d.held_reference ? "the reference" : "each pair", d.rows_a_reading);
+  if (d.readings_a_stop > 1.0)
+    out += fmt::format("the shaft stops for {:.3g} readings, which have one error: their mean is "
+                       "read\n",
+                       d.readings_a_stop);
   if (d.verdict == Verdict::insufficient_data)
     return out + verdict_sentence(d) + "\n" + failed_checks(d);
   const Quality &base = d.baseline_quality.heldout;

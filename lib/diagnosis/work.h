@@ -256,10 +256,6 @@ private:
   /// clearly less of held-out data, the named model does not explain the capture.
   void note_what_the_anonymous_model_does_better();
 
-  /// No held-out stop confirms what each stop has for itself, so that it lies in the noise: it goes
-  /// with the place.
-  void give_to_stops(double between_v);
-
   double channel_rms_v() const;
 
   /// How much a process moves a channel, V rms.

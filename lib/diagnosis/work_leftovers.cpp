@@ -38,25 +38,6 @@ void Work::look_at_leftovers() {
       unnamed2 += line.unnamed_rms_v * line.unnamed_rms_v;
   out_.unexplained_rms_v = std::sqrt(unnamed2);
   in_bursts_ = left.bursts;
-  give_to_stops(left.between_stops_v);
-}
-
-void Work::give_to_stops(double between_v) {
-  if (between_v <= 0.0)
-    return;
-  const auto line_of = [&](Axis axis) -> BudgetLine & {
-    const auto at = std::find_if(out_.budget.begin(), out_.budget.end(),
-                                 [&](const BudgetLine &line) { return line.axis == axis; });
-    return at != out_.budget.end() ? *at : out_.budget.emplace_back(BudgetLine{.axis = axis});
-  };
-  BudgetLine &noise = line_of(Axis::noise);
-  const double moved_v = std::min(between_v, noise.rms_v);
-  noise.rms_v = noise.unnamed_rms_v = std::sqrt(noise.rms_v * noise.rms_v - moved_v * moved_v);
-  BudgetLine &angle = line_of(Axis::angle);
-  angle.rms_v = std::hypot(angle.rms_v, moved_v);
-  angle.unnamed_rms_v = std::hypot(angle.unnamed_rms_v, moved_v);
-  std::stable_sort(out_.budget.begin(), out_.budget.end(),
-                   [](const BudgetLine &a, const BudgetLine &b) { return a.rms_v > b.rms_v; });
 }
 
 void Work::note_what_the_anonymous_model_does_better() {

@@ -4,6 +4,7 @@
 // References whose degrees are not the shaft's, and the sensor's errors that are not to pass for
 // one. The signals are made here, and not by the model that is fitted to them.
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -62,6 +63,31 @@ KIND(a_reference_of_another_scale_in_part_of_a_turn_blames_no_sensor) {
   EXPECT_TRUE(d.reference_course && d.reference_course->within_a_turn);
   expect_pair(d, bench.pair, 2e-3);
   expect_none(d, kOfTheSensor);
+}
+
+/// A gyroscope whose integral misses a reading or two, of one sense, and whose scale is off.
+KIND(slips_beside_another_scale_are_told_apart_from_it) {
+  Bench bench;
+  const double scale = other_scale(bench), first_s = bench.within(0.8, 4.0),
+               second_s = first_s + bench.within(2.0, 4.0), slip_deg = bench.within(2.0, 4.0);
+  const bool both = bench.within(-1.0, 1.0) < 0.0;
+  const auto angle = by_hand(bench, bench.within(2.2, 6.0), 10.0);
+  Capture c = bench.capture(1000, 100.0, 1, angle);
+  read_as(c, [&](double t) {
+    return scale * angle(t) * kDegPerRad - (t >= first_s ? slip_deg : 0.0) -
+           (both && t >= second_s ? slip_deg : 0.0) + bench.normal(0.02);
+  });
+  const Diagnosis d = diagnose(c, {});
+  expect_scale(d, scale);
+  expect_pair(d, bench.pair, 1e-3);
+  const auto slips = std::count_if(d.findings.begin(), d.findings.end(), [](const Finding &f) {
+    return f.effect->info().id == "angle-slip";
+  });
+  EXPECT_EQ(slips, both ? 2 : 1) << left_of(d);
+  for (const Finding &f : d.findings)
+    if (f.effect->info().id == "angle-slip") {
+      EXPECT_NEAR(f.values[1], slip_deg, 0.05 * slip_deg) << left_of(d);
+    }
 }
 
 KIND(a_reference_of_another_scale_over_several_turns_hides_no_pair) {

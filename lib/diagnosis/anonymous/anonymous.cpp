@@ -57,7 +57,8 @@ Halves halves_of(const Parts &parts, const Model &model) {
   Halves out{some_of(parts.train, criteria::kAnonymousTrain),
              some_of(parts.heldout, criteria::kAnonymousHeldout),
              {},
-             {}};
+             {},
+             parts.second_capture};
   if (parts.second_capture)
     out.heldout = at_zero_of(model, std::move(out.heldout));
   out.train_left = residual_columns(out.train, model);
@@ -67,7 +68,8 @@ Halves halves_of(const Parts &parts, const Model &model) {
   return out;
 }
 
-int most_orders(const Scene &scene, const Observations &train, int wanted) {
+int most_orders(const Scene &scene, const Halves &halves, int wanted) {
+  const Observations &train = halves.train;
   double places = static_cast<double>(train.size());
   if (scene.stops &&
       train.size() > 0) // all readings of one tell as much of the angle as one of them
@@ -75,8 +77,9 @@ int most_orders(const Scene &scene, const Observations &train, int wanted) {
                        train.alpha.begin() + 1, train.alpha.end(), [](const double &a) {
                          return std::abs(a - *(&a - 1)) > criteria::kStopMovesRad;
                        }));
-  int left = std::max(1, static_cast<int>(places / (scene.stops ? criteria::kStopsPerOrder
-                                                                : criteria::kSamplesPerOrder)));
+  int left =
+      std::max(1, static_cast<int>(places / (halves.judged_apart ? criteria::kPlacesPerOrder
+                                                                 : criteria::kSamplesPerOrder)));
   int out = 0;
   for (int n = 1; n <= wanted && left > 0; ++n)
     if (!in_turns(scene) || has_order(scene, n)) {
@@ -90,7 +93,7 @@ Anonymous with_basis(const Scene &scene, const Halves &halves, double zero_rad, 
                      const std::vector<SpectralLine> &lines, const std::vector<double> &steps_s,
                      Asked asked, RecentAnonymous *recent) {
   Anonymous out;
-  out.basis = generic_basis(scene, halves.train, zero_rad, most_orders(scene, halves.train, orders),
+  out.basis = generic_basis(scene, halves.train, zero_rad, most_orders(scene, halves, orders),
                             lines, steps_s, asked);
   out.from = products(out.basis, halves.train, halves.train_left, halves.heldout,
                       halves.heldout_left, recent ? &recent->sums() : nullptr);

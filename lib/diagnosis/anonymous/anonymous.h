@@ -30,6 +30,7 @@ struct Anonymous {
 struct Halves {
   Observations train, heldout;
   ResidualColumns train_left, heldout_left;
+  bool judged_apart = false; ///< by a second capture
   bool operator==(const Halves &) const = default;
 };
 

@@ -38,8 +38,14 @@ Stops find_stops(std::span<const double> alpha, double noise_rad) {
   Stops out;
   if (alpha.size() < 8)
     return out;
-  // At rest neighbours differ by their noise; between stops by far more.
-  const double moved = std::max(criteria::kStopMovesNoise * noise_rad, criteria::kStopMovesRad);
+  // At rest neighbours differ by their noise; between stops by far more. Of few readings a stop
+  // higher differences hold the moves; most neighbours are of one stop even then.
+  constexpr double kAtRest = 0.4; // of the moves, by less than 0.74 times the noise
+  std::vector<double> moves;
+  for (std::size_t i = 1; i < alpha.size(); ++i)
+    moves.push_back(std::abs(alpha[i] - alpha[i - 1]));
+  const double noise = std::min(noise_rad, quantile(std::move(moves), kAtRest) / 0.74);
+  const double moved = std::max(criteria::kStopMovesNoise * noise, criteria::kStopMovesRad);
   std::vector<std::uint32_t> of(alpha.size(), 0);
   std::uint32_t stop = 0;
   for (std::size_t i = 1; i < alpha.size(); ++i) {

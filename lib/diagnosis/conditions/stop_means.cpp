@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/conditions/stop_means.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+
+#include "base/angle.h"
+#include "base/robust.h"
+#include "diagnosis/conditions/holdout.h"
+#include "diagnosis/criteria.h"
+#include "motion/kinematics.h"
+
+namespace ada {
+
+namespace {
+
+/// First row of each stop, and the number of rows behind the last.
+std::vector<std::size_t> stops_of(const Capture &c) {
+  std::vector<double> alpha;
+  for (double deg : c.reference_deg) {
+    if (!std::isfinite(deg))
+      return {};
+    alpha.push_back(deg * kRadPerDeg);
+  }
+  unwrap(alpha, kTwoPi);
+  const Stops stops = find_stops(alpha, noise_between(alpha));
+  if (!stops)
+    return {};
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < stops.of.size(); ++i)
+    if (i == 0 || stops.of[i] != stops.of[i - 1])
+      out.push_back(i);
+  out.push_back(c.size());
+  return out;
+}
+
+double mean(const std::vector<double> &v, std::size_t begin, std::size_t end) {
+  double sum = 0.0;
+  for (std::size_t i = begin; i < end; ++i)
+    sum += v[i];
+  return sum / static_cast<double>(end - begin);
+}
+
+/// Of angles, degrees.
+double mean_deg(const std::vector<double> &v, std::size_t begin, std::size_t end) {
+  double sum = 0.0;
+  for (std::size_t i = begin; i < end; ++i)
+    sum += wrap_centred(v[i] - v[begin], 360.0);
+  return v[begin] + sum / static_cast<double>(end - begin);
+}
+
+/// What is left of the means of a channel beside the offsets, the pair, what modulates it by the
+/// lowest orders of the turn, and what goes with the sense of the way to a stop.
+Eigen::MatrixXd beside_smooth(const Capture &means) {
+  constexpr int kMostOrders = 3;
+  const int p = means.meta.periods_per_turn;
+  const auto n = static_cast<Eigen::Index>(means.size());
+  std::set<int> orders{p};
+  for (int order = 1; order <= kMostOrders; ++order) {
+    std::set<int> more = orders;
+    more.insert({order, p + order, std::abs(p - order)});
+    more.erase(0);
+    // As many stops as numbers are left to see what those leave.
+    if (static_cast<std::size_t>(n) < 2 * (3 + 2 * more.size()))
+      break;
+    orders = std::move(more);
+  }
+  const auto columns = static_cast<Eigen::Index>(3 + 2 * orders.size());
+  if (n < columns + static_cast<Eigen::Index>(criteria::kFewestStops))
+    return {};
+  Eigen::MatrixXd x(n, columns), pair(n, 2);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double alpha = means.reference_deg[static_cast<std::size_t>(i)] * kRadPerDeg;
+    const double way_deg =
+        i == 0 ? 0.0
+               : wrap_centred(means.reference_deg[static_cast<std::size_t>(i)] -
+                                  means.reference_deg[static_cast<std::size_t>(i - 1)],
+                              360.0);
+    const double sense = way_deg < 0.0 ? -1.0 : 1.0;
+    Eigen::Index k = 0;
+    x(i, k++) = 1.0;
+    x(i, k++) = sense * std::cos(p * alpha);
+    x(i, k++) = sense * std::sin(p * alpha);
+    for (int m : orders) {
+      x(i, k++) = std::cos(m * alpha);
+      x(i, k++) = std::sin(m * alpha);
+    }
+    pair.row(i) << means.vsin_v[static_cast<std::size_t>(i)],
+        means.vcos_v[static_cast<std::size_t>(i)];
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(x);
+  // The fit takes as many numbers from the scatter as it has.
+  return (pair - x * qr.solve(pair)) *
+         std::sqrt(static_cast<double>(n) / static_cast<double>(n - qr.rank()));
+}
+
+/// The line of an axis, whatever it has.
+BudgetLine &line_of(std::vector<BudgetLine> &budget, Axis axis) {
+  const auto at = std::find_if(budget.begin(), budget.end(),
+                               [&](const BudgetLine &line) { return line.axis == axis; });
+  return at != budget.end() ? *at : budget.emplace_back(BudgetLine{.axis = axis});
+}
+
+} // namespace
+
+std::optional<StopMeans> means_of_stops(const Capture &capture) {
+  // Of a random walk neighbouring stops see four times what the halves of a stop do; standard
+  // deviations of the logarithm of a ratio of medians, of two channels.
+  constexpr double kOfWalk = 4.0, kClear = 4.0;
+  if (!capture.has_reference() || capture.starts.size() > 1)
+    return {};
+  const std::vector<std::size_t> first = stops_of(capture);
+  if (first.size() < criteria::kFewestStops + 1)
+    return {};
+  StopMeans out;
+  out.means.meta = capture.meta;
+  for (auto *of_readings : {&out.means.meta.noise_rms_v, &out.means.meta.sample_rate_hz})
+    of_readings->reset();
+  out.means.identity = capture.identity;
+  out.means.data_file = capture.data_file;
+  std::vector<double> halves_v2;
+  for (std::size_t k = 0; k + 1 < first.size(); ++k) {
+    const std::size_t begin = first[k], end = first[k + 1], middle = begin + (end - begin) / 2;
+    for (auto column :
+         {&Capture::time_s, &Capture::vsin_v, &Capture::vcos_v, &Capture::vtemp_v, &Capture::vdd_v})
+      if (!(capture.*column).empty())
+        (out.means.*column).push_back(mean(capture.*column, begin, end));
+    out.means.reference_deg.push_back(mean_deg(capture.reference_deg, begin, end));
+    if (middle > begin) {
+      double v2 = 0.0;
+      for (const auto *v : {&capture.vsin_v, &capture.vcos_v})
+        v2 += 0.25 * std::pow(mean(*v, begin, middle) - mean(*v, middle, end), 2);
+      halves_v2.push_back(v2);
+    }
+  }
+  const Eigen::MatrixXd left = beside_smooth(out.means);
+  if (left.size() == 0 || halves_v2.size() < criteria::kFewestStops)
+    return {};
+  std::vector<double> steps_v2;
+  double squares = 0.0;
+  for (Eigen::Index k = 1; k + 1 < left.rows(); ++k) { // second differences: 1, 4 and 1 of noise
+    steps_v2.push_back((left.row(k - 1) - 2.0 * left.row(k) + left.row(k + 1)).squaredNorm() / 6.0);
+    squares += steps_v2.back();
+  }
+  const double stops = static_cast<double>(steps_v2.size());
+  const double noise_v2 = quantile(std::move(halves_v2), 0.5);
+  if (!(std::log(quantile(std::move(steps_v2), 0.5) / std::max(kOfWalk * noise_v2, 1e-300)) >
+        kClear * std::sqrt(4.0 / stops)))
+    return {};
+  out.differ_v = std::sqrt(std::max(0.0, 0.5 * (squares / stops - noise_v2)));
+  out.reading_noise_v = std::sqrt(0.5 * noise_v2 * static_cast<double>(capture.size()) /
+                                  static_cast<double>(out.means.size()));
+  return out;
+}
+
+Diagnosis with_stops(double left_v, Diagnosis out) {
+  if (out.verdict == Verdict::insufficient_data)
+    return out;
+  if (out.verdict == Verdict::no_discrepancy)
+    out.verdict = Verdict::unexplained;
+  else if (out.verdict == Verdict::explained)
+    out.verdict = Verdict::partly_explained;
+  BudgetLine &noise = line_of(out.budget, Axis::noise);
+  const double moved_v = std::min(left_v, noise.rms_v);
+  noise.rms_v = noise.unnamed_rms_v = std::sqrt(noise.rms_v * noise.rms_v - moved_v * moved_v);
+  BudgetLine &angle = line_of(out.budget, Axis::angle);
+  angle.rms_v = std::hypot(angle.rms_v, moved_v);
+  angle.unnamed_rms_v = std::hypot(angle.unnamed_rms_v, moved_v);
+  std::stable_sort(out.budget.begin(), out.budget.end(),
+                   [](const BudgetLine &a, const BudgetLine &b) { return a.rms_v > b.rms_v; });
+  out.structure.push_back(
+      {std::string(axis_name(Axis::angle)),
+       fmt::format("{:.3g} mV rms are the same in all readings of a stop and change from stop to "
+                   "stop: the table does not stand where it says, or the sensor errs there; the "
+                   "same stops once more tell whether it comes again, and the table turned on the "
+                   "shaft whose it is",
+                   1e3 * left_v),
+       left_v});
+  std::stable_sort(out.structure.begin(), out.structure.end(),
+                   [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
+  return out;
+}
+
+} // namespace ada

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// A table that stops has an error of its own at each stop, the same in all readings there: they are
+// one reading, and no more of them tell more of the sensor.
+#pragma once
+
+#include <optional>
+
+#include "diagnosis/result.h"
+#include "recording/capture.h"
+
+namespace ada {
+
+struct StopMeans {
+  Capture means;                ///< of the readings of each stop
+  double differ_v = 0.0;        ///< from stop to stop beyond their noise, V rms of a channel
+  double reading_noise_v = 0.0; ///< of one reading within a stop, a channel
+};
+
+/// The means of the stops of a table that do not stand where the reference says, or at which the
+/// sensor errs by itself: where neighbouring stops differ by far more than parts of a stop do,
+/// beside what goes smoothly with the angle. Nothing of a shaft that turns while it is read, of a
+/// table that stands right, or of one that stopped too seldom to tell.
+std::optional<StopMeans> means_of_stops(const Capture &capture);
+
+/// A result, and what each stop has for itself: it goes with the place, and no cause has its name,
+/// so that it is left over. `left_v`: as much of it as the model leaves.
+Diagnosis with_stops(double left_v, Diagnosis out);
+
+} // namespace ada
