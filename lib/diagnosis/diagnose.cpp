@@ -191,7 +191,7 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
     out.samples = capture.size();
     out.readings_a_stop =
         static_cast<double>(capture.size()) / static_cast<double>(stops->means.size());
-    return with_stops(stops->differ_v, std::move(out));
+    return stops->rounded ? out : with_stops(stops->differ_v, std::move(out));
   }
   int steps = 0; // of all searches: their number is not known before the last
   if (given.progress)
@@ -204,7 +204,7 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
   const auto followed = followed_reference(capture);
   if (!followed) {
     Diagnosis out = diagnose_readings(capture, options);
-    if (!stops || out.verdict == Verdict::insufficient_data)
+    if (!stops || stops->rounded || out.verdict == Verdict::insufficient_data)
       return out;
     const double left_v =
         std::min(stops->differ_v,

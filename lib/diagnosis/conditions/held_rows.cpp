@@ -4,9 +4,11 @@
 #include "diagnosis/conditions/held_rows.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <iterator>
+#include <limits>
 #include <map>
 
 #include "base/angle.h"
@@ -147,11 +149,15 @@ public:
 
 private:
   template <class Of> double middle_of(std::size_t k, const Of &of) const {
-    std::vector<double> about;
-    for (std::size_t near = k - kReach; near <= k + kReach; ++near)
-      if (near != k)
-        about.push_back(of(changes_[near]));
-    return quantile(std::move(about), 0.5);
+    std::array<double, 2 * kReach> about;
+    for (std::size_t near = 0; near < kReach; ++near) {
+      about[near] = of(changes_[k - kReach + near]);
+      about[kReach + near] = of(changes_[k + 1 + near]);
+    }
+    for (double &v : about) // of a reading that is no number
+      v = std::isfinite(v) ? v : std::numeric_limits<double>::infinity();
+    std::nth_element(about.begin(), about.begin() + kReach, about.end());
+    return about[kReach];
   }
   /// However far that is, by its way from row to row.
   double turns_deg(std::size_t from, std::size_t to) const {
@@ -207,6 +213,8 @@ StaleRows leave_out_stale_rows(const Capture &capture, std::vector<char> &usable
   const double steps[] = {converter_step(capture.vsin_v), converter_step(capture.vcos_v)};
   const Repeats repeats(capture);
   const std::vector<std::size_t> &changes = repeats.changes();
+  if (changes.size() + criteria::kFewestStale >= capture.size())
+    return {};
   std::vector<std::size_t> stale;
   double by_chance = 0.0;
   StaleRows out;

@@ -156,6 +156,10 @@ std::optional<StopMeans> means_of_stops(const Capture &capture) {
         kClear * std::sqrt(4.0 / stops)))
     return {};
   out.differ_v = std::sqrt(std::max(0.0, 0.5 * (squares / stops - noise_v2)));
+  constexpr double kRounds = 1.5; // times what even rounding does
+  out.rounded =
+      out.differ_v < kRounds / std::sqrt(12.0) *
+                         std::max(converter_step(capture.vsin_v), converter_step(capture.vcos_v));
   out.reading_noise_v = std::sqrt(0.5 * noise_v2 * static_cast<double>(capture.size()) /
                                   static_cast<double>(out.means.size()));
   return out;

@@ -15,6 +15,7 @@ namespace ada {
 struct StopMeans {
   Capture means;                ///< of the readings of each stop
   double differ_v = 0.0;        ///< from stop to stop beyond their noise, V rms of a channel
+  bool rounded = false;         ///< that is what the converter rounds off
   double reading_noise_v = 0.0; ///< of one reading within a stop, a channel
 };
 
