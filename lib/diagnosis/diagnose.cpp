@@ -191,7 +191,7 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
     out.samples = capture.size();
     out.readings_a_stop =
         static_cast<double>(capture.size()) / static_cast<double>(stops->means.size());
-    return stops->rounded ? out : with_stops(stops->differ_v, std::move(out));
+    return with_stops(stops->errs_v, std::move(out));
   }
   int steps = 0; // of all searches: their number is not known before the last
   if (given.progress)
@@ -204,15 +204,9 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
   const auto followed = followed_reference(capture);
   if (!followed) {
     Diagnosis out = diagnose_readings(capture, options);
-    if (!stops || stops->rounded || out.verdict == Verdict::insufficient_data)
-      return out;
     const double left_v =
-        std::min(stops->differ_v,
-                 std::sqrt(std::max(0.0, std::pow(out.extended_quality.heldout.residual_rms_v, 2) -
-                                             std::pow(stops->reading_noise_v, 2))));
-    return left_v * left_v > criteria::kLittle * stops->differ_v * stops->differ_v
-               ? with_stops(left_v, std::move(out))
-               : std::move(out);
+        stops ? left_at_stops(*stops, out.extended_quality.heldout.residual_rms_v) : 0.0;
+    return with_stops(left_v, std::move(out));
   }
   // What has a name may say the same, or more: a slip, a lag, an error once a turn.
   Diagnosis as_read = diagnose_readings(capture, options);

@@ -155,18 +155,23 @@ std::optional<StopMeans> means_of_stops(const Capture &capture) {
   if (!(std::log(quantile(std::move(steps_v2), 0.5) / std::max(kOfWalk * noise_v2, 1e-300)) >
         kClear * std::sqrt(4.0 / stops)))
     return {};
-  out.differ_v = std::sqrt(std::max(0.0, 0.5 * (squares / stops - noise_v2)));
   constexpr double kRounds = 1.5; // times what even rounding does
-  out.rounded =
-      out.differ_v < kRounds / std::sqrt(12.0) *
-                         std::max(converter_step(capture.vsin_v), converter_step(capture.vcos_v));
+  const double differ_v = std::sqrt(std::max(0.0, 0.5 * (squares / stops - noise_v2)));
+  const double step_v = std::max(converter_step(capture.vsin_v), converter_step(capture.vcos_v));
+  out.errs_v = differ_v > kRounds * step_v / std::sqrt(12.0) ? differ_v : 0.0;
   out.reading_noise_v = std::sqrt(0.5 * noise_v2 * static_cast<double>(capture.size()) /
                                   static_cast<double>(out.means.size()));
   return out;
 }
 
+double left_at_stops(const StopMeans &stops, double residual_v) {
+  const double left_v2 = residual_v * residual_v - std::pow(stops.reading_noise_v, 2),
+               errs_v2 = stops.errs_v * stops.errs_v;
+  return left_v2 > criteria::kLittle * errs_v2 ? std::sqrt(std::min(left_v2, errs_v2)) : 0.0;
+}
+
 Diagnosis with_stops(double left_v, Diagnosis out) {
-  if (out.verdict == Verdict::insufficient_data)
+  if (left_v == 0.0 || out.verdict == Verdict::insufficient_data)
     return out;
   if (out.verdict == Verdict::no_discrepancy)
     out.verdict = Verdict::unexplained;

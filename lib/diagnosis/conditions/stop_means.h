@@ -13,9 +13,10 @@
 namespace ada {
 
 struct StopMeans {
-  Capture means;                ///< of the readings of each stop
-  double differ_v = 0.0;        ///< from stop to stop beyond their noise, V rms of a channel
-  bool rounded = false;         ///< that is what the converter rounds off
+  Capture means; ///< of the readings of each stop
+  /// From stop to stop beyond the noise, and beyond what the converter rounds off, V rms of a
+  /// channel.
+  double errs_v = 0.0;
   double reading_noise_v = 0.0; ///< of one reading within a stop, a channel
 };
 
@@ -25,8 +26,12 @@ struct StopMeans {
 /// table that stands right, or of one that stopped too seldom to tell.
 std::optional<StopMeans> means_of_stops(const Capture &capture);
 
+/// As much of what stops err by as a model leaves that leaves so much of the readings, V rms of a
+/// channel; 0: next to nothing.
+double left_at_stops(const StopMeans &stops, double residual_v);
+
 /// A result, and what each stop has for itself: it goes with the place, and no cause has its name,
-/// so that it is left over. `left_v`: as much of it as the model leaves.
+/// so that it is left over. `left_v`: as much of it as the model leaves; 0: nothing.
 Diagnosis with_stops(double left_v, Diagnosis out);
 
 } // namespace ada
