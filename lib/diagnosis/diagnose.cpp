@@ -191,7 +191,7 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
     out.samples = capture.size();
     out.readings_a_stop =
         static_cast<double>(capture.size()) / static_cast<double>(stops->means.size());
-    return with_stops(stops->errs_v, std::move(out));
+    return with_stops(*stops, stops->errs_v, std::move(out));
   }
   int steps = 0; // of all searches: their number is not known before the last
   if (given.progress)
@@ -204,9 +204,10 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
   const auto followed = followed_reference(capture);
   if (!followed) {
     Diagnosis out = diagnose_readings(capture, options);
-    const double left_v =
-        stops ? left_at_stops(*stops, out.extended_quality.heldout.residual_rms_v) : 0.0;
-    return with_stops(left_v, std::move(out));
+    if (!stops)
+      return out;
+    const double left_v = left_at_stops(*stops, out.extended_quality.heldout.residual_rms_v);
+    return with_stops(*stops, left_v, std::move(out));
   }
   // What has a name may say the same, or more: a slip, a lag, an error once a turn.
   Diagnosis as_read = diagnose_readings(capture, options);

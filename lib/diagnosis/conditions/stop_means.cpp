@@ -170,7 +170,7 @@ double left_at_stops(const StopMeans &stops, double residual_v) {
   return left_v2 > criteria::kLittle * errs_v2 ? std::sqrt(std::min(left_v2, errs_v2)) : 0.0;
 }
 
-Diagnosis with_stops(double left_v, Diagnosis out) {
+Diagnosis with_stops(const StopMeans &stops, double left_v, Diagnosis out) {
   if (left_v == 0.0 || out.verdict == Verdict::insufficient_data)
     return out;
   if (out.verdict == Verdict::no_discrepancy)
@@ -179,7 +179,8 @@ Diagnosis with_stops(double left_v, Diagnosis out) {
     out.verdict = Verdict::partly_explained;
   BudgetLine &noise = line_of(out.budget, Axis::noise);
   const double moved_v = std::min(left_v, noise.rms_v);
-  noise.rms_v = noise.unnamed_rms_v = std::sqrt(noise.rms_v * noise.rms_v - moved_v * moved_v);
+  noise.rms_v = noise.unnamed_rms_v =
+      std::max(stops.reading_noise_v, std::sqrt(noise.rms_v * noise.rms_v - moved_v * moved_v));
   BudgetLine &angle = line_of(out.budget, Axis::angle);
   angle.rms_v = std::hypot(angle.rms_v, moved_v);
   angle.unnamed_rms_v = std::hypot(angle.unnamed_rms_v, moved_v);

@@ -32,6 +32,6 @@ double left_at_stops(const StopMeans &stops, double residual_v);
 
 /// A result, and what each stop has for itself: it goes with the place, and no cause has its name,
 /// so that it is left over. `left_v`: as much of it as the model leaves; 0: nothing.
-Diagnosis with_stops(double left_v, Diagnosis out);
+Diagnosis with_stops(const StopMeans &stops, double left_v, Diagnosis out);
 
 } // namespace ada
