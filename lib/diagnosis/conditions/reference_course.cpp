@@ -381,6 +381,8 @@ std::vector<double> Record::steps() {
   // slip may hide another.
   constexpr double kStandsOut = 5.0;
   Best best = best_of({.way = 1, .time = 1});
+  if (best.fit.along.size() != n) // values beyond all measure
+    return {};
   const double noise = noise_between({best.fit.along.data(), static_cast<std::size_t>(n)});
   while (best.fit.course.steps_s.size() < kMostSteps) {
     const ArrayXd &left = best.fit.along;
@@ -403,7 +405,7 @@ std::vector<double> Record::steps() {
     if (!(most > kStandsOut * std::numbers::sqrt2 * noise))
       break;
     Best with = best_of(best.fit.course.with_step(rows_.time[at]));
-    if (!(with.fit.squares < best.fit.squares))
+    if (with.fit.along.size() != n || !(with.fit.squares < best.fit.squares))
       break;
     best = std::move(with);
   }

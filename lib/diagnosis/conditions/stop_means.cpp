@@ -102,6 +102,44 @@ Eigen::MatrixXd beside_smooth(const Capture &means) {
          std::sqrt(static_cast<double>(n) / static_cast<double>(n - qr.rank()));
 }
 
+/// Second differences of what belongs to neighbouring stops: nothing of what goes slowly is in
+/// them.
+Eigen::MatrixXd differences(const Eigen::MatrixXd &x) {
+  const Eigen::Index n = x.rows() - 2;
+  return x.topRows(n) - 2.0 * x.middleRows(1, n) + x.bottomRows(n);
+}
+
+/// Whether one order of the turn, that of a worm or of a magnet, is most of what stops differ by:
+/// that comes again at other places, and has names.
+bool is_an_order(const Capture &means, const Eigen::MatrixXd &left) {
+  constexpr int kHighest = 128;
+  constexpr double kMostOfIt = 0.5, kChance = 1e-3;
+  const auto n = static_cast<Eigen::Index>(means.size());
+  const double sin_v = mean(means.vsin_v, 0, means.size()),
+               cos_v = mean(means.vcos_v, 0, means.size());
+  const Eigen::MatrixXd d = differences(left);
+  const double all = d.squaredNorm();
+  double most = 0.0;
+  for (int order = 1; order <= kHighest; ++order) {
+    Eigen::MatrixXd of_sin(n, 2), of_cos(n, 2);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double alpha = means.reference_deg[at] * kRadPerDeg;
+      const Eigen::RowVector2d turn(std::cos(order * alpha), std::sin(order * alpha));
+      of_sin.row(i) = (means.vcos_v[at] - cos_v) * turn;
+      of_cos.row(i) = -(means.vsin_v[at] - sin_v) * turn;
+    }
+    of_sin = differences(of_sin);
+    of_cos = differences(of_cos);
+    const Eigen::Matrix2d normal = of_sin.transpose() * of_sin + of_cos.transpose() * of_cos;
+    const Eigen::Vector2d by = of_sin.transpose() * d.col(0) + of_cos.transpose() * d.col(1);
+    most = std::max(most, by.dot(normal.completeOrthogonalDecomposition().solve(by)));
+  }
+  const double share = std::min(1.0, most / std::max(all, 1e-300));
+  return share > kMostOfIt &&
+         kHighest * std::pow(1.0 - share, 0.5 * static_cast<double>(n - 3)) < kChance;
+}
+
 /// The line of an axis, whatever it has.
 BudgetLine &line_of(std::vector<BudgetLine> &budget, Axis axis) {
   const auto at = std::find_if(budget.begin(), budget.end(),
@@ -154,6 +192,8 @@ std::optional<StopMeans> means_of_stops(const Capture &capture) {
   const double noise_v2 = quantile(std::move(halves_v2), 0.5);
   if (!(std::log(quantile(std::move(steps_v2), 0.5) / std::max(kOfWalk * noise_v2, 1e-300)) >
         kClear * std::sqrt(4.0 / stops)))
+    return {};
+  if (is_an_order(out.means, left))
     return {};
   constexpr double kRounds = 1.5; // times what even rounding does
   const double differ_v = std::sqrt(std::max(0.0, 0.5 * (squares / stops - noise_v2)));
