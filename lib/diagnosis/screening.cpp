@@ -260,9 +260,7 @@ double white_noise(const Screened &look) {
   };
   std::array<double, 4> least;
   least.fill(kInfinite);
-  const auto take_of = [&](const Differences &d, bool may_be_none) {
-    if (d.middle.empty())
-      return;
+  const auto scales_of = [&](const Differences &d) {
     std::vector<double> along, across;
     for (std::size_t i = 0; i < d.middle.size(); ++i) {
       const double s = look.capture.vsin_v[d.middle[i]] - look.centre_sin_v;
@@ -271,14 +269,17 @@ double white_noise(const Screened &look) {
       along.push_back((d.sin[i] * s + d.cos[i] * c) / length);
       across.push_back((d.sin[i] * c - d.cos[i] * s) / length);
     }
-    const std::array now{scale(d.sin), scale(d.cos), scale(std::move(along)),
-                         scale(std::move(across))};
-    for (std::size_t k = 0; k < least.size(); ++k)
-      if (now[k] > 0.0 || may_be_none)
-        least[k] = std::min(least[k], now[k]);
+    return std::array{scale(d.sin), scale(d.cos), scale(std::move(along)),
+                      scale(std::move(across))};
   };
   const auto take = [&](const std::vector<std::size_t> &order, const std::vector<double> &weights) {
-    take_of(differences(look, order, weights), weights.size() > 3);
+    const Differences d = differences(look, order, weights);
+    if (d.middle.empty())
+      return;
+    const std::array now = scales_of(d);
+    for (std::size_t k = 0; k < least.size(); ++k)
+      if (now[k] > 0.0 || weights.size() > 3)
+        least[k] = std::min(least[k], now[k]);
   };
   const std::vector<double> first{1, -1}, second{1, -2, 1}, third{1, -3, 3, -1};
   for (const std::vector<double> &weights :
@@ -287,8 +288,6 @@ double white_noise(const Screened &look) {
         std::vector<double>{1, 0, -3, 0, 3, 0, -1},
         std::vector<double>{1, 0, -5, 0, 10, 0, -10, 0, 5, 0, -1}})
     take({}, weights);
-  if (look.capture.has_reference())
-    take_of(beside_reference(look), false);
   const std::array in_time = least;
   const std::vector<std::size_t> order = by_place_in_turn(look);
   if (!order.empty())
@@ -299,6 +298,14 @@ double white_noise(const Screened &look) {
   const bool by_own_place = !order.empty() && !look.capture.has_reference();
   if (by_own_place)
     least = in_time;
+  // Where the ellipse leaves about as much, differences tell it without what goes slowly.
+  constexpr double kFarLess = 0.7;
+  if (look.capture.has_reference())
+    if (const Differences d = beside_reference(look); !d.middle.empty())
+      if (const std::array now = scales_of(d);
+          std::min(now[0], now[1]) > 0.0 &&
+          std::hypot(now[0], now[1]) < kFarLess * std::hypot(least[0], least[1]))
+        least = now;
   // The median of |x y| with x normal and y a sine is 0.745 of what its rms would have it: noise in
   // one direction can look that much less, and where the vector has more it has moved.
   constexpr double kMostHidden = 1.0 / 0.745,
