@@ -113,8 +113,13 @@ Eigen::MatrixXd differences(const Eigen::MatrixXd &x) {
 /// that comes again at other places, and has names.
 bool is_an_order(const Capture &means, const Eigen::MatrixXd &left) {
   constexpr int kHighest = 128;
-  constexpr double kMostOfIt = 0.5, kChance = 1e-3;
+  // Three differences in a row have one stop in common: that many are one witness, of two channels.
+  constexpr double kMostOfIt = 0.5, kChance = 1e-3, kTogether = 3.0;
   const auto n = static_cast<Eigen::Index>(means.size());
+  // Of fewer stops, in even steps, one of so many orders comes near whatever they do.
+  constexpr Eigen::Index kFewest = 40;
+  if (n < kFewest)
+    return false;
   const double sin_v = mean(means.vsin_v, 0, means.size()),
                cos_v = mean(means.vcos_v, 0, means.size());
   const Eigen::MatrixXd d = differences(left);
@@ -137,7 +142,7 @@ bool is_an_order(const Capture &means, const Eigen::MatrixXd &left) {
   }
   const double share = std::min(1.0, most / std::max(all, 1e-300));
   return share > kMostOfIt &&
-         kHighest * std::pow(1.0 - share, 0.5 * static_cast<double>(n - 3)) < kChance;
+         kHighest * std::pow(1.0 - share, static_cast<double>(n - 3) / kTogether) < kChance;
 }
 
 /// The line of an axis, whatever it has.
