@@ -163,6 +163,7 @@ inline constexpr int kMostOrders = 96, kMostPeriods = 5;
 inline constexpr double kFewestTurnsToRepeat = 2.0;
 inline constexpr int kMostPeriodsInTurns = 32;
 /// Orders of the turn that a ring of more poles than that is asked for, beside those of its period.
+/// A choice: bores, bearings and glued ends err by the lowest few.
 inline constexpr int kLowOrders = 12;
 /// Samples that an order takes: four numbers from two values each.
 inline constexpr double kSamplesPerOrder = 6.0;

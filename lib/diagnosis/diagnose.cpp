@@ -191,7 +191,8 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
     out.samples = capture.size();
     out.readings_a_stop =
         static_cast<double>(capture.size()) / static_cast<double>(stops->means.size());
-    return with_stops(*stops, stops->errs_v, std::move(out));
+    if (out.verdict != Verdict::insufficient_data)
+      return with_stops(*stops, stops->errs_v, std::move(out));
   }
   int steps = 0; // of all searches: their number is not known before the last
   if (given.progress)

@@ -62,6 +62,7 @@ KIND(a_table_that_stands_elsewhere_at_each_stop_is_not_explained) {
   EXPECT_TRUE(d.verdict == Verdict::partly_explained || d.verdict == Verdict::unexplained)
       << left_of(d);
   ASSERT_FALSE(d.budget.empty());
+  EXPECT_EQ(d.budget.front().axis, Axis::angle) << left_of(d);
   expect_none(d, {"stray-field", "sensor-off-axis", "angle-slip", "offset-step"});
 }
 

@@ -70,13 +70,11 @@ Halves halves_of(const Parts &parts, const Model &model) {
 
 int most_orders(const Scene &scene, const Halves &halves, int wanted) {
   const Observations &train = halves.train;
-  double places = static_cast<double>(train.size());
-  if (scene.stops &&
-      train.size() > 0) // all readings of one tell as much of the angle as one of them
-    places = 1.0 + static_cast<double>(std::count_if(
-                       train.alpha.begin() + 1, train.alpha.end(), [](const double &a) {
-                         return std::abs(a - *(&a - 1)) > criteria::kStopMovesRad;
-                       }));
+  double places = 0.0; // all readings of a stop tell as much of the angle as one of them
+  for (std::size_t i = 0; i < train.size(); ++i)
+    if (!scene.stops || i == 0 ||
+        std::abs(train.alpha[i] - train.alpha[i - 1]) > criteria::kStopMovesRad)
+      places += 1.0;
   int left =
       std::max(1, static_cast<int>(places / (halves.judged_apart ? criteria::kPlacesPerOrder
                                                                  : criteria::kSamplesPerOrder)));

@@ -109,23 +109,34 @@ Eigen::MatrixXd differences(const Eigen::MatrixXd &x) {
   return x.topRows(n) - 2.0 * x.middleRows(1, n) + x.bottomRows(n);
 }
 
+/// Highest order of the turn that places tell: in about even steps none above half of their number.
+/// An order of as many waves as stops goes with how far the reference says they are off their grid.
+int highest_order(const Capture &means) {
+  constexpr int kHighest = 128;
+  constexpr double kFew = 0.1, kEven = 0.25; // of the steps; of their median
+  std::vector<double> steps_deg;
+  for (std::size_t i = 1; i < means.size(); ++i)
+    steps_deg.push_back(
+        std::abs(wrap_centred(means.reference_deg[i] - means.reference_deg[i - 1], 360.0)));
+  const double usual = quantile(steps_deg, 0.5);
+  const bool even = quantile(steps_deg, kFew) > (1.0 - kEven) * usual &&
+                    quantile(steps_deg, 1.0 - kFew) < (1.0 + kEven) * usual;
+  return even ? std::min(kHighest, static_cast<int>(0.5 * 360.0 / usual)) : kHighest;
+}
+
 /// Whether one order of the turn, that of a worm or of a magnet, is most of what stops differ by:
 /// that comes again at other places, and has names.
 bool is_an_order(const Capture &means, const Eigen::MatrixXd &left) {
-  constexpr int kHighest = 128;
   // Three differences in a row have one stop in common: that many are one witness, of two channels.
   constexpr double kMostOfIt = 0.5, kChance = 1e-3, kTogether = 3.0;
   const auto n = static_cast<Eigen::Index>(means.size());
-  // Of fewer stops, in even steps, one of so many orders comes near whatever they do.
-  constexpr Eigen::Index kFewest = 40;
-  if (n < kFewest)
-    return false;
+  const int highest = highest_order(means);
   const double sin_v = mean(means.vsin_v, 0, means.size()),
                cos_v = mean(means.vcos_v, 0, means.size());
   const Eigen::MatrixXd d = differences(left);
   const double all = d.squaredNorm();
   double most = 0.0;
-  for (int order = 1; order <= kHighest; ++order) {
+  for (int order = 1; order <= highest; ++order) {
     Eigen::MatrixXd of_sin(n, 2), of_cos(n, 2);
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto at = static_cast<std::size_t>(i);
@@ -142,7 +153,7 @@ bool is_an_order(const Capture &means, const Eigen::MatrixXd &left) {
   }
   const double share = std::min(1.0, most / std::max(all, 1e-300));
   return share > kMostOfIt &&
-         kHighest * std::pow(1.0 - share, static_cast<double>(n - 3) / kTogether) < kChance;
+         highest * std::pow(1.0 - share, static_cast<double>(n - 3) / kTogether) < kChance;
 }
 
 /// The line of an axis, whatever it has.
