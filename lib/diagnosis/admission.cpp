@@ -489,15 +489,35 @@ bool Search::leaves_noise(const State &now) const {
   return unknown_v(now) < criteria::kOfUnknown * std::max(noise_v_, data_.scene->white_noise_v);
 }
 
-/// Two events at one moment are one: the second is the shape of the first.
+std::optional<std::size_t> Search::cancelled(const Model &now) {
+  measure_discrepancy();
+  State state;
+  state.fit.model = now;
+  if (leaves_noise(state))
+    return std::nullopt;
+  const Eigen::MatrixXd own = own_moves(now);
+  std::optional<std::size_t> out;
+  for (std::size_t k = given_; k < now.effects.size(); ++k)
+    if (!stands_alone(own, k) && (!out || now.effects[k].effect->info().prior_rank >=
+                                              now.effects[*out].effect->info().prior_rank))
+      out = k;
+  return out;
+}
+
+/// Of two events at one moment the second is the shape of the first, unless it is another kind of
+/// event and no small part of it: where a magnet is glued anew the offsets move as well.
 bool Search::is_shape_of_event(const Model &model, std::size_t effect) const {
-  if (!has_moment(*model.effects[effect].effect))
+  const EffectInstance &e = model.effects[effect];
+  if (!has_moment(*e.effect))
     return false;
   const double period_s = median_step(data_.scene->capture->time_s);
-  for (std::size_t k = 0; k < effect; ++k)
-    if (has_moment(*model.effects[k].effect) &&
-        std::abs(model.effects[k].values[0] - model.effects[effect].values[0]) < 2.0 * period_s)
+  for (std::size_t k = 0; k < effect; ++k) {
+    const EffectInstance &first = model.effects[k];
+    if (has_moment(*first.effect) && std::abs(first.values[0] - e.values[0]) < 2.0 * period_s &&
+        (first.effect == e.effect ||
+         moved_rms_v(quick_, model, effect) < criteria::kOfUnknown * moved_rms_v(quick_, model, k)))
       return true;
+  }
   return false;
 }
 

@@ -30,6 +30,11 @@ struct Spikes {
     std::optional<double> place_rad; ///< where most of them lie
     bool on_curve = false;
   } no_spikes;
+  /// Too few to tell how often they come, and left out by the first look all the same.
+  struct {
+    std::size_t count = 0;
+    double rms_v = 0.0, worst_v = 0.0; ///< of a channel; of the one that departs the most
+  } few;
 };
 
 /// `heldout`: places in `scene.all` that no fit has seen; empty: all.

@@ -398,6 +398,63 @@ double turns_seen(const std::vector<double> &angle) {
   return (*high - *low) / kTwoPi;
 }
 
+/// Single wild rows of a short table against a reference, a number that was typed wrong: among so
+/// few one alone is where the bulk ends, and many harmonics would follow it. Held against what all
+/// but they leave of the lowest orders, and with a gap below them.
+std::vector<std::size_t> wild_rows(const Screened &look, const std::vector<double> &v,
+                                   const std::vector<double> &angle) {
+  constexpr std::size_t kFewest = 20, kShort = 5 * kRareSample;
+  constexpr int kOrders = 3, kPasses = 6; // electrical
+  constexpr double kStandsOut = 8.0, kGap = 2.0;
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (look.usable[i] && std::isfinite(angle[i]))
+      rows.push_back(i);
+  if (rows.size() < kFewest || rows.size() >= kShort)
+    return {};
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd columns(n, 2 * kOrders + 1);
+  Eigen::VectorXd values(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const std::size_t i = rows[static_cast<std::size_t>(k)];
+    const double psi = look.capture.meta.periods_per_turn * angle[i];
+    values[k] = v[i];
+    columns(k, 0) = 1.0;
+    for (int order = 1; order <= kOrders; ++order) {
+      columns(k, 2 * order - 1) = std::cos(order * psi);
+      columns(k, 2 * order) = std::sin(order * psi);
+    }
+  }
+  const auto most = std::max<std::size_t>(1, rows.size() / kRareSample);
+  const double step_v = converter_step(v);
+  std::vector<Eigen::Index> by_size(rows.size());
+  std::iota(by_size.begin(), by_size.end(), 0);
+  Eigen::VectorXd weight = Eigen::VectorXd::Ones(n), off(n);
+  std::size_t wild = 0;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const Eigen::MatrixXd weighed = weight.asDiagonal() * columns;
+    off = values -
+          columns * weighed.colPivHouseholderQr().solve((weight.asDiagonal() * values).eval());
+    const double spread =
+        std::max(robust_spread(std::span<const double>(off.data(), rows.size())), step_v);
+    off = off.cwiseAbs();
+    std::stable_sort(by_size.begin(), by_size.end(),
+                     [&](Eigen::Index a, Eigen::Index b) { return off[a] > off[b]; });
+    weight.setOnes();
+    for (wild = 0; wild < most; ++wild)
+      if (const double next = off[by_size[wild + 1]];
+          off[by_size[wild]] < std::max(kStandsOut * spread, kGap * next))
+        break;
+    // The largest is left out all the same: it may have bent the fit so far that it does not show.
+    for (std::size_t k = 0; k < std::max<std::size_t>(1, wild); ++k)
+      weight[by_size[k]] = 0.0;
+  }
+  std::vector<std::size_t> out;
+  for (std::size_t k = 0; k < wild; ++k)
+    out.push_back(rows[static_cast<std::size_t>(by_size[k])]);
+  return out;
+}
+
 /// What no single capture tells from an effect.
 std::vector<std::string> rivals_of(const Effect &effect) {
   std::vector<std::string> out;
@@ -587,6 +644,8 @@ bool screen_spikes(Screened &look, const Effect &effect) {
     std::erase_if(places, [&](std::size_t i) {
       return !std::binary_search(standing.begin(), standing.end(), i);
     });
+    if (places.empty() && c.has_reference())
+      places = wild_rows(look, *v, angle);
     const double half = range_of(*v, look.usable).half;
     for (std::size_t i : places) {
       if (!look.usable[i] || (!c.has_reference() && !is_passed_by(look, i, residual[i] / half)))

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -69,6 +70,10 @@ public:
   /// Once more from what was found, with what nobody can name as a part of the noise.
   SearchResult run_against(const Discrepancy &discrepancy, const Unnamed &unnamed,
                            const Model &found);
+
+  /// Of the causes of a model that others cancel, and that leave more than noise all the same, the
+  /// one that is least likely before any data; `now`: as it was fitted last.
+  std::optional<std::size_t> cancelled(const Model &now);
 
 private:
   struct State {

@@ -176,10 +176,11 @@ void Work::settle() {
   found_ = name_against_anonymous({scene_, judge(), found_baseline(), noise_, options_.progress},
                                   parts_, std::move(found_));
   take(build_ladder(parts_, found_));
-  while (drop_what_is_impossible() || drop_slips_within_a_step() || drop_what_comes_in_slowly() ||
-         drop_steps_of_processes() || drop_lines_that_stand_together() ||
-         drop_what_the_length_denies() || drop_turns_that_lengthen() || drop_ripples_by_chance() ||
-         drop_what_harms() || drop_what_is_unclear())
+  while (drop_what_is_impossible() || drop_what_is_cancelled() || drop_slips_within_a_step() ||
+         drop_what_comes_in_slowly() || drop_steps_of_processes() ||
+         drop_lines_that_stand_together() || drop_what_the_length_denies() ||
+         drop_turns_that_lengthen() || drop_ripples_by_chance() || drop_what_harms() ||
+         drop_what_is_unclear())
     take(build_ladder(parts_, found_));
   judge_model();
 }
@@ -352,6 +353,7 @@ bool Work::spikes() {
                                  loudest_noise(parts_.train, out_.extended)});
   const Spikes spikes = spikes_against(scene_, out_.extended, scene_.heldout, noise);
   no_spikes_ = spikes.no_spikes;
+  few_spikes_ = spikes.few;
   if (!spikes.found)
     return false;
   // Those that no first look took out have bent the fits.

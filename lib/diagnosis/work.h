@@ -127,6 +127,10 @@ private:
   /// it can be (a delay below zero) stands for something else.
   bool drop_what_is_impossible();
 
+  /// Causes that cancel each other in the last fit, and leave more than noise, are the shape of
+  /// something else.
+  bool drop_what_is_cancelled();
+
   /// A cause whose own standard error, beside what has no name, does not exclude that it is absent
   /// is no finding, whatever the held-out data gained by it: something else is there that it stands
   /// for. Unless it takes most of what is left without it, and is likelier there than not: what has
@@ -328,6 +332,7 @@ private:
   Rung named_;        ///< of the model of all that has a name
   std::optional<Finding> spikes_;
   decltype(Spikes::no_spikes) no_spikes_;
+  decltype(Spikes::few) few_spikes_;
   std::vector<RandomCause> processes_; ///< whose courses are out of the data
   std::vector<Finding> random_;
   std::vector<EffectInstance>

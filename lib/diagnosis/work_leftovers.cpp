@@ -216,6 +216,14 @@ void Work::note_unnamed() {
 
 void Work::note_what_stands_out() {
   const auto n = static_cast<double>(scene_.all.size() + scene_.spiked.size());
+  if (const double few = few_spikes_.rms_v * std::sqrt(static_cast<double>(few_spikes_.count) / n);
+      few_spikes_.count != 0 && few >= criteria::kWorthAWord * floor())
+    out_.structure.push_back(
+        {std::string(axis_name(Axis::time)),
+         fmt::format("{} of {:.0f} readings alone depart from what is about them, by up to {:.3g} "
+                     "mV: too few to tell a disturbance from a wrong number; left out",
+                     few_spikes_.count, n, 1e3 * few_spikes_.worst_v),
+         few});
   const double rms = no_spikes_.rms_v * std::sqrt(static_cast<double>(no_spikes_.count) / n);
   if (no_spikes_.count == 0 || rms < criteria::kWorthAWord * floor())
     return;

@@ -189,6 +189,16 @@ bool Work::drop_what_is_impossible() {
   return true;
 }
 
+bool Work::drop_what_is_cancelled() {
+  const auto effect = search(found_baseline()).cancelled(ladder_.extended);
+  const auto place = std::find(found_.order.begin(), found_.order.end(),
+                               effect.value_or(ladder_.extended.effects.size()));
+  if (place == found_.order.end())
+    return false;
+  found_.forget(static_cast<std::size_t>(place - found_.order.begin()));
+  return true;
+}
+
 bool Work::drop_slips_within_a_step() {
   const double step_deg = reference_step_rad() * kDegPerRad;
   for (std::size_t place = 0; place < found_.order.size(); ++place) {
