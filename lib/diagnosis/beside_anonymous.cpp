@@ -61,8 +61,16 @@ bool takes_most(const Parts &parts, const Model &with, const Model &without, con
     if (nats < criteria::kLeastNats || left - free >= criteria::kOfRival * (left_without - free))
       return false;
     const auto &columns = beside_without.selection.columns;
+    // A function of what the cause goes with says the same without its law. Where the law leaves
+    // next to nothing, one that leaves less is no rival.
+    const bool nearly_all = left - free < criteria::kNextToNothing * (left_without - free);
+    const auto says_the_same = [&](Eigen::Index column) {
+      const Axis axis = beside_without.basis.groups()[static_cast<std::size_t>(column / 2)].axis;
+      return nearly_all && axis != Axis::angle && axis_name(axis) == cause.info().axis;
+    };
     return std::none_of(columns.begin(), columns.end(), [&](Eigen::Index column) {
-      return std::find(beside.begin(), beside.end(), column) == beside.end() &&
+      return !says_the_same(column) &&
+             std::find(beside.begin(), beside.end(), column) == beside.end() &&
              taken_by(column, beside_without, beside) > left_without - left + free;
     });
   };

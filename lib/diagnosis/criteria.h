@@ -273,6 +273,9 @@ inline constexpr double kOfUnknown = 0.3;
 /// name: the likeliest of some fifty shapes takes a tenth of an unknown structure, and no more than
 /// half by chance.
 inline constexpr double kOfRival = 0.5;
+/// Of the mean square that is left without a cause next to nothing is left with it: a tenth, which
+/// is what chance would take, and not what it would leave.
+inline constexpr double kNextToNothing = 0.1;
 
 /// Of what a cause explains, the most that a rival may leave for not being known to second order: a
 /// series whose second term were larger would not be known to first order either.

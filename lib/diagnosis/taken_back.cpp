@@ -9,27 +9,56 @@
 
 #include "diagnosis/admission.h"
 #include "diagnosis/beside_anonymous.h"
+#include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
+#include "diagnosis/moments.h"
 
 namespace ada {
 
 namespace {
 
+bool holds(const Model &model, const Effect *effect) {
+  return std::any_of(model.effects.begin(), model.effects.end(),
+                     [&](const EffectInstance &e) { return e.effect == effect; });
+}
+
+/// What a cause says of itself that it looks like, and held-out data beside what has no name do not
+/// reject in its place.
+std::vector<Rival> rivals_of(const Scene &scene, const Parts &parts, const Model &model,
+                             std::size_t effect) {
+  const ResidualColumns none;
+  const Residual facts =
+      residual_view(scene, scene.all, none, scene.white_noise_v, model.baseline.amplitude_v);
+  std::vector<Rival> out;
+  const double nats = nats_beside_anonymous(scene, parts, model);
+  for (const Separation &from : model.effects[effect].effect->info().separations) {
+    const Effect *other = find_effect(from.rival);
+    if (!other || holds(model, other) || other->info().evidence != Evidence::signal ||
+        has_moment(*other) || !other->invisible(facts).empty())
+      continue;
+    Model rival = model;
+    rival.effects[effect] = {other, {}, {}};
+    for (const ParameterInfo &p : other->info().parameters)
+      rival.effects[effect].values.push_back(p.role == Role::chosen ? p.fallback : 0.0);
+    const FitResult fitted = fit(parts.train, rival, kRefit);
+    if (fitted.determined && in_range(fitted.model.effects[effect]) &&
+        nats_beside_anonymous(scene, parts, fitted.model) > nats - criteria::kRivalNats)
+      out.push_back({std::string(other->info().id), fitted.model});
+  }
+  return out;
+}
+
 /// Puts causes of a fitted model, from one place on, to those that were found.
-void take_back(const Parts &parts, const Model &less, FitResult fitted, SearchResult &found) {
+void take_back(const Scene &scene, const Parts &parts, const Model &less, FitResult fitted,
+               SearchResult &found) {
   const double without_v2 = left_v2(parts, less), with_v2 = left_v2(parts, fitted.model);
   for (std::size_t k = less.effects.size(); k < fitted.model.effects.size(); ++k) {
     found.order.push_back(k);
     found.contribution.push_back(std::sqrt(std::max(0.0, without_v2 - with_v2)));
-    found.alternatives.emplace_back();
+    found.alternatives.push_back(rivals_of(scene, parts, fitted.model, k));
   }
   found.fit.model = std::move(fitted.model);
-}
-
-bool holds(const Model &model, const Effect *effect) {
-  return std::any_of(model.effects.begin(), model.effects.end(),
-                     [&](const EffectInstance &e) { return e.effect == effect; });
 }
 
 /// Those of the first model that were not found in the end.
@@ -139,7 +168,7 @@ bool take_back_what_explains_most(const Scene &scene, Parts parts, const Model &
                     anonymous_of(scene, parts, less)) ||
         (causes.size() > 1 && !each_is_needed(parts, fitted.model, less.effects.size())))
       return;
-    take_back(parts, less, std::move(fitted), found);
+    take_back(scene, parts, less, std::move(fitted), found);
     any = true;
   };
   any = exchange_what_stands_in(scene, parts, first, found);

@@ -56,8 +56,8 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   out.rest_v2 = selection.train_v2;
   const auto n = static_cast<Eigen::Index>(out.columns.size());
   const Eigen::VectorXd stiffness = basis.stiffness();
-  const Eigen::MatrixXd a = ridged(from.train(out.columns, out.columns), selection.ridge,
-                                   stiffness(out.columns), from.n_train);
+  const Eigen::MatrixXd gram = from.train(out.columns, out.columns);
+  const Eigen::MatrixXd a = ridged(gram, selection.ridge, stiffness(out.columns), from.n_train);
   const Eigen::VectorXd variance =
       a.ldlt().solve(Eigen::MatrixXd::Identity(n, n)).diagonal() * out.noise_v2;
   const Eigen::VectorXd values = selection.values(place);
@@ -100,6 +100,16 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
       for (auto &of_part : of_order)
         of_part[highest + 1 + e - d].add(
             0.0, 2.0 * criteria::kNeighbourWeight[static_cast<std::size_t>(d) - 1]);
+  // Functions that look alike, as the sense and the speed of a shaft that has one, may be large and
+  // cancel each other. All of an axis together are no larger than what they make.
+  std::array<double, kAxes> together{}, apart{};
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto axis = static_cast<std::size_t>(group_of(k).axis);
+    apart[axis] += values[k] * values[k] * gram(k, k);
+    for (Eigen::Index j = 0; j < n; ++j)
+      if (group_of(j).axis == group_of(k).axis)
+        together[axis] += values[k] * values[j] * gram(std::max(k, j), std::min(k, j));
+  }
   double freedom = 0.0;
   for (Eigen::Index k = 0; k < n; ++k) {
     const Group &g = group_of(k);
@@ -111,8 +121,11 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
     if (g.axis == Axis::angle)
       for (std::size_t part : parts_of(k))
         take(of_order[part][g.order], 1.0 / static_cast<double>(parts_of(k).size()));
-    else
-      take(of_function[{g.axis, g.of_step, term_of(k).exponent}], 1.0);
+    else {
+      const auto axis = static_cast<std::size_t>(g.axis);
+      take(of_function[{g.axis, g.of_step, term_of(k).exponent}],
+           std::clamp(together[axis] / apart[axis], 0.0, 1.0));
+    }
     out.variance_v2[k] = std::max(local, criteria::kLeastOfResolution * variance[k]);
     freedom += out.variance_v2[k] * from_so_many;
   }
