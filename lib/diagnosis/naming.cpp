@@ -12,6 +12,7 @@
 #include "diagnosis/beside_anonymous.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/doubt.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/moments.h"
 #include "diagnosis/onset.h"
@@ -267,11 +268,17 @@ void prefer_what_every_pair_has(const Scene &scene, const Scene &judge, Parts pa
       other = fit(parts.train, other, kRefit).model;
       const Model model = fit(parts.train, found.fit.model, kRefit).model;
       const double nats = worth(other), others = worth(model);
-      if (nats < others - criteria::kRivalNats ||
-          takes_most(parts, model, other, *model.effects[at].effect,
-                     anonymous_of(scene, parts, other)))
+      // What the products of all causes may leave over speaks for neither.
+      const double more_v = std::sqrt(std::max(0.0, left_v2(parts, other) - left_v2(parts, model)));
+      const bool blurred =
+          !shows_beyond_angle(*model.effects[at].effect) &&
+          side_evidence(aside, other) > side_evidence(aside, model) - criteria::kRivalNats &&
+          more_v < second_order(scene, parts.train, model);
+      if (!blurred && (nats < others - criteria::kRivalNats ||
+                       takes_most(parts, model, other, *model.effects[at].effect,
+                                  anonymous_of(scene, parts, other))))
         continue;
-      if (nats < others + criteria::kRivalNats)
+      if (blurred || nats < others + criteria::kRivalNats)
         found.alternatives[place].push_back({std::string(info.id), found.fit.model});
       found.fit.model = std::move(other);
       break;
