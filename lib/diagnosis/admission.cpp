@@ -67,6 +67,11 @@ bool of_the_angle(const Effect &effect) {
   return is_static(effect) || effect.info().stage == Stage::motion;
 }
 
+bool holds(const Model &model, const Effect *effect) {
+  return std::any_of(model.effects.begin(), model.effects.end(),
+                     [&](const EffectInstance &e) { return e.effect == effect; });
+}
+
 bool shapes_the_figure(const Effect &effect) {
   const Stage stage = effect.info().stage;
   return is_static(effect) && (stage == Stage::bridge || stage == Stage::chain);

@@ -35,6 +35,9 @@ bool of_the_angle(const Effect &effect);
 /// temperature, the supply.
 bool shows_beyond_angle(const Effect &effect);
 
+/// Whether a model has an effect.
+bool holds(const Model &model, const Effect *effect);
+
 /// Whether it changes the figure that the pair draws, whatever turns it.
 bool shapes_the_figure(const Effect &effect);
 

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "diagnosis/admission.h"
 #include "diagnosis/beside_anonymous.h"
@@ -241,14 +243,38 @@ void drop_signatures_that_bring_forth(const Scene &scene, const Scene &judge, Pa
 }
 
 /// Of causes that look alike where both could be, the one that every pair has is named, unless
-/// held-out data beside what has no name are likelier with the other.
+/// held-out data beside what has no name are likelier with the other, and by more than what the
+/// products of all causes may leave over. Beside that one the other need be there as well.
 void prefer_what_every_pair_has(const Scene &scene, const Scene &judge, Parts parts,
                                 SearchResult &found) {
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
   const SearchData aside{&scene, parts.train, parts.heldout, &judge};
-  const auto worth = [&](const Model &m) {
-    return nats_beside_anonymous(scene, parts, m) + side_evidence(aside, m);
+  const auto instead_of = [&](std::size_t at, const Effect &common) {
+    Model other = found.fit.model;
+    if (holds(other, &common))
+      return fit(parts.train, other.without(at), kRefit).model;
+    other.effects[at] = {&common, {}, {}};
+    for (const ParameterInfo &p : common.info().parameters)
+      other.effects[at].values.push_back(p.role == Role::chosen ? p.fallback : 0.0);
+    return fit(parts.train, other, kRefit).model;
+  };
+  // Nothing where it is not to be exchanged; otherwise whether nothing tells them apart.
+  const auto alike = [&](const Model &model, const Model &other,
+                         std::size_t at) -> std::optional<bool> {
+    const Effect &effect = *model.effects[at].effect;
+    const double aside_of_model = side_evidence(aside, model),
+                 aside_of_other = side_evidence(aside, other);
+    const double more_v = std::sqrt(std::max(0.0, left_v2(parts, other) - left_v2(parts, model)));
+    if (!shows_beyond_angle(effect) && aside_of_other > aside_of_model - criteria::kRivalNats &&
+        more_v < second_order(scene, parts.train, model))
+      return true;
+    const double more = nats_beside_anonymous(scene, parts, model) + aside_of_model -
+                        nats_beside_anonymous(scene, parts, other) - aside_of_other;
+    if (other.effects.size() < model.effects.size() || more > criteria::kRivalNats ||
+        takes_most(parts, model, other, effect, anonymous_of(scene, parts, other)))
+      return std::nullopt;
+    return more > -criteria::kRivalNats;
   };
   for (std::size_t place = 0; place < found.order.size(); ++place) {
     const std::size_t at = found.order[place];
@@ -257,30 +283,29 @@ void prefer_what_every_pair_has(const Scene &scene, const Scene &judge, Parts pa
       continue;
     for (const Separation &from : info.separations) {
       const Effect *common = find_effect(from.rival);
-      if (!common || common->info().prior_rank != 0 ||
-          std::any_of(found.fit.model.effects.begin(), found.fit.model.effects.end(),
-                      [&](const EffectInstance &e) { return e.effect == common; }))
+      if (!common || common->info().prior_rank != 0)
         continue;
-      Model other = found.fit.model;
-      other.effects[at] = {common, {}, {}};
-      for (const ParameterInfo &p : common->info().parameters)
-        other.effects[at].values.push_back(p.role == Role::chosen ? p.fallback : 0.0);
-      other = fit(parts.train, other, kRefit).model;
+      Model other = instead_of(at, *common);
       const Model model = fit(parts.train, found.fit.model, kRefit).model;
-      const double nats = worth(other), others = worth(model);
-      // What the products of all causes may leave over speaks for neither.
-      const double more_v = std::sqrt(std::max(0.0, left_v2(parts, other) - left_v2(parts, model)));
-      const bool blurred =
-          !shows_beyond_angle(*model.effects[at].effect) &&
-          side_evidence(aside, other) > side_evidence(aside, model) - criteria::kRivalNats &&
-          more_v < second_order(scene, parts.train, model);
-      if (!blurred && (nats < others - criteria::kRivalNats ||
-                       takes_most(parts, model, other, *model.effects[at].effect,
-                                  anonymous_of(scene, parts, other))))
+      const std::optional<bool> untold = alike(model, other, at);
+      if (!untold)
         continue;
-      if (blurred || nats < others + criteria::kRivalNats)
-        found.alternatives[place].push_back({std::string(info.id), found.fit.model});
-      found.fit.model = std::move(other);
+      const Model before = std::exchange(found.fit.model, other);
+      std::size_t named = place;
+      if (other.effects.size() < before.effects.size()) {
+        found.fit.model = before;
+        found.forget(place);
+        found.fit.model = std::move(other);
+        named = static_cast<std::size_t>(std::find_if(found.order.begin(), found.order.end(),
+                                                      [&](std::size_t k) {
+                                                        return found.fit.model.effects[k].effect ==
+                                                               common;
+                                                      }) -
+                                         found.order.begin());
+        --place; // the next one has moved up
+      }
+      if (*untold && named < found.order.size())
+        found.alternatives[named].push_back({std::string(info.id), before});
       break;
     }
   }

@@ -18,11 +18,6 @@ namespace ada {
 
 namespace {
 
-bool holds(const Model &model, const Effect *effect) {
-  return std::any_of(model.effects.begin(), model.effects.end(),
-                     [&](const EffectInstance &e) { return e.effect == effect; });
-}
-
 /// What a cause says of itself that it looks like, and held-out data beside what has no name do not
 /// reject in its place.
 std::vector<Rival> rivals_of(const Scene &scene, const Parts &parts, const Model &model,

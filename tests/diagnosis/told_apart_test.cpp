@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Causes that lean on each other, that happen at once, or that look like one another, and numbers
+// that were typed wrong. The signals are made here, and not by the model that is fitted to them.
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "diagnosis/bench.h"
+
+namespace ada::test {
+namespace {
+
+bool may_be(const Finding &f, std::string_view id) {
+  return f.effect->info().id == id ||
+         std::find(f.alternatives.begin(), f.alternatives.end(), id) != f.alternatives.end();
+}
+
+/// A dial set to even places, a voltmeter read to 10 mV, and one number with a wrong digit.
+KIND(a_number_typed_wrong_hides_no_pair_and_is_said) {
+  Bench bench;
+  bench.pair.k = bench.within(0.04, 0.1);
+  bench.pair.delta_rad = bench.within(0.8, 2.0) * kRadPerDeg;
+  bench.pair.noise_v = 0.002;
+  const auto rows = static_cast<std::size_t>(bench.within(36.0, 100.0));
+  const auto place = [&](double t) { return kTwoPi * t / static_cast<double>(rows); };
+  Capture c = bench.capture(rows, 1.0, 2, place);
+  const auto wrong = static_cast<std::size_t>(bench.within(3.0, static_cast<double>(rows) - 3.0));
+  (bench.within(-1.0, 1.0) < 0.0 ? c.vsin_v : c.vcos_v)[wrong] +=
+      std::copysign(0.1 * std::floor(bench.within(2.0, 9.0)), bench.within(-1.0, 1.0));
+  for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v})
+    for (double &x : *v)
+      x = 0.01 * std::round(100.0 * x);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
+  ASSERT_TRUE(k && delta) << left_of(d);
+  constexpr double kErrors = 4.0; // standard, as they are stated
+  EXPECT_NEAR(k->values[0], bench.pair.k, kErrors * k->std_errors[0]);
+  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, kErrors * delta->std_errors[0]);
+  EXPECT_NE(left_of(d).find("depart from what is about them"), std::string::npos) << left_of(d);
+  EXPECT_LT(d.extended_quality.heldout.residual_rms_v, 0.01) << left_of(d);
+}
+
+/// An incremental reference that misses counts at a dirty place and has them again from its index
+/// on: what it does repeats with the turn, and no two causes that cancel are it.
+KIND(a_reference_that_misses_counts_in_a_part_of_the_turn_bends_no_angle) {
+  Bench bench;
+  bench.pair.k = bench.within(0.01, 0.03);
+  const double missed = bench.within(0.2, 0.6), from = bench.within(30.0, 150.0),
+               index = bench.within(200.0, 330.0);
+  Capture c = bench.capture(6000, 800.0, 2, [](double t) { return 4.0 * kTwoPi * t; });
+  for (double &deg : c.reference_deg) {
+    const double turn = wrap(deg, 360.0);
+    deg = wrap(deg - (turn > from && turn < index ? missed : 0.0), 360.0);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const double seen_deg = missed * std::sqrt((index - from) / 360.0);
+  // What is given to the sensor and not to the reference is no larger than what the reference does.
+  if (const Finding *stray = named(d, "stray-field")) {
+    EXPECT_LT(stray->values[0], 2.0 * seen_deg * kRadPerDeg) << left_of(d);
+  }
+  EXPECT_NE(d.verdict, Verdict::explained) << left_of(d);
+}
+
+/// A magnet that is glued anew stands otherwise, and the offsets move as well.
+KIND(a_slip_beside_a_step_of_the_offsets_is_named_as_well) {
+  Bench bench;
+  const double at_s = bench.within(3.0, 7.0), slip = bench.within(0.5, 1.5) * kRadPerDeg,
+               step_v = 0.01 * bench.pair.amplitude_v;
+  Capture c = bench.capture(5000, 500.0, 1, [&](double t) {
+    return kTwoPi * (2.0 * t + 0.1 * t * t) + (t > at_s ? slip : 0.0);
+  });
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double t = c.time_s[i];
+    c.reference_deg[i] = wrap(360.0 * (2.0 * t + 0.1 * t * t), 360.0);
+    c.vsin_v[i] += t > at_s ? step_v : 0.0;
+    c.vcos_v[i] -= t > at_s ? 0.7 * step_v : 0.0;
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *slipped = named(d, "angle-slip"), *stepped = named(d, "offset-step");
+  ASSERT_TRUE(slipped) << left_of(d);
+  ASSERT_TRUE(stepped) << left_of(d);
+  EXPECT_NEAR(slipped->values[1], slip * kDegPerRad, 0.1 * slip * kDegPerRad);
+  EXPECT_NEAR(stepped->values[1], step_v, 0.1 * step_v);
+  EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
+}
+
+/// An iron yoke remembers: what trails comes up over a good part of a turn after each way back. At
+/// one speed nobody tells it from a delay, and it is no low pass alone.
+KIND(what_comes_up_after_a_way_back_is_named_with_what_looks_like_it) {
+  Bench bench;
+  const double lag = bench.within(0.2, 0.5) * kRadPerDeg,
+               over = bench.within(30.0, 70.0) * kRadPerDeg;
+  const double period_s = 12.0, speed = bench.within(1.2, 2.0);
+  const auto shaft = [&](double t) {
+    const double in = std::fmod(t, period_s);
+    return speed * (in < 0.5 * period_s ? in : period_s - in);
+  };
+  double trails = 0.0, last = 0.0;
+  Capture c = bench.capture(3600, 60.0, 2, [&](double t) {
+    const double way = shaft(t) - last;
+    last = shaft(t);
+    trails += (std::copysign(lag, way) - trails) * std::min(1.0, std::abs(way) / over);
+    return shaft(t) - trails;
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = shaft(c.time_s[i]) * kDegPerRad;
+  const Diagnosis d = diagnose(c, {});
+  const auto trailing = std::find_if(d.findings.begin(), d.findings.end(), [](const Finding &f) {
+    return may_be(f, "propagation-delay") || may_be(f, "hysteresis");
+  });
+  ASSERT_NE(trailing, d.findings.end()) << left_of(d);
+  expect_pair(d, bench.pair);
+}
+
+/// Hall plates with the planar effect: each channel has a second harmonic of its own. Without VTEMP
+/// nothing tells a quadrature error from a memory of the multiplexer, and every pair has the one.
+KIND(a_quadrature_error_beside_second_harmonics_comes_before_a_memory) {
+  Bench bench;
+  bench.pair.delta_rad = bench.within(1.5, 3.0) * kRadPerDeg;
+  const auto turn = [](double t) { return kTwoPi * 1.5 * t; };
+  Capture c = bench.capture(2000, 105.0, 1, turn);
+  const double sin_v = bench.within(0.01, 0.03) * bench.pair.amplitude_v,
+               cos_v = bench.within(0.01, 0.03) * bench.pair.amplitude_v,
+               phase = bench.within(0.0, kTwoPi);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c.vsin_v[i] += sin_v * std::sin(2.0 * turn(c.time_s[i]) + phase);
+    c.vcos_v[i] += cos_v * std::cos(2.0 * turn(c.time_s[i]) - phase);
+  }
+  c.reference_deg.clear();
+  expect_none(diagnose(c, {}), {"multiplexer-memory"});
+}
+
+} // namespace
+} // namespace ada::test
