@@ -494,18 +494,20 @@ bool Search::leaves_noise(const State &now) const {
   return unknown_v(now) < criteria::kOfUnknown * std::max(noise_v_, data_.scene->white_noise_v);
 }
 
-std::optional<std::size_t> Search::cancelled(const Model &now) {
+std::vector<std::size_t> Search::cancelled(const Model &now) {
   measure_discrepancy();
   State state;
   state.fit.model = now;
+  std::vector<std::size_t> out;
   if (leaves_noise(state))
-    return std::nullopt;
+    return out;
   const Eigen::MatrixXd own = own_moves(now);
-  std::optional<std::size_t> out;
-  for (std::size_t k = given_; k < now.effects.size(); ++k)
-    if (!stands_alone(own, k) && (!out || now.effects[k].effect->info().prior_rank >=
-                                              now.effects[*out].effect->info().prior_rank))
-      out = k;
+  for (std::size_t k = now.effects.size(); k-- > given_;)
+    if (!stands_alone(own, k))
+      out.push_back(k);
+  std::stable_sort(out.begin(), out.end(), [&](std::size_t a, std::size_t b) {
+    return now.effects[a].effect->info().prior_rank > now.effects[b].effect->info().prior_rank;
+  });
   return out;
 }
 

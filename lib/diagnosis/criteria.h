@@ -239,6 +239,9 @@ inline constexpr int kNamedPeriods = 4;
 /// Across a supply that is not recorded nothing but noise may be left, by its power. An estimate:
 /// the noise is known to a tenth, and uneven between the channels.
 inline constexpr double kClean = 1.6;
+/// Rows below which a table is so short that one wrong row of it matters, and does not show by how
+/// all differ from their neighbours: five times as many as one that stands out is rare in.
+inline constexpr double kShortTable = 300.0;
 /// Structure is worth a word from this part of the noise on: it then adds 0.7 % to the whole.
 inline constexpr double kWorthAWord = 0.12;
 /// Relative ridge of the normal equations: of double precision's 1e-16 after squaring.

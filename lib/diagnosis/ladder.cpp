@@ -443,16 +443,9 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
   FitResult whole = weighs_alike           ? fit_whole(parts, found.fit.model)
                     : !parts.has_reference ? fit_without_reference(parts, found.fit.model)
                                            : fit_with_errors(parts.train, found.fit.model);
-  std::vector<Clearness> clear = clearness_of(whole, parts.train.size());
-  if (weighs_alike) {
+  const std::vector<Clearness> clear = clearness_of(whole, parts.train.size());
+  if (weighs_alike)
     widen_by_what_is_not_borne_out(parts.train, whole);
-    // Two causes of which each is what the other takes too much may both be absent. What every pair
-    // has is there either way.
-    const std::vector<Clearness> wider = clearness_of(whole, parts.train.size());
-    for (std::size_t k = 0; k < clear.size(); ++k)
-      if (whole.model.effects[k].effect->info().prior_rank > 0)
-        clear[k] = wider[k];
-  }
   const std::vector<Untold> untold = widen_by_what_is_not_told_apart(parts.train, whole);
   widen_by_choices(parts.train, whole);
   attach_errors(whole);

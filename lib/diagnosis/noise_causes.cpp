@@ -425,12 +425,14 @@ Spikes spikes_against(const Scene &scene, const Model &model,
       out.no_spikes.place_rad = densest(angles);
     out.no_spikes.on_curve = along && !at_places;
   }
-  if (!enough) {
-    out.few.count = spiked.size();
-    for (std::uint32_t i : spiked)
-      out.few.worst_v = std::max({out.few.worst_v, std::abs(there.sin[i]), std::abs(there.cos[i])});
-    values.resize(2 * spiked.size()); // those come first
-    out.few.rms_v = spiked.empty() ? 0.0 : std::sqrt(mean_square(values));
+  if (!enough) { // whatever the first look left out is said
+    out.few.count = apart.sin.size();
+    std::vector<double> left_out;
+    for (std::size_t i = 0; i < apart.sin.size(); ++i) {
+      add(apart, i, left_out);
+      out.few.worst_v = std::max({out.few.worst_v, std::abs(apart.sin[i]), std::abs(apart.cos[i])});
+    }
+    out.few.rms_v = left_out.empty() ? 0.0 : std::sqrt(mean_square(left_out));
   }
   if (!enough || at_places || along) {
     std::fill(out.hit.begin(), out.hit.end(), char{0});

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,9 +70,9 @@ public:
   SearchResult run_against(const Discrepancy &discrepancy, const Unnamed &unnamed,
                            const Model &found);
 
-  /// Of the causes of a model that others cancel, and that leave more than noise all the same, the
-  /// one that is least likely before any data; `now`: as it was fitted last.
-  std::optional<std::size_t> cancelled(const Model &now);
+  /// The causes of a model that others cancel, and that leave more than noise all the same, the
+  /// least likely before any data first; `now`: as it was fitted last.
+  std::vector<std::size_t> cancelled(const Model &now);
 
 private:
   struct State {

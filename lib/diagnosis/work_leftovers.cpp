@@ -217,7 +217,7 @@ void Work::note_unnamed() {
 void Work::note_what_stands_out() {
   const auto n = static_cast<double>(scene_.all.size() + scene_.spiked.size());
   if (const double few = few_spikes_.rms_v * std::sqrt(static_cast<double>(few_spikes_.count) / n);
-      few_spikes_.count != 0 && few >= criteria::kWorthAWord * floor())
+      few_spikes_.count != 0 && n < criteria::kShortTable && few >= criteria::kWorthAWord * floor())
     out_.structure.push_back(
         {std::string(axis_name(Axis::time)),
          fmt::format("{} of {:.0f} readings alone depart from what is about them, by up to {:.3g} "

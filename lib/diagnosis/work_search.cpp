@@ -190,13 +190,14 @@ bool Work::drop_what_is_impossible() {
 }
 
 bool Work::drop_what_is_cancelled() {
-  const auto effect = search(found_baseline()).cancelled(ladder_.extended);
-  const auto place = std::find(found_.order.begin(), found_.order.end(),
-                               effect.value_or(ladder_.extended.effects.size()));
-  if (place == found_.order.end())
-    return false;
-  found_.forget(static_cast<std::size_t>(place - found_.order.begin()));
-  return true;
+  for (std::size_t effect : search(found_baseline()).cancelled(ladder_.extended)) {
+    const auto place = std::find(found_.order.begin(), found_.order.end(), effect);
+    if (place == found_.order.end())
+      continue;
+    found_.forget(static_cast<std::size_t>(place - found_.order.begin()));
+    return true;
+  }
+  return false;
 }
 
 bool Work::drop_slips_within_a_step() {

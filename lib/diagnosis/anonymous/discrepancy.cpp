@@ -124,7 +124,7 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
     else {
       const auto axis = static_cast<std::size_t>(g.axis);
       take(of_function[{g.axis, g.of_step, term_of(k).exponent}],
-           std::clamp(together[axis] / apart[axis], 0.0, 1.0));
+           apart[axis] > 0.0 ? std::clamp(together[axis] / apart[axis], 0.0, 1.0) : 1.0);
     }
     out.variance_v2[k] = std::max(local, criteria::kLeastOfResolution * variance[k]);
     freedom += out.variance_v2[k] * from_so_many;
