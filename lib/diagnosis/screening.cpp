@@ -411,45 +411,44 @@ bool is_of_reference(const std::vector<double> &angle, std::size_t i, double off
 /// few one alone is where the bulk ends, and many harmonics would follow it. Held against what all
 /// but they leave of the lowest orders, as far as those tell what is there, and with a gap below
 /// them.
-std::vector<std::size_t> wild_rows(const Screened &look, const std::vector<double> &v,
-                                   const std::vector<double> &angle) {
+std::vector<std::size_t> wild_rows(const Screened &look, const std::vector<double> &angle) {
   constexpr std::size_t kFewest = 20;
+  constexpr std::size_t kOneIn = 20;      // rows of a table; more that stand out are something else
   constexpr int kOrders = 3, kPasses = 6; // electrical
   constexpr double kStandsOut = 8.0, kGap = 2.0;
-  const int periods = look.capture.meta.periods_per_turn;
+  constexpr double kSigmas = 1.4826; // of a normal number in the median of its size
+  const Capture &c = look.capture;
+  const int periods = c.meta.periods_per_turn;
   std::vector<std::size_t> rows;
-  for (std::size_t i = 0; i < v.size(); ++i)
+  for (std::size_t i = 0; i < c.size(); ++i)
     if (look.usable[i] && std::isfinite(angle[i]))
       rows.push_back(i);
   if (rows.size() < kFewest || static_cast<double>(rows.size()) >= criteria::kShortTable)
     return {};
   const auto n = static_cast<Eigen::Index>(rows.size());
-  Eigen::MatrixXd columns(n, 2 * kOrders + 1);
-  Eigen::VectorXd values(n);
+  Eigen::MatrixXd columns(n, 2 * kOrders + 1), values(n, 2);
   for (Eigen::Index k = 0; k < n; ++k) {
     const std::size_t i = rows[static_cast<std::size_t>(k)];
-    values[k] = v[i];
+    values.row(k) << c.vsin_v[i], c.vcos_v[i];
     columns(k, 0) = 1.0;
     for (int order = 1; order <= kOrders; ++order) {
       columns(k, 2 * order - 1) = std::cos(order * periods * angle[i]);
       columns(k, 2 * order) = std::sin(order * periods * angle[i]);
     }
   }
-  constexpr std::size_t kOneIn = 20; // rows of a table; more that stand out are something else
   const std::size_t most = rows.size() / kOneIn;
-  const double step_v = converter_step(v);
-  const Range range = range_of(v, look.usable);
+  const double step_v = std::max(converter_step(c.vsin_v), converter_step(c.vcos_v));
   std::vector<Eigen::Index> by_size(rows.size());
   std::iota(by_size.begin(), by_size.end(), 0);
   Eigen::VectorXd weight = Eigen::VectorXd::Ones(n), off(n);
   std::size_t wild = 0;
   for (int pass = 0; pass < kPasses; ++pass) {
-    const Eigen::MatrixXd weighed = weight.asDiagonal() * columns;
-    const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(weighed);
-    off = values - columns * solver.solve((weight.asDiagonal() * values).eval());
+    const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(weight.asDiagonal() *
+                                                                         columns);
+    // How far off, whatever the direction: that of an angle that errs goes with the place.
+    off = (values - columns * solver.solve((weight.asDiagonal() * values).eval())).rowwise().norm();
     const double spread =
-        std::max(robust_spread(std::span<const double>(off.data(), rows.size())), step_v);
-    off = off.cwiseAbs();
+        std::max(kSigmas * quantile(std::vector<double>(off.begin(), off.end()), 0.5), step_v);
     // Of a row that was left out the others tell the less the farther it is from them: the variance
     // of a prediction.
     const Eigen::VectorXd leverage = (columns * solver.pseudoInverse()).rowwise().squaredNorm();
@@ -478,25 +477,32 @@ std::vector<std::size_t> wild_rows(const Screened &look, const std::vector<doubl
       const double d = wrap_centred(angle[rows[static_cast<std::size_t>(k)]] - here, kTwoPi);
       if (k == at || weight[k] == 0.0)
         continue;
-      if (d <= 0.0 && d > before)
-        before = d, most_before = off[k];
-      if (d >= 0.0 && d < behind)
-        behind = d, most_behind = off[k];
+      if (d <= 0.0 && d > before) {
+        before = d;
+        most_before = off[k];
+      }
+      if (d >= 0.0 && d < behind) {
+        behind = d;
+        most_behind = off[k];
+      }
     }
     return std::max(most_before, most_behind) < kCalm * off[at];
   };
   // At its limit a channel may be cut off by a little, in a row of each peak.
+  const Range sin = range_of(c.vsin_v, look.usable), cos = range_of(c.vcos_v, look.usable);
   const auto may_be_cut = [&](std::size_t row, double off_v) {
     constexpr double kLittle = 0.03; // of half the range
-    return off_v < kLittle * range.half &&
-           std::abs(v[row] - range.middle) > (1.0 - 2.0 * kLittle) * range.half;
+    const auto at_limit = [&](double v, const Range &range) {
+      return off_v < kLittle * range.half &&
+             std::abs(v - range.middle) > (1.0 - 2.0 * kLittle) * range.half;
+    };
+    return at_limit(c.vsin_v[row], sin) || at_limit(c.vcos_v[row], cos);
   };
   std::vector<std::size_t> out;
   for (std::size_t k = 0; k < wild; ++k)
     if (const std::size_t row = rows[static_cast<std::size_t>(by_size[k])];
-        stands_alone(by_size[k]) &&
-        !is_of_reference(angle, row, off[by_size[k]] / (periods * range.half)) &&
-        !may_be_cut(row, off[by_size[k]]))
+        stands_alone(by_size[k]) && !may_be_cut(row, off[by_size[k]]) &&
+        !is_of_reference(angle, row, off[by_size[k]] / (periods * std::max(sin.half, cos.half))))
       out.push_back(row);
   return out;
 }
@@ -690,8 +696,6 @@ bool screen_spikes(Screened &look, const Effect &effect) {
     std::erase_if(places, [&](std::size_t i) {
       return !std::binary_search(standing.begin(), standing.end(), i);
     });
-    if (places.empty() && c.has_reference())
-      places = wild_rows(look, *v, angle);
     const double half = range_of(*v, look.usable).half;
     for (std::size_t i : places) {
       if (!look.usable[i] || (!c.has_reference() && !is_passed_by(look, i, residual[i] / half)))
@@ -704,6 +708,9 @@ bool screen_spikes(Screened &look, const Effect &effect) {
   if (!c.has_reference())
     for (std::size_t i : radius_spikes(look))
       hit[i] = look.usable[i];
+  else if (values == 0.0)
+    for (std::size_t i : wild_rows(look, angle))
+      hit[i] = 1;
   for (std::size_t i = 0; i < hit.size(); ++i)
     if (hit[i]) {
       look.usable[i] = 0;
