@@ -187,7 +187,9 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
   // What each stop has for itself no other stop confirms; the same ones in a second capture may.
   const auto stops = means_of_stops(capture);
   if (stops && !options.heldout) {
+    options.reference_errs = true;
     Diagnosis out = diagnose(stops->means, options);
+    options.reference_errs = given.reference_errs;
     out.samples = capture.size();
     out.readings_a_stop =
         static_cast<double>(capture.size()) / static_cast<double>(stops->means.size());

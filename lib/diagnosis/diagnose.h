@@ -15,6 +15,8 @@ struct DiagnosisOptions {
   const Model *baseline = nullptr; ///< nullptr: the application note's model
   std::string baseline_name = "application note";
   const Capture *heldout = nullptr;
+  /// Whether each row of the reference errs for itself, as that of a table that stands elsewhere.
+  bool reference_errs = false;
   /// Fraction done and what is being done.
   std::function<void(double, const char *)> progress;
 };

@@ -128,6 +128,7 @@ struct Scene {
   int periods = 2;
   double supply_v = 5.0;
   bool has_reference = false, both_directions = false, several_speeds = false;
+  bool reference_errs = false; ///< in each row for itself
   /// Without a reference and with a shaft that turns too unevenly to be one itself: the angle is
   /// the pair's own, and only the radius can be judged.
   bool radius_only = false;

@@ -142,6 +142,7 @@ private:
   bool doubt_supply(State &now);
   bool notice_supply_in_radius(State &now);
   void weigh_motion(State &now);
+  double part_of_reference(const Model &model) const;
   void weigh_anew(State &now);
   void settle_supply(State &now);
   void weigh(State &now, Direction direction, double weight);

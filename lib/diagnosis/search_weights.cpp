@@ -10,6 +10,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/along_and_across.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/search.h"
 
@@ -193,11 +194,16 @@ void Search::weigh(State &now, Direction direction, double weight) {
 }
 
 /// Without a reference the smooth motion is itself an estimate. What the true motion does beyond it
-/// lies along the circle, so that direction weighs as much as its own scatter allows.
+/// lies along the circle, so that direction weighs as much as its own scatter allows. So does what
+/// a reference errs by in each row for itself.
 void Search::weigh_motion(State &now) {
-  if (data_.scene->has_reference || data_.scene->radius_only ||
-      data_.train.disturbed == Direction::supply)
+  if (data_.scene->radius_only || data_.train.disturbed == Direction::supply)
     return;
+  if (data_.scene->has_reference) {
+    if (data_.scene->reference_errs)
+      weigh(now, Direction::motion, part_of_reference(now.fit.model));
+    return;
+  }
   data_.train.disturbed = Direction::motion;
   const ResidualColumns r = residual_columns(data_.train, now.fit.model);
   double along = 0.0, across = 0.0;
@@ -208,6 +214,20 @@ void Search::weigh_motion(State &now) {
     across += b * b;
   }
   weigh(now, Direction::motion, std::min(1.0, std::sqrt(across / along)));
+}
+
+/// What lies out of the figure over what lies along it, rms, of what differs from row to row: in
+/// second differences what goes smoothly with the angle is small. No more than 1.
+double Search::part_of_reference(const Model &model) const {
+  const Observations &all = data_.scene->all;
+  std::vector<double> out, along;
+  split(all, residual_columns(all, model), out, along);
+  double out2 = 0.0, along2 = 0.0;
+  for (std::size_t i = 2; i < all.size(); ++i) {
+    out2 += std::pow(out[i] - 2.0 * out[i - 1] + out[i - 2], 2);
+    along2 += std::pow(along[i] - 2.0 * along[i - 1] + along[i - 2], 2);
+  }
+  return along2 > out2 ? std::sqrt(out2 / along2) : 1.0;
 }
 
 void Search::weigh_anew(State &now) {

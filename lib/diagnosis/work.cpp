@@ -31,6 +31,7 @@ Work::Work(const Capture &capture, const DiagnosisOptions &options, bool guess,
     : given_(capture), freed_(guess ? with_unseen_supply(capture) : std::nullopt),
       options_(options), named_before_(named_part(options.baseline, capture.meta.supply_v)),
       scene_(scene_of(worked_on(), options.heldout == nullptr)) {
+  scene_.reference_errs = options.reference_errs;
   if (apart_from_motion)
     read_by_radius(scene_, *apart_from_motion);
   if (options.heldout)

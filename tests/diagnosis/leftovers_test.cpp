@@ -165,7 +165,8 @@ TEST_F(Leftovers, a_channel_that_died_is_named_however_little_is_left) {
     ASSERT_EQ(d.findings.size(), 1u)
         << turns << " turns" << (d.findings.empty() ? "" : ": " + d.findings.back().explanation);
     EXPECT_EQ(d.findings[0].effect->info().id, "stuck-channel");
-    EXPECT_EQ(d.verdict, Verdict::explained);
+    EXPECT_EQ(d.verdict, Verdict::explained)
+        << (d.structure.empty() ? "" : d.structure.front().description);
   }
 }
 
