@@ -200,7 +200,8 @@ void Search::weigh_motion(State &now) {
   if (data_.scene->radius_only || data_.train.disturbed == Direction::supply)
     return;
   if (data_.scene->has_reference) {
-    if (data_.scene->reference_errs)
+    constexpr int kPasses = 4; // each tells the figure the better by the length
+    for (int pass = 0; data_.scene->reference_errs && pass < kPasses; ++pass)
       weigh(now, Direction::motion, part_of_reference(now.fit.model));
     return;
   }

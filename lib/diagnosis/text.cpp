@@ -52,7 +52,7 @@ std::string to_text(const Diagnosis &d) {
                        d.held_reference ? "the reference" : "each pair", d.rows_a_reading);
   if (d.readings_a_stop > 1.0)
     out += fmt::format("the shaft stops for {:.3g} readings, which have one error: their mean is "
-                       "read\n",
+                       "read; along the curve residuals weigh by their own scatter\n",
                        d.readings_a_stop);
   if (d.verdict == Verdict::insufficient_data)
     return out + verdict_sentence(d) + "\n" + failed_checks(d);

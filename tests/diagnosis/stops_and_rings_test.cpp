@@ -64,6 +64,13 @@ KIND(a_table_that_stands_elsewhere_at_each_stop_is_not_explained) {
   ASSERT_FALSE(d.budget.empty());
   EXPECT_EQ(d.budget.front().axis, Axis::angle) << left_of(d);
   expect_none(d, {"stray-field", "sensor-off-axis", "angle-slip", "offset-step"});
+  // A table errs along the curve: the length of the vector tells the pair.
+  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
+  ASSERT_TRUE(k && delta) << left_of(d);
+  constexpr double kErrors = 4.0; // standard, as they are stated
+  EXPECT_NEAR(k->values[0], bench.pair.k, kErrors * k->std_errors[0]);
+  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, kErrors * delta->std_errors[0]);
+  EXPECT_LT(k->std_errors[0], 0.25 * std::abs(bench.pair.k));
 }
 
 KIND(a_table_that_stands_right_or_drifts_has_no_error_of_its_stops) {

@@ -238,8 +238,9 @@ Diagnosis with_stops(const StopMeans &stops, double left_v, Diagnosis out) {
   noise.rms_v = noise.unnamed_rms_v =
       std::max(stops.reading_noise_v, std::sqrt(noise.rms_v * noise.rms_v - moved_v * moved_v));
   BudgetLine &angle = line_of(out.budget, Axis::angle);
-  angle.rms_v = std::hypot(angle.rms_v, moved_v);
-  angle.unnamed_rms_v = std::hypot(angle.unnamed_rms_v, moved_v);
+  // Where the curve weighs by its own scatter the noise is that of the length alone.
+  angle.rms_v = std::hypot(angle.rms_v, left_v);
+  angle.unnamed_rms_v = std::hypot(angle.unnamed_rms_v, left_v);
   std::stable_sort(out.budget.begin(), out.budget.end(),
                    [](const BudgetLine &a, const BudgetLine &b) { return a.rms_v > b.rms_v; });
   out.structure.push_back(
