@@ -91,7 +91,13 @@ std::array<double, 2> Observations::direction_at(std::size_t i, double model_sin
                                                  double model_cos) const {
   if (disturbed == Direction::motion) {
     const auto [near_s, near_c] = nearest(vsin[i], vcos[i]);
-    const auto [s, c] = outward(centre_sin_v + near_s, centre_cos_v + near_c);
+    double at_s = centre_sin_v + near_s, at_c = centre_cos_v + near_c;
+    if (!travel
+             .empty()) { // from where a reference says to where it is leads the chord of the curve
+      at_s = 0.5 * (at_s + model_sin);
+      at_c = 0.5 * (at_c + model_cos);
+    }
+    const auto [s, c] = outward(at_s, at_c);
     return {c, -s};
   }
   return disturbed == Direction::radius ? outward(model_sin, model_cos)
