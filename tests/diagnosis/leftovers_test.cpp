@@ -68,7 +68,8 @@ TEST_F(Leftovers, a_burst_of_hum_is_no_rough_motion) {
   // 50 Hz is the sixth order of the turn here: a little of it may pass for a cause, never for much.
   EXPECT_TRUE(d.verdict == Verdict::unexplained || d.verdict == Verdict::partly_explained);
   EXPECT_GT(d.extended_quality.heldout.residual_rms_v,
-            0.8 * d.baseline_quality.heldout.residual_rms_v);
+            0.8 * d.baseline_quality.heldout.residual_rms_v)
+      << (d.findings.empty() ? "" : d.findings.front().explanation);
   EXPECT_TRUE(says(d, "the noise is not constant"));
 }
 

@@ -100,15 +100,17 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
       for (auto &of_part : of_order)
         of_part[highest + 1 + e - d].add(
             0.0, 2.0 * criteria::kNeighbourWeight[static_cast<std::size_t>(d) - 1]);
-  // Functions that look alike, as the sense and the speed of a shaft that has one, may be large and
-  // cancel each other. All of an axis together are no larger than what they make.
-  std::array<double, kAxes> together{}, apart{};
+  // The sense and the speed of a shaft that has one look alike, and may be large and cancel each
+  // other. All of that axis together are no larger than what they make. On the other axes functions
+  // are orthogonal: lines that cancel before and after a burst add up in it.
+  double together = 0.0, apart = 0.0;
   for (Eigen::Index k = 0; k < n; ++k) {
-    const auto axis = static_cast<std::size_t>(group_of(k).axis);
-    apart[axis] += values[k] * values[k] * gram(k, k);
+    if (group_of(k).axis != Axis::speed)
+      continue;
+    apart += values[k] * values[k] * gram(k, k);
     for (Eigen::Index j = 0; j < n; ++j)
-      if (group_of(j).axis == group_of(k).axis)
-        together[axis] += values[k] * values[j] * gram(std::max(k, j), std::min(k, j));
+      if (group_of(j).axis == Axis::speed)
+        together += values[k] * values[j] * gram(std::max(k, j), std::min(k, j));
   }
   double freedom = 0.0;
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -121,11 +123,9 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
     if (g.axis == Axis::angle)
       for (std::size_t part : parts_of(k))
         take(of_order[part][g.order], 1.0 / static_cast<double>(parts_of(k).size()));
-    else {
-      const auto axis = static_cast<std::size_t>(g.axis);
+    else
       take(of_function[{g.axis, g.of_step, term_of(k).exponent}],
-           apart[axis] > 0.0 ? std::clamp(together[axis] / apart[axis], 0.0, 1.0) : 1.0);
-    }
+           g.axis == Axis::speed && apart > 0.0 ? std::clamp(together / apart, 0.0, 1.0) : 1.0);
     out.variance_v2[k] = std::max(local, criteria::kLeastOfResolution * variance[k]);
     freedom += out.variance_v2[k] * from_so_many;
   }
