@@ -439,7 +439,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     out.supply = supply_finding(parts, found.supply_rms_fraction, out.first, after);
     out.last = after;
   }
-  const bool weighs_alike = parts.has_reference && found.disturbed == Direction::none;
+  const bool weighs_alike = parts.has_reference && found.disturbed != Direction::supply;
   FitResult whole = weighs_alike           ? fit_whole(parts, found.fit.model)
                     : !parts.has_reference ? fit_without_reference(parts, found.fit.model)
                                            : fit_with_errors(parts.train, found.fit.model);

@@ -138,7 +138,7 @@ bool exchange_what_stands_in(const Scene &scene, const Parts &parts, const Model
       left = left_with;
       nats = nats_with;
       found.fit.model = now;
-      found.alternatives[place].clear(); // they were of the other
+      found.alternatives[place] = rivals_of(scene, parts, now, at); // those were of the other
       const Model less = fit(parts.train, now.without(at), kRefit).model;
       found.contribution[place] = std::sqrt(std::max(0.0, left_v2(parts, less) - left));
       any = true;
