@@ -67,6 +67,13 @@ bool of_the_angle(const Effect &effect) {
   return is_static(effect) || effect.info().stage == Stage::motion;
 }
 
+EffectInstance absent(const Effect &effect) {
+  EffectInstance out{&effect, {}, {}};
+  for (const ParameterInfo &p : effect.info().parameters)
+    out.values.push_back(p.role == Role::chosen ? p.fallback : 0.0);
+  return out;
+}
+
 bool holds(const Model &model, const Effect *effect) {
   return std::any_of(model.effects.begin(), model.effects.end(),
                      [&](const EffectInstance &e) { return e.effect == effect; });

@@ -35,6 +35,9 @@ bool of_the_angle(const Effect &effect);
 /// temperature, the supply.
 bool shows_beyond_angle(const Effect &effect);
 
+/// An effect that does nothing yet, with what has to be chosen as it is where nobody does.
+EffectInstance absent(const Effect &effect);
+
 /// Whether a model has an effect.
 bool holds(const Model &model, const Effect *effect);
 

@@ -254,9 +254,7 @@ void prefer_what_every_pair_has(const Scene &scene, const Scene &judge, Parts pa
     Model other = found.fit.model;
     if (holds(other, &common))
       return fit(parts.train, other.without(at), kRefit).model;
-    other.effects[at] = {&common, {}, {}};
-    for (const ParameterInfo &p : common.info().parameters)
-      other.effects[at].values.push_back(p.role == Role::chosen ? p.fallback : 0.0);
+    other.effects[at] = absent(common);
     return fit(parts.train, other, kRefit).model;
   };
   // Nothing where it is not to be exchanged; otherwise whether nothing tells them apart.

@@ -33,9 +33,7 @@ std::vector<Rival> rivals_of(const Scene &scene, const Parts &parts, const Model
         has_moment(*other) || !other->invisible(facts).empty())
       continue;
     Model rival = model;
-    rival.effects[effect] = {other, {}, {}};
-    for (const ParameterInfo &p : other->info().parameters)
-      rival.effects[effect].values.push_back(p.role == Role::chosen ? p.fallback : 0.0);
+    rival.effects[effect] = absent(*other);
     const FitResult fitted = fit(parts.train, rival, kRefit);
     if (fitted.determined && in_range(fitted.model.effects[effect]) &&
         nats_beside_anonymous(scene, parts, fitted.model) > nats - criteria::kRivalNats)

@@ -61,6 +61,7 @@ bool Work::free_vtemp() {
     return false;
   freed_ = std::move(freed);
   scene_ = prepare(*freed_, options_.heldout == nullptr);
+  scene_.reference_errs = options_.reference_errs;
   return true;
 }
 

@@ -238,9 +238,11 @@ Diagnosis with_stops(const StopMeans &stops, double left_v, Diagnosis out) {
   noise.rms_v = noise.unnamed_rms_v =
       std::max(stops.reading_noise_v, std::sqrt(noise.rms_v * noise.rms_v - moved_v * moved_v));
   BudgetLine &angle = line_of(out.budget, Axis::angle);
-  // Where the curve weighs by its own scatter the noise is that of the length alone.
-  angle.rms_v = std::hypot(angle.rms_v, left_v);
-  angle.unnamed_rms_v = std::hypot(angle.unnamed_rms_v, left_v);
+  // Of means the curve weighs by its own scatter, and the noise is that of the length alone: what
+  // the stops err by is not in it. Of all readings it is, and nothing counts twice.
+  const double along_v = out.readings_a_stop > 1.0 ? left_v : moved_v;
+  angle.rms_v = std::hypot(angle.rms_v, along_v);
+  angle.unnamed_rms_v = std::hypot(angle.unnamed_rms_v, along_v);
   std::stable_sort(out.budget.begin(), out.budget.end(),
                    [](const BudgetLine &a, const BudgetLine &b) { return a.rms_v > b.rms_v; });
   out.structure.push_back(
