@@ -567,7 +567,8 @@ bool Search::refuted(const State &state, std::size_t effect) const {
 }
 
 /// The same of any from one place to before another.
-bool Search::refuted(const State &state, std::size_t from, std::size_t to) const {
+bool Search::refuted(const State &state, std::size_t from, std::size_t to,
+                     bool told_from_speed) const {
   const Model &model = state.fit.model;
   const ResidualColumns columns = residual_columns(quick_, model);
   Residual view = residual_view(*data_.scene, quick_, columns, data_.scene->white_noise_v,
@@ -580,7 +581,7 @@ bool Search::refuted(const State &state, std::size_t from, std::size_t to) const
     view.without_sin_v = without.model_sin;
     view.without_cos_v = without.model_cos;
     const Observations &all = data_.scene->all;
-    if ((has_moment(*e.effect) && !begins_at_once(*data_.scene, model, k)) ||
+    if ((has_moment(*e.effect) && !begins_at_once(*data_.scene, model, k, told_from_speed)) ||
         e.effect->refuted(e.values, view) ||
         (data_.scene->has_reference && e.effect->refuted_by_motion(e.values, all.time, all.alpha)))
       return true;

@@ -247,7 +247,8 @@ Beside whole_record(const Scene &scene, const Model &model, std::size_t effect) 
 
 } // namespace
 
-bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) {
+bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect,
+                    bool told_from_speed) {
   constexpr double kSure = 0.15, kWhole = 0.5;
   Beside near = turns_beside(scene, model, effect);
   if (!near.enough())
@@ -257,7 +258,7 @@ bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect) 
     return true;
   if (!(second.part - first.part > kWhole))
     return false;
-  if (!goes_with_the_speed(std::move(near)))
+  if (!told_from_speed || !goes_with_the_speed(std::move(near)))
     return true;
   // Where the speed changes at that moment the turns beside it do not tell the two apart. In the
   // whole record an offset that follows the speed comes again with each speed.

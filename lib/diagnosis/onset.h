@@ -12,8 +12,10 @@ namespace ada {
 
 /// Whether the data bear out that an effect with a moment begins at once there: within a turn
 /// before it nothing of it is seen, within a turn after it all, and no smooth function of the speed
-/// does as well. True where too little is seen to say.
-bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect);
+/// does as well. True where too little is seen to say. Not `told_from_speed`: such a function may
+/// do as well, which two speeds that follow one another once always let it.
+bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect,
+                    bool told_from_speed = true);
 
 /// Whether such an effect of a model that lacks nothing else of that size comes in evenly over an
 /// eighth of the rows of the turns on both sides of its moment or more, and over 64 of them, rather

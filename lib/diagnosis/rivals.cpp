@@ -91,6 +91,9 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
       highest = c.gain;
   if (highest == 0.0 && !list.empty())
     highest = list.front().gain;
+  // A law of the speed says of a step what a step says of it: where the speed changed but once, and
+  // then, the data do not tell them apart.
+  const bool told_from_speed = self->info().axis != axis_name(Axis::speed);
   for (const Candidate &c : list) {
     if (c.effect == self || c.gain < criteria::kComparable * highest)
       continue;
@@ -106,7 +109,9 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
     const bool at_rest = repeats_with_angle(now.fit.model.effects[effect]) &&
                          repeats_with_angle(c.start.effects.back());
     if (!rival.fit.determined || !in_range(rival.fit.model, given_) ||
-        !all_stand_alone(rival.fit.model) || refuted(rival, rival.fit.model.effects.size() - 1))
+        !all_stand_alone(rival.fit.model) ||
+        refuted(rival, rival.fit.model.effects.size() - 1, rival.fit.model.effects.size(),
+                told_from_speed))
       continue;
     const double side = side_evidence(data_, rival.fit.model) - my_side;
     const double blurred =

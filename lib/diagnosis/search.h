@@ -94,7 +94,8 @@ private:
   SearchResult result(State &now, bool thorough);
   void colour(const Discrepancy &discrepancy);
   bool refuted(const State &state, std::size_t effect) const;
-  bool refuted(const State &state, std::size_t from, std::size_t to) const;
+  bool refuted(const State &state, std::size_t from, std::size_t to,
+               bool told_from_speed = true) const;
   bool dominates(double size_v, std::size_t effect, const Model &model) const;
   bool worth_keeping(double worth, const Effect &effect) const;
   double against_unnamed(const State &with, const State &less, std::size_t effect) const;

@@ -133,5 +133,30 @@ KIND(a_quadrature_error_beside_second_harmonics_comes_before_a_memory) {
   expect_none(diagnose(c, {}), {"multiplexer-memory"});
 }
 
+/// Two speeds that follow one another once: that the angle is off by a constant from then on, and
+/// that it lags by more, is the same. Back at the first speed they differ.
+KIND(a_delay_at_two_speeds_once_may_be_a_slip_where_the_speed_changed) {
+  Bench bench;
+  const double first = kTwoPi * bench.within(1.0, 3.0), second = kTwoPi * bench.within(8.0, 16.0),
+               off = bench.within(0.2, 0.6) * kRadPerDeg, hold_s = 3.0;
+  for (const bool back : {false, true}) {
+    const double end_s = (back ? 3.0 : 2.0) * hold_s;
+    const auto shaft = [&](double t) {
+      const double fast_s = std::clamp(t - hold_s, 0.0, hold_s);
+      return first * (t - fast_s) + second * fast_s;
+    };
+    Capture c = bench.capture(static_cast<std::size_t>(end_s * 2000.0), 2000.0, 2, [&](double t) {
+      return shaft(t) - (t >= hold_s && t < 2.0 * hold_s ? off : 0.0);
+    });
+    for (std::size_t i = 0; i < c.size(); ++i)
+      c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+    const Diagnosis d = diagnose(c, {});
+    const Finding *late = named(d, "propagation-delay");
+    ASSERT_TRUE(late) << left_of(d);
+    EXPECT_EQ(may_be(*late, "angle-slip"), !back) << left_of(d);
+    EXPECT_TRUE(may_be(*late, "reference-delay")) << left_of(d);
+  }
+}
+
 } // namespace
 } // namespace ada::test

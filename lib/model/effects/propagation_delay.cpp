@@ -11,8 +11,10 @@ namespace {
 constexpr std::array<ParameterInfo, 1> kParameters{
     ParameterInfo{"tau_s", "s", 50e-6, 0.0, 1.0, Role::fitted, 1e-6}};
 
-constexpr std::array<Separation, 3> kSeparations{
-    {{"hysteresis", "capture a second speed: a delay grows with it, hysteresis does not"},
+constexpr std::array<Separation, 4> kSeparations{
+    {{"angle-slip",
+      "go back to the first speed in the same capture: a delay comes back, a slip stays"},
+     {"hysteresis", "capture a second speed: a delay grows with it, hysteresis does not"},
      {"low-pass-rolloff",
       "capture at a higher speed: a low pass also lowers the amplitude, a delay does not"},
      {"reference-delay",

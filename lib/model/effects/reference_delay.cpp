@@ -12,8 +12,10 @@ namespace {
 constexpr std::array<ParameterInfo, 1> kParameters{
     ParameterInfo{"tau_s", "s", 50e-6, -1.0, 1.0, Role::fitted, 1e-6}};
 
-constexpr std::array<Separation, 3> kSeparations{
-    {{"propagation-delay",
+constexpr std::array<Separation, 4> kSeparations{
+    {{"angle-slip",
+      "go back to the first speed in the same capture: what is read late comes back, a slip stays"},
+     {"propagation-delay",
       "use another reference, or measure the delay of the signal path by itself"},
      {"low-pass-rolloff",
       "capture at a higher speed: a low pass also lowers the amplitude, a late reference does not"},
