@@ -11,6 +11,7 @@
 #include "base/pick.h"
 #include "base/robust.h"
 #include "conversion/sample_status.h"
+#include "model/wires.h"
 #include "motion/kinematics.h"
 #include "motion/surroundings.h"
 
@@ -105,8 +106,7 @@ constexpr double kNoiseOfAmplitude = 1e-3;
 
 AngleSolver::AngleSolver(const Model &model)
     : model_(correctable_part(model)), forward_(model_), amplitude_v_(model.baseline.amplitude_v),
-      centre_sin_v_(0.5 * model.supply_v + model_.baseline.offset_sin_v),
-      centre_cos_v_(0.5 * model.supply_v + model_.baseline.offset_cos_v),
+      centre_sin_v_(recorded_centre_v(model_)[0]), centre_cos_v_(recorded_centre_v(model_)[1]),
       zero_rad_(model.baseline.angle_zero_deg * kRadPerDeg), periods_(model.periods_per_turn),
       back_rad_(kBackBeyondNoise * model.noise_rms_v.value_or(kNoiseOfAmplitude * amplitude_v_) /
                 (amplitude_v_ * model.periods_per_turn)),

@@ -3,51 +3,15 @@
 
 #include "diagnosis/wiring.h"
 
-#include <algorithm>
-#include <memory>
 #include <type_traits>
+
+#include "model/wires.h"
 
 namespace ada {
 
-namespace {
-
-/// What the wires make of a volt in one channel: rows are VSIN and VCOS as recorded.
-struct Wires {
-  double sin_of_sin = 1.0, sin_of_cos = 0.0, cos_of_sin = 0.0, cos_of_cos = 1.0;
-  bool plain() const { return sin_of_sin == 1.0 && cos_of_cos == 1.0; }
-};
-
-/// Wires are what is recorded otherwise than it is, with nothing to be measured about it: a channel
-/// is chosen at most.
-bool is_of_wires(const EffectInfo &info) {
-  return info.stage == Stage::record && info.evidence == Evidence::screening &&
-         info.spoils == Spoils::nothing &&
-         std::all_of(info.parameters.begin(), info.parameters.end(),
-                     [](const ParameterInfo &p) { return p.role == Role::chosen; });
-}
-
-Wires wires_of(const Model &model, double mid_v) {
-  if (std::none_of(model.effects.begin(), model.effects.end(),
-                   [](const EffectInstance &e) { return is_of_wires(e.effect->info()); }))
-    return {};
-  const auto wave = std::make_unique<Wave>();
-  wave->n = 2;
-  wave->mid_v = mid_v;
-  for (std::size_t i = 0; i < wave->n; ++i) {
-    wave->s[i] = mid_v + (i == 0 ? 1.0 : 0.0);
-    wave->c[i] = mid_v + (i == 1 ? 1.0 : 0.0);
-  }
-  for (const EffectInstance &e : model.effects)
-    if (is_of_wires(e.effect->info()))
-      e.effect->apply(e.values, *wave);
-  return {wave->s[0] - mid_v, wave->s[1] - mid_v, wave->c[0] - mid_v, wave->c[1] - mid_v};
-}
-
-} // namespace
-
 BeforeWires::BeforeWires(const Model &model, const Residual &recorded) : view_(recorded) {
   const double mid_v = 0.5 * recorded.supply_v;
-  const Wires w = wires_of(model, mid_v);
+  const Wires w = wires_of(model);
   if (w.plain())
     return;
   // They exchange and invert: the inverse is the transpose.

@@ -163,6 +163,16 @@ TEST_F(AngleSolverRemainder, IsTakenOutBesideEffectsAndWrongWiring) {
   expect_solved(model);
 }
 
+/// A magnetometer beside iron: the circle does not enclose mid-supply.
+TEST_F(AngleSolverRemainder, IsTakenOutAboutACentreThatIsRecordedByWrongWiring) {
+  for (const char *wires : {"channel-swap", "channel-inverted:channel=vcos"}) {
+    Model model = sensor_with(wires);
+    model.baseline = {0.35, -0.07, -1.12, 1.0};
+    model.remainder = drawn_remainder(rng_, 4, 0.02, false);
+    expect_solved(model);
+  }
+}
+
 TEST_F(AngleSolverRemainder, WithoutItTheAngleErrs) { // the tests above can fail
   Model model = sensor();
   model.remainder = drawn_remainder(rng_, 64, 0.01, false);
