@@ -261,7 +261,8 @@ Kinematics motion_by_pair(Screened &look, Scene &scene, std::vector<std::uint32_
     look.usable = before;
     return motion_of_the_pair_itself(look, scene);
   }
-  if (scene.radius_only) {
+  if (scene.radius_only) { // what no smooth motion fits has a radius all the same
+    look.usable = before;
     smooth.motion.alpha = look.angle;
   } else {
     scene.knots = std::move(smooth.knots);

@@ -17,9 +17,10 @@
 namespace ada {
 
 OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
-                   std::span<const char> spared) {
+                   std::span<const double> of_counts, std::span<const char> spared) {
   constexpr std::size_t kReach = 8; // readings on either side that tell what is usual
   constexpr double kSteps = 4.0;    // of the usual size: no shaft changes its speed so at once
+  constexpr double kCounts = 2.0;   // a reading near the edge of one count falls on either side
   constexpr double kEven = 1.5;     // of the usual time between readings
   OwnJumps out;
   if (time.size() < 4 * kReach)
@@ -41,8 +42,9 @@ OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
     for (const double step : around)
       apart.push_back(std::abs(step - usual));
     const double jump = angle[i] - angle[i - 1] - usual;
-    if (!(std::abs(jump) >
-          criteria::kJump * quantile(std::move(apart), 0.75) + kSteps * std::abs(usual)))
+    if (!(std::abs(jump) > criteria::kJump * quantile(std::move(apart), 0.75) +
+                               kSteps * std::abs(usual) +
+                               kCounts * std::max(of_counts[i], of_counts[i - 1])))
       continue;
     // A single reading that is off jumps and comes back.
     const auto stays = [&](std::size_t from, std::size_t to) {
@@ -60,20 +62,36 @@ OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
   return out;
 }
 
+std::vector<double> turned_by_counts(const std::vector<double> &vsin_v,
+                                     const std::vector<double> &vcos_v, double centre_sin_v,
+                                     double centre_cos_v, int periods_per_turn) {
+  const double count_v = std::hypot(converter_step(vsin_v), converter_step(vcos_v));
+  std::vector<double> out(vsin_v.size(), 0.0);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (const double length_v = std::hypot(vsin_v[i] - centre_sin_v, vcos_v[i] - centre_cos_v);
+        length_v > 0.0)
+      out[i] = count_v / (length_v * periods_per_turn);
+  return out;
+}
+
 OwnJumps own_jumps(const Capture &capture, std::span<const std::uint32_t> rows, double centre_sin_v,
                    double centre_cos_v, bool at_one_supply) {
   const std::optional<PairOfChannels> steady = at_one_supply ? over_supply(capture) : std::nullopt;
   const std::vector<double> &vsin = steady ? steady->sin_v : capture.vsin_v,
                             &vcos = steady ? steady->cos_v : capture.vcos_v;
-  std::vector<double> time, angle;
+  const int periods = capture.meta.periods_per_turn;
+  const std::vector<double> turned =
+      turned_by_counts(capture.vsin_v, capture.vcos_v, centre_sin_v, centre_cos_v, periods);
+  std::vector<double> time, angle, of_counts;
   for (std::uint32_t i : rows) {
     time.push_back(capture.time_s[i]);
+    of_counts.push_back(turned[i]);
     angle.push_back(std::atan2(vsin[i] - centre_sin_v, vcos[i] - centre_cos_v));
   }
   unwrap(angle, kTwoPi);
   for (double &a : angle)
-    a /= capture.meta.periods_per_turn;
-  OwnJumps out = own_jumps(time, angle);
+    a /= periods;
+  OwnJumps out = own_jumps(time, angle, of_counts);
   out.number_by(rows);
   return out;
 }

@@ -46,10 +46,17 @@ struct OwnJumps {
 
 /// Steps of an unwrapped angle, rad, that differ from those around them by far more than these do
 /// among themselves, and than a shaft changes its speed from one to the next, at an even clock.
-/// With `spared` only at samples that are not of them: where a smooth motion leaves out what it
-/// cannot follow, that has to be said.
+/// `of_counts`: by how much one count of each converter turns the angle, rad, at each sample; what
+/// two of them do is no jump. With `spared` only at samples that are not of them: where a smooth
+/// motion leaves out what it cannot follow, that has to be said.
 OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
-                   std::span<const char> spared = {});
+                   std::span<const double> of_counts, std::span<const char> spared = {});
+
+/// By how much one count of each converter turns the mechanical angle of a pair about its centre,
+/// rad, at each sample; 0 where the readings show no counts.
+std::vector<double> turned_by_counts(const std::vector<double> &vsin_v,
+                                     const std::vector<double> &vcos_v, double centre_sin_v,
+                                     double centre_cos_v, int periods_per_turn);
 
 /// The same of the pair as it was read, about its centre, at some rows of the capture; with the
 /// recorded supply divided out where the outputs follow it.
