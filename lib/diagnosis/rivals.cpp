@@ -95,7 +95,8 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
   // then, the data do not tell them apart.
   const bool told_from_speed = self->info().axis != axis_name(Axis::speed);
   for (const Candidate &c : list) {
-    if (c.effect == self || c.gain < criteria::kComparable * highest)
+    // To first order, and beside what has no name, one of two that look alike may seem far less.
+    if (c.effect == self || (c.gain < criteria::kComparable * highest && !knows(*self, *c.effect)))
       continue;
     // A signature takes the place of no physical cause, unless other evidence speaks for it, and is
     // told of beside one that says of itself that it looks so; without a reference nothing tells
