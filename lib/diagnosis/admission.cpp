@@ -554,7 +554,7 @@ bool Search::may_not_be_of_time(const State &state, std::size_t effect) const {
   const std::size_t reach =
       reach_of_edges(quick_.size(), scene.rounds(1.0), model.periods_per_turn);
   const auto edges =
-      find_edges(quick_.time, rest.sin, rest.cos, quick_.omega, reach, criteria::kMostSteps);
+      find_edges(quick_.time, rest.sin, rest.cos, quick_.direction, reach, criteria::kMostSteps);
   return std::none_of(edges.begin(), edges.end(), [&](const Edge &edge) {
     return quick_.time[edge.at - reach] <= e.values[0] &&
            e.values[0] <= quick_.time[edge.at + reach - 1];

@@ -113,6 +113,7 @@ Residual residual_view(const Scene &scene, const Observations &data, const Resid
   r.supply_v = scene.supply_v;
   r.centre_sin_v = data.centre_sin_v;
   r.centre_cos_v = data.centre_cos_v;
+  r.sense = data.direction;
   r.sample_period_s = data.frame_period_s;
   r.time = data.time;
   r.omega = data.omega;

@@ -68,7 +68,7 @@ std::size_t reach_of_edges(std::size_t samples, double rounds, int periods_per_t
 }
 
 std::vector<Edge> find_edges(std::span<const double> time, std::span<const double> first,
-                             std::span<const double> second, std::span<const float> omega,
+                             std::span<const double> second, std::span<const signed char> sense,
                              std::size_t reach, std::size_t most) {
   const std::size_t n = first.size();
   std::vector<Edge> out;
@@ -89,7 +89,7 @@ std::vector<Edge> find_edges(std::span<const double> time, std::span<const doubl
   std::vector<Edge> all;
   std::size_t turned = 0; // the last sample that turns in another sense than the one before
   for (std::size_t i = 1; i < n; ++i) {
-    if ((omega[i] < 0.0F) != (omega[i - 1] < 0.0F))
+    if (sense[i] != sense[i - 1])
       turned = i;
     if (i + 1 >= 2 * reach && turned + 2 * reach <= i + 1)
       all.push_back(edge_at(i + 1 - reach, reach));

@@ -288,21 +288,31 @@ bool slow_beside_pair(const Residual &r, double frequency) {
   return static_cast<double>(near) > kMost * static_cast<double>(r.omega.size());
 }
 
-/// Whether a line is more than an order of the turn beside it: that leaves more than half of what
-/// both take. Where the record is too short to tell the two apart, either takes all.
+/// Whether a line is more than an order of the turn beside it, which may grow and fall over the
+/// record, as with the temperature: that leaves more than half of what both take. Where the record
+/// is too short to tell the two apart, either takes all.
 bool told_from_order(const Residual &r, int order, double frequency) {
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Matrix<double, 4, 2> onto = Eigen::Matrix<double, 4, 2>::Zero();
+  constexpr int kOfOrder = 6; // a parabola over the record of either phase
+  using Row = Eigen::Matrix<double, kOfOrder + 2, 1>;
+  Eigen::Matrix<double, kOfOrder + 2, kOfOrder + 2> normal;
+  Eigen::Matrix<double, kOfOrder + 2, 2> onto;
+  normal.setZero();
+  onto.setZero();
   std::vector<std::array<double, 2>> of_order(r.time.size());
   for_each_sincos(
       r.time.size(), [&](std::size_t i) { return order * r.alpha[i]; },
       [&](std::size_t i, double s, double c) {
         of_order[i] = {s, c};
       });
+  const double middle = 0.5 * (r.time.front() + r.time.back()),
+               half = std::max(0.5 * (r.time.back() - r.time.front()), 1e-12);
   for_each_sincos(
       r.time.size(), [&](std::size_t i) { return kTwoPi * frequency * r.time[i]; },
       [&](std::size_t i, double s, double c) {
-        const Eigen::Vector4d row(of_order[i][0], of_order[i][1], s, c);
+        const auto &[sine, cosine] = of_order[i];
+        const double x = (r.time[i] - middle) / half;
+        Row row;
+        row << sine, cosine, x * sine, x * cosine, x * x * sine, x * x * cosine, s, c;
         normal += row * row.transpose();
         onto += row * Eigen::RowVector2d(r.sin_v[i], r.cos_v[i]);
       });
@@ -310,8 +320,8 @@ bool told_from_order(const Residual &r, int order, double frequency) {
     const Eigen::MatrixXd a = normal.topLeftCorner(columns, columns), b = onto.topRows(columns);
     return (b.array() * a.ldlt().solve(b).array()).sum();
   };
-  const double both = taken(4);
-  return both - taken(2) > 0.5 * both;
+  const double both = taken(kOfOrder + 2);
+  return both - taken(kOfOrder) > 0.5 * both;
 }
 
 /// A line at an order of a steady rotation is no tone when the residual follows the angle as well.
@@ -547,7 +557,7 @@ std::vector<StepGuess> find_steps(const Residual &r, StepIn where) {
   const double rounds = rounds_of(r);
   const std::size_t reach = reach_of_edges(n, rounds, r.periods);
   if (rounds < criteria::kFewestUnits)
-    for (const Edge &edge : find_edges(r.time, of_a, of_b, r.omega, reach, kMostEdges))
+    for (const Edge &edge : find_edges(r.time, of_a, of_b, r.sense, reach, kMostEdges))
       out.push_back({r.time[edge.at], edge.first, edge.second});
   // Of rows so far apart that no edge shows, the means of two parts may still tell, where the
   // motion is not the pair's own.
@@ -591,7 +601,9 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
     const bool at_round = of_round >= 1 &&
                           std::abs(frequency - of_round * round) < kOrderWidth / span &&
                           !told_from_order(r, of_round, frequency);
-    const bool at_order = at_round || turns_with_shaft(r, of_speed, line);
+    const bool at_order =
+        at_round || turns_with_shaft(r, of_speed, line) ||
+        (of_speed != 0 && of_speed != of_round && !told_from_order(r, of_speed, frequency));
     return (at_order &&
             may_be_of_the_angle(r, *most, of_round > 0 ? of_round : of_speed, frequency, line,
                                 few)) ||

@@ -53,6 +53,7 @@ public:
   double sample_period_s = 0.0;
   std::span<const double> time;
   std::span<const float> omega;
+  std::span<const signed char> sense; ///< of rotation, +-1; at rest that of the way there
   std::span<const double> sin_v, cos_v;             ///< residual
   std::span<const double> model_sin_v, model_cos_v; ///< absolute volts of the model so far
   /// Absolute volts as they were read: the residual above may be weighed, and is then not the rest.

@@ -223,5 +223,37 @@ KIND(an_amplitude_that_drifts_is_no_step) {
   EXPECT_EQ(all_of(d).find("the pair changes at once"), std::string::npos) << all_of(d);
 }
 
+/// A table that goes from stop to stop, and a contact that gives while it rests: at rest the speed
+/// is noise, and has no sense of its own.
+KIND(an_offset_that_jumps_while_the_shaft_waits_is_a_step) {
+  Bench bench;
+  constexpr std::size_t kStops = 12;
+  constexpr double kRate = 500.0, kRest = 0.8, kMove = 0.2, kReads = 0.002 * kRadPerDeg;
+  const double way = kTwoPi * bench.within(0.6, 1.4) / static_cast<double>(kStops),
+               sin_v = bench.within(0.01, 0.04) * (bench.within(-1.0, 1.0) < 0.0 ? -1.0 : 1.0),
+               cos_v = bench.within(-0.04, 0.04);
+  const auto stop = std::floor(bench.within(4.0, static_cast<double>(kStops) - 4.0));
+  const double moment = stop * (kRest + kMove) + bench.within(0.2, 0.6) * kRest;
+  Capture c = bench.capture(static_cast<std::size_t>(kStops * (kRest + kMove) * kRate), kRate, 2,
+                            [&](double t) {
+                              const double at = t / (kRest + kMove), whole = std::floor(at);
+                              const double part = std::clamp(
+                                  ((at - whole) * (kRest + kMove) - kRest) / kMove, 0.0, 1.0);
+                              return way * (whole + part * part * (3.0 - 2.0 * part));
+                            });
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c.reference_deg[i] += bench.normal(kReads) * kDegPerRad;
+    if (c.time_s[i] >= moment) {
+      c.vsin_v[i] += sin_v;
+      c.vcos_v[i] += cos_v;
+    }
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "offset-step");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], moment, 0.02);
+  EXPECT_NEAR(f->values[1], sin_v, 0.1 * std::abs(sin_v));
+}
+
 } // namespace
 } // namespace ada::test

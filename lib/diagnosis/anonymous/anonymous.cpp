@@ -151,7 +151,7 @@ std::vector<StepPlace> edges_of(const Scene &scene, const Model &model) {
   const std::size_t reach = reach_of_edges(data.size(), scene.rounds(1.0), model.periods_per_turn);
   std::vector<StepPlace> out;
   for (const Edge &edge :
-       find_edges(data.time, rest.sin, rest.cos, data.omega, reach, criteria::kMostSteps))
+       find_edges(data.time, rest.sin, rest.cos, data.direction, reach, criteria::kMostSteps))
     out.push_back({data.time[edge.at - reach], data.time[edge.at + reach - 1]});
   return out;
 }
