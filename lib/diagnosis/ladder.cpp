@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "base/pick.h"
@@ -21,6 +22,7 @@
 #include "diagnosis/one_line.h"
 #include "diagnosis/told_apart.h"
 #include "model/effect_text.h"
+#include "model/wires.h"
 
 namespace ada {
 
@@ -111,36 +113,48 @@ FitResult fit_with_errors(const Observations &data, const Model &start) {
   return out;
 }
 
-/// Scatter of the residual along and across the vector, and of the latter from sample to sample.
+/// Scatter of the residual along and across the vector, and of either from sample to sample.
 struct Scatter {
-  double along, across, noise_across;
+  double along, across, noise_along, noise_across;
 };
 
 Scatter scatter_of(const Observations &data, const Model &model) {
   const ResidualColumns r = residual_columns(data, model);
-  std::vector<double> along, across, steps;
+  std::vector<double> along, across;
   split(data, r, along, across);
-  double last = 0.0;
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    steps.push_back(std::abs(across[i] - std::exchange(last, across[i])));
-    along[i] = std::abs(along[i]);
-    across[i] = std::abs(across[i]);
-  }
-  return {quantile(std::move(along), kWithinOneSigma), quantile(std::move(across), kWithinOneSigma),
-          quantile(std::move(steps), kWithinOneSigma) / std::numbers::sqrt2};
+  const auto of = [](std::vector<double> values, double &scatter, double &noise) {
+    std::vector<double> steps;
+    double last = 0.0;
+    for (double &v : values) {
+      steps.push_back(std::abs(v - std::exchange(last, v)));
+      v = std::abs(v);
+    }
+    scatter = quantile(std::move(values), kWithinOneSigma);
+    noise = quantile(std::move(steps), kWithinOneSigma) / std::numbers::sqrt2;
+  };
+  Scatter out{};
+  of(std::move(along), out.along, out.noise_along);
+  of(std::move(across), out.across, out.noise_across);
+  return out;
 }
 
-/// The fit in which residuals along the vector weigh by their own scatter, and what has no name
-/// lies along it alone; nothing where more than noise is left across.
+} // namespace
+
 std::optional<FitResult> fit_by_direction(Parts parts, Model model) {
   parts.train.coloured.reset();
-  constexpr int kPasses = 2; // what lies across shows only where the length no longer bends the fit
+  constexpr int kPasses = 3; // what lies across shows only where the length no longer bends the fit
   for (int pass = 0; pass < kPasses; ++pass) {
     parts.weigh(Direction::none, 1.0);
+    // A gain acts on the vector from the centre, of which the length has told little.
+    std::tie(parts.train.centre_sin_v, parts.train.centre_cos_v) =
+        std::tuple_cat(recorded_centre_v(model));
     const Scatter left = scatter_of(parts.train, model);
     if (left.along <= criteria::kMoreThanNoise * left.across)
       return std::nullopt;
-    parts.weigh(Direction::radius, left.across / left.along);
+    // What wanders has as many independent samples as its steps have of its mean square: it is a
+    // witness no more often than that.
+    const double independent = std::min(1.0, left.noise_along / left.along);
+    parts.weigh(Direction::radius, independent * left.noise_across / left.along);
     model = fit(parts.train, model, 5).model;
   }
   const Scatter left = scatter_of(parts.train, model);
@@ -148,6 +162,15 @@ std::optional<FitResult> fit_by_direction(Parts parts, Model model) {
     return std::nullopt;
   return fit_with_errors(parts.train, model);
 }
+
+bool is_clearly_closer(const Parts &parts, const FitResult &apart, const FitResult &alike) {
+  const auto angle_error = [&](const FitResult &f) {
+    return parts.rung(f.model).heldout.angle_error_rms_deg.value();
+  };
+  return angle_error(alike) > criteria::kNoWorse * angle_error(apart);
+}
+
+namespace {
 
 /// `one` with the numbers of the figure of `other`, and their errors.
 FitResult with_figure_of(const FitResult &other, FitResult one) {
@@ -281,15 +304,11 @@ namespace {
 /// only for an angle that is clearly better, as what is small across and has no name is then not
 /// reckoned with. Where more is left across it than along it, the reference says little, and the
 /// radius of held-out data is asked.
-FitResult fit_whole(const Parts &parts, const Model &start) {
+FitResult fit_whole(const Parts &parts, const Model &start, bool &by_direction) {
   FitResult alike = fit_with_errors(parts.train, start);
-  const auto angle_error = [&](const FitResult &f) {
-    return parts.rung(f.model).heldout.angle_error_rms_deg.value();
-  };
   const auto radius = [&](const FitResult &f) { return radius_left(parts.heldout, f.model); };
   if (std::optional<FitResult> apart = fit_by_direction(parts, start))
-    return angle_error(alike) > criteria::kNoWorse * angle_error(*apart) ? *std::move(apart)
-                                                                         : alike;
+    return (by_direction = is_clearly_closer(parts, *apart, alike)) ? *std::move(apart) : alike;
   fit_by_length(parts, alike, [&](const FitResult &one, const FitResult &other) {
     return nats_between(radius(other), radius(one)) > criteria::kRivalNats;
   });
@@ -440,7 +459,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
     out.last = after;
   }
   const bool weighs_alike = parts.has_reference && found.disturbed != Direction::supply;
-  FitResult whole = weighs_alike           ? fit_whole(parts, found.fit.model)
+  FitResult whole = weighs_alike           ? fit_whole(parts, found.fit.model, out.by_direction)
                     : !parts.has_reference ? fit_without_reference(parts, found.fit.model)
                                            : fit_with_errors(parts.train, found.fit.model);
   const std::vector<Clearness> clear = clearness_of(whole, parts.train.size());

@@ -29,11 +29,18 @@ struct Ladder {
   /// its coordinates, a mean of them).
   std::vector<Clearness> clearness;
   Rung first, last;
+  bool by_direction = false; ///< the direction alone tells the figure of the extended model
 };
 
 /// Findings in the order of their size, each rung fitted to the training part and judged on the
 /// rest. Leaves `parts` weighed as what was found asks for.
 Ladder build_ladder(Parts &parts, const SearchResult &found);
+
+/// The fit in which residuals along the vector weigh by their own scatter, and what has no name
+/// lies along it alone; nothing where more than noise is left across.
+std::optional<FitResult> fit_by_direction(Parts parts, Model model);
+/// Whether the angle of held-out data is clearly better by the one than by the other.
+bool is_clearly_closer(const Parts &parts, const FitResult &apart, const FitResult &alike);
 
 /// Residual along the radius at the angle that the pair itself gives with a model: what is no
 /// matter of the motion. From its mean over each electrical period: a length that drifts says

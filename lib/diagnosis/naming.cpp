@@ -15,7 +15,9 @@
 #include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/doubt.h"
+#include "diagnosis/first_model.h"
 #include "diagnosis/fit.h"
+#include "diagnosis/ladder.h"
 #include "diagnosis/moments.h"
 #include "diagnosis/onset.h"
 #include "diagnosis/step_causes.h"
@@ -380,6 +382,33 @@ std::optional<Model> with_events(const Scene &scene, Parts parts, const Model &m
   return out;
 }
 
+/// Where nothing but noise is left across the vector, a length that wanders with the magnet's
+/// distance or the light hides what every pair has from a fit to both, and the angle alone tells
+/// it.
+void name_what_the_direction_tells(const Parts &parts, SearchResult &found) {
+  if (!parts.has_reference || found.disturbed != Direction::none)
+    return;
+  const Model with = with_expected(found.fit.model);
+  const std::size_t before = found.fit.model.effects.size();
+  if (with.effects.size() == before)
+    return;
+  const std::optional<FitResult> apart = fit_by_direction(parts, with);
+  if (!apart || !apart->determined ||
+      !is_clearly_closer(parts, *apart, fit(parts.train, with, kRefit)))
+    return;
+  FitResult told = *apart;
+  attach_errors(told);
+  for (std::size_t k = before; k < with.effects.size(); ++k) {
+    const EffectInstance &e = told.model.effects[k];
+    if (std::pow(e.values[0] / e.std_errors[0], 2) < criteria::kClear)
+      continue;
+    found.order.push_back(found.fit.model.effects.size());
+    found.contribution.push_back(moved_rms_v(parts.train, told.model, k));
+    found.alternatives.emplace_back();
+    found.fit.model.effects.push_back(e);
+  }
+}
+
 } // namespace
 
 SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, SearchResult found) {
@@ -403,6 +432,7 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
         found = search().run(true, &known);
       }
       prefer_what_every_pair_has(start.scene, start.judge, parts, found);
+      name_what_the_direction_tells(parts, found);
       return found;
     }
     const Discrepancy discrepancy = discrepancy_of(left.basis, left.selection, left.from);
@@ -428,6 +458,7 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
     colour(start.scene, parts, found.fit.model);
   drop_what_has_no_name(start.scene, parts, found);
   prefer_what_every_pair_has(start.scene, start.judge, parts, found);
+  name_what_the_direction_tells(parts, found);
   return found;
 }
 

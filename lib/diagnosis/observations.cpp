@@ -100,7 +100,7 @@ std::array<double, 2> Observations::direction_at(std::size_t i, double model_sin
     const auto [s, c] = outward(at_s, at_c);
     return {c, -s};
   }
-  return disturbed == Direction::radius ? outward(model_sin, model_cos)
+  return disturbed == Direction::radius ? unit(model_sin - centre_sin_v, model_cos - centre_cos_v)
                                         : unit(model_sin, model_cos);
 }
 

@@ -209,8 +209,7 @@ void Work::judge_model() {
     last_ = parts_.rung(out_.extended);
   // Where nothing has a name the better one of two fits of the same model stands.
   if (found_.order.empty() && !ladder_.supply)
-    if (const Rung plain = parts_.rung(ladder_.baseline);
-        plain.heldout.log_likelihood > last_.heldout.log_likelihood) {
+    if (const Rung plain = parts_.rung(ladder_.baseline); likelier_and_no_farther(plain)) {
       out_.extended.baseline = ladder_.baseline.baseline;
       last_ = plain;
     }
@@ -316,28 +315,50 @@ void Work::compare_with_anonymous() {
 }
 
 void Work::carry_remainder(const Parts &white) {
-  const auto likelier = [&](const Rung &rung) {
-    return rung.heldout.log_likelihood > last_.heldout.log_likelihood;
-  };
   out_.remainder_rms_v = out_.remainder_angle_rms_deg = 0.0;
-  std::optional<Model> carried;
-  if (const Model judged = with_remainder(scene_, unnamed_, white.train, out_.extended);
-      judged.remainder)
-    if (const Rung after = white.rung(judged); likelier(after)) {
-      carried = with_remainder(scene_, unnamed_, everything(), out_.extended);
+  Model judged = out_.extended; // by the training part alone
+  if (Model with = with_remainder(scene_, unnamed_, white.train, out_.extended); with.remainder)
+    if (const Rung after = white.rung(with); likelier_and_no_farther(after)) {
+      judged = std::move(with);
+      out_.extended = with_remainder(scene_, unnamed_, everything(), std::move(out_.extended));
       last_ = after;
     }
   if (auto kept = with_given_remainder(out_.extended))
-    if (const Rung after = white.rung(*kept); likelier(after)) {
-      carried = std::move(kept);
+    if (const Rung after = white.rung(*kept); likelier_and_no_farther(after)) {
+      judged = out_.extended = *std::move(kept);
       last_ = after;
     }
-  if (!carried)
+  carry_mean_of_unnamed(white, judged);
+  if (!out_.extended.remainder)
     return;
-  out_.extended = std::move(*carried);
   out_.remainder_rms_v = out_.extended.remainder->rms() * out_.extended.baseline.amplitude_v;
   if (parts_.has_reference)
     out_.remainder_angle_rms_deg = remainder_angle_rms(parts_.heldout, out_.extended);
+}
+
+bool Work::likelier_and_no_farther(const Rung &other) const {
+  const auto &after = other.heldout.angle_error_rms_deg,
+             &before = last_.heldout.angle_error_rms_deg;
+  return other.heldout.log_likelihood > last_.heldout.log_likelihood &&
+         !(after && before && *after > criteria::kNoWorse * *before);
+}
+
+void Work::carry_mean_of_unnamed(const Parts &white, const Model &judged) {
+  if (!scene_.has_reference)
+    return;
+  const auto with_mean = [](Observations data, const Model &model) {
+    data.own_offsets = true;
+    return as_seen_by(data, model);
+  };
+  const Rung after = white.rung(with_mean(white.train, judged));
+  const double nats = static_cast<double>(white.heldout.size()) *
+                      (after.heldout.log_likelihood - last_.heldout.log_likelihood);
+  const double error = *after.heldout.angle_error_rms_deg, was = *last_.heldout.angle_error_rms_deg;
+  // The angle is what the offsets are for: what the length would rather have counts less.
+  if (!(error <= was && nats > criteria::kRivalNats) && !(criteria::kNoWorse * error < was))
+    return;
+  out_.extended = with_mean(everything(), out_.extended);
+  last_ = after;
 }
 
 Observations Work::everything() const {

@@ -120,6 +120,8 @@ private:
   /// No finding makes held-out data worse: where all together do, the one that harms most goes. One
   /// that does so where it is added, but not among all, is named after what it has to stand on.
   bool drop_what_harms();
+  /// Whether held-out data are less likely after a step than before it.
+  bool makes_worse(const Quality &before, const Quality &after) const;
   /// Whether held-out data are likelier under all findings than without this one, by 8 nats.
   bool needed_by_all(std::size_t place) const;
 
@@ -178,6 +180,13 @@ private:
   /// What repeats with the angle and has no name, where held-out data confirm it: what this capture
   /// shows, or what the given model brought along where that tells more.
   void carry_remainder(const Parts &white);
+  /// Whether held-out data are likelier than with the last model, and their angle is no farther
+  /// off: where the length wanders an offset or a remainder may follow it, and turn the angle.
+  bool likelier_and_no_farther(const Rung &other) const;
+  /// Offsets and zero angle are fitted beside what has no name. Of that no file carries what goes
+  /// with the time, the speed or the temperature; its mean over the capture goes with the offsets
+  /// where held-out data bear it out. `judged`: the extended model by the training part alone.
+  void carry_mean_of_unnamed(const Parts &white, const Model &judged);
 
   /// All usable samples: the numbers of a remainder that held-out data have confirmed are taken
   /// from them, too.
@@ -271,7 +280,8 @@ private:
   /// coarse converter leave over: what is smaller is of their kind. A slow process goes on above
   /// the half waves that its course was taken out by, and comes with what does not go on in time
   /// the less, the more periods lie in each of them.
-  double random_v(bool in_time = true) const;
+  /// `turning`: of what turns the vector alone, as no gain does.
+  double random_v(bool in_time = true, bool turning = false) const;
 
   static bool is_white(const EffectInfo &info);
   static bool is_coloured_noise(const EffectInfo &info);
@@ -286,6 +296,8 @@ private:
   /// Takes out what the named random causes account for. White noise is what has no structure:
   /// where much of it has, it is no cause of its own.
   void drop_what_is_random();
+  /// Beside a gain that wanders what is left across the vector, above noise that is white.
+  std::optional<Structure> what_turns_the_vector() const;
 
   /// A process that accounts for less than what goes on in time beside it, its own half waves
   /// aside, is no cause: what switches between two states, say, has a slow part, too.

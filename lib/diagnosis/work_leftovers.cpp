@@ -72,12 +72,14 @@ double Work::beyond_course_v2(const EffectInfo &info, const std::vector<double> 
   return std::pow(process_v(info, values), 2) / std::max(1, slow_waves_);
 }
 
-double Work::random_v(bool in_time) const {
+double Work::random_v(bool in_time, bool turning) const {
   const double waves = std::max(1, slow_waves_);
   const double alike = in_time ? 1.0 : crosstalk(periods_in_all(), waves) / criteria::kLittle;
   double sum = 0.0;
   for (const EffectInstance &e : seen_random_) {
     const EffectInfo &info = e.effect->info();
+    if (turning && info.pattern == Pattern::gain)
+      continue;
     if (is_coloured_noise(info))
       sum += e.values[0] * e.values[0];        // what else is left over is not its own
     else if (info.evidence != Evidence::noise) // white noise has no structure of its own
@@ -132,10 +134,39 @@ void Work::drop_what_is_random() {
     std::erase_if(seen_random_, by_what_is_left);
   }
   drop_processes_that_leave_more();
+  const std::optional<Structure> turns = what_turns_the_vector();
   std::erase_if(out_.structure, [&](const Structure &s) {
     const bool in_time = s.along == axis_name(Axis::time) || s.along == axis_name(Axis::frequency);
     return s.rms_v < criteria::kOfProcess * random_v(in_time);
   });
+  if (turns && out_.structure.empty())
+    out_.structure.push_back(*turns);
+}
+
+std::optional<Structure> Work::what_turns_the_vector() const {
+  const bool gain = std::any_of(processes_.begin(), processes_.end(), [](const RandomCause &c) {
+    return c.effect->info().pattern == Pattern::gain;
+  });
+  if (!gain || !scene_.has_reference)
+    return std::nullopt;
+  std::vector<double> along, across;
+  split(scene_.all, residual_columns(scene_.all, out_.extended), along, across);
+  double squares = 0.0, products = 0.0; // of neighbours, in which white noise vanishes
+  for (std::size_t i = 1; i < across.size(); ++i) {
+    squares += across[i] * across[i];
+    products += across[i] * across[i - 1];
+  }
+  const double n = static_cast<double>(std::max<std::size_t>(2, across.size()) - 1);
+  const double v2 = products / n, error_v2 = squares / n / std::sqrt(n);
+  const double of_channel_v = std::sqrt(0.5 * std::max(0.0, v2));
+  if (v2 < criteria::kClearErrors * error_v2 || of_channel_v < criteria::kWorthAWord * floor() ||
+      of_channel_v < criteria::kOfProcess * random_v(true, true))
+    return std::nullopt;
+  return Structure{std::string(axis_name(Axis::time)),
+                   fmt::format("{:.3g} mV rms turn the vector and go on from row to row, which no "
+                               "gain does: no named cause explains them",
+                               1e3 * of_channel_v),
+                   of_channel_v};
 }
 
 void Work::drop_processes_that_leave_more() {

@@ -138,9 +138,16 @@ Model Work::found_baseline() const {
 
 bool Work::needed_by_all(std::size_t place) const {
   const Model less = fit(parts_.train, found_.fit.model.without(found_.order[place]), 6).model;
-  const double more =
-      ladder_.last.heldout.log_likelihood - parts_.rung(less).heldout.log_likelihood;
-  return more * static_cast<double>(parts_.heldout.size()) > criteria::kRivalNats;
+  return makes_worse(ladder_.last.heldout, parts_.rung(less).heldout);
+}
+
+bool Work::makes_worse(const Quality &before, const Quality &after) const {
+  // A figure that the direction alone has told makes the length no likelier.
+  if (ladder_.by_direction)
+    return *after.angle_error_rms_deg > criteria::kNoWorse * *before.angle_error_rms_deg;
+  return (before.log_likelihood - after.log_likelihood) *
+             static_cast<double>(parts_.heldout.size()) >
+         criteria::kRivalNats;
 }
 
 bool Work::drop_what_harms() {
@@ -151,7 +158,6 @@ bool Work::drop_what_harms() {
   const bool whole_harms = !likelier || !closer;
   // What every pair has is fitted beside what has no name, which takes a part of it back: it may
   // leave more by itself. Any other cause has to make held-out data likelier.
-  const double samples = static_cast<double>(parts_.heldout.size());
   std::size_t worst = ladder_.findings.size();
   double most = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < ladder_.findings.size(); ++i) {
@@ -160,8 +166,7 @@ bool Work::drop_what_harms() {
     const double less = before.log_likelihood - after.log_likelihood;
     const double harm =
         whole_harms && likelier ? *after.angle_error_rms_deg - *before.angle_error_rms_deg : less;
-    const bool by_itself = f.effect->info().prior_rank > 0 &&
-                           less * samples > criteria::kRivalNats &&
+    const bool by_itself = f.effect->info().prior_rank > 0 && makes_worse(before, after) &&
                            !is_measured_aside(parts_.train, found_.fit.model, found_.order[i]);
     if ((whole_harms || by_itself) && harm > most) {
       most = harm;
