@@ -505,7 +505,7 @@ std::size_t sudden_step(const Residual &r, const std::vector<double> &a,
                                               std::clamp(rounds_of(r), kFewestRounds, 25.0));
   std::vector<std::size_t> turned(n + 1, 0); // changes of sense so far
   for (std::size_t i = 1; i < n; ++i)
-    turned[i + 1] = turned[i] + ((r.omega[i] < 0.0) != (r.omega[i - 1] < 0.0));
+    turned[i + 1] = turned[i] + (r.sense[i] != r.sense[i - 1]);
   double best = 0.0;
   std::size_t at = 0;
   std::vector<double> sizes;
@@ -598,15 +598,15 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
       most = mostly_at(r);
     const auto of_round = static_cast<int>(round > 0.0 ? std::round(frequency / round) : 0.0);
     const int of_speed = order_near(r, frequency, 1.0 / span);
-    const bool at_round = of_round >= 1 &&
-                          std::abs(frequency - of_round * round) < kOrderWidth / span &&
-                          !told_from_order(r, of_round, frequency);
-    const bool at_order =
-        at_round || turns_with_shaft(r, of_speed, line) ||
-        (of_speed != 0 && of_speed != of_round && !told_from_order(r, of_speed, frequency));
-    return (at_order &&
-            may_be_of_the_angle(r, *most, of_round > 0 ? of_round : of_speed, frequency, line,
-                                few)) ||
+    const bool near_round =
+        of_round >= 1 && std::abs(frequency - of_round * round) < kOrderWidth / span;
+    const bool at_round = near_round && !told_from_order(r, of_round, frequency);
+    const bool at_speed = turns_with_shaft(r, of_speed, line) ||
+                          (of_speed != 0 && !(near_round && of_speed == of_round) &&
+                           !told_from_order(r, of_speed, frequency));
+    return ((at_round || at_speed) &&
+            may_be_of_the_angle(r, *most, near_round || !at_speed ? of_round : of_speed, frequency,
+                                line, few)) ||
            slow_beside_pair(r, frequency) ||
            (rotates_with_pair(r, *most, frequency, line) &&
             (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));

@@ -308,7 +308,9 @@ FitResult fit_whole(const Parts &parts, const Model &start, bool &by_direction) 
   FitResult alike = fit_with_errors(parts.train, start);
   const auto radius = [&](const FitResult &f) { return radius_left(parts.heldout, f.model); };
   if (std::optional<FitResult> apart = fit_by_direction(parts, start))
-    return (by_direction = is_clearly_closer(parts, *apart, alike)) ? *std::move(apart) : alike;
+    return (by_direction = apart->determined && is_clearly_closer(parts, *apart, alike))
+               ? *std::move(apart)
+               : alike;
   fit_by_length(parts, alike, [&](const FitResult &one, const FitResult &other) {
     return nats_between(radius(other), radius(one)) > criteria::kRivalNats;
   });

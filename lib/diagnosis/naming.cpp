@@ -406,6 +406,7 @@ void name_what_the_direction_tells(const Parts &parts, SearchResult &found) {
     found.contribution.push_back(moved_rms_v(parts.train, told.model, k));
     found.alternatives.emplace_back();
     found.fit.model.effects.push_back(e);
+    ++found.by_direction;
   }
 }
 

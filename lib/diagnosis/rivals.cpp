@@ -95,8 +95,10 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
   // then, the data do not tell them apart.
   const bool told_from_speed = self->info().axis != axis_name(Axis::speed);
   for (const Candidate &c : list) {
-    // To first order, and beside what has no name, one of two that look alike may seem far less.
-    if (c.effect == self || (c.gain < criteria::kComparable * highest && !knows(*self, *c.effect)))
+    // To first order, and beside what has no name, one of two that look alike may seem far less: it
+    // is an alternative then.
+    const bool comparable = c.gain >= criteria::kComparable * highest;
+    if (c.effect == self || (!comparable && !knows(*self, *c.effect)))
       continue;
     // A signature takes the place of no physical cause, unless other evidence speaks for it, and is
     // told of beside one that says of itself that it looks so; without a reference nothing tells
@@ -143,7 +145,7 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
     const bool yields = self->info().yields_to == c.effect->info().id;
     const double needed = yields ? -criteria::kRivalNats : criteria::kRivalNats;
     // More numbers are no better cause, unless other evidence pays for them.
-    if (better && c.visible && (saved >= 0.0 || side > criteria::kRivalNats) &&
+    if (better && comparable && c.visible && (saved >= 0.0 || side > criteria::kRivalNats) &&
         (rival.score + saved > now.score + needed ||
          // What the order of the stages blurs speaks for neither: other evidence does.
          (side > criteria::kRivalNats && left <= blurred) ||

@@ -41,6 +41,7 @@ struct SearchResult {
   double supply_rms_fraction = 0.0;      ///< of a supply variation seen without a VDD channel
   Direction disturbed = Direction::none; ///< and how residuals were weighed in the end
   double weight_along = 1.0;
+  std::size_t by_direction = 0; ///< the last so many of `order` are told by the direction alone
 
   /// Takes the finding at this place of `order` out of everything.
   void forget(std::size_t place);

@@ -261,16 +261,20 @@ Kinematics motion_by_pair(Screened &look, Scene &scene, std::vector<std::uint32_
     look.usable = before;
     return motion_of_the_pair_itself(look, scene);
   }
+  std::vector<std::uint32_t> unfitted;
   if (scene.radius_only) { // what no smooth motion fits has a radius all the same
+    for (std::size_t i = 0; i < before.size(); ++i)
+      if (before[i] && !look.usable[i])
+        unfitted.push_back(static_cast<std::uint32_t>(i));
     look.usable = before;
     smooth.motion.alpha = look.angle;
   } else {
     scene.knots = std::move(smooth.knots);
-    rough = left_out(before, look);
+    unfitted = rough = left_out(before, look);
   }
-  if (!rough.empty()) { // how fast it turned there tells the pair as well
+  if (!unfitted.empty()) { // how fast it turned there tells the pair as well
     const Kinematics own = differentiate(look.capture.time_s, look.angle, kHalfWindow);
-    for (std::uint32_t i : rough) {
+    for (std::uint32_t i : unfitted) {
       smooth.motion.alpha[i] = own.alpha[i];
       smooth.motion.omega[i] = own.omega[i];
       smooth.motion.accel[i] = own.accel[i];

@@ -64,11 +64,11 @@ std::vector<Rival> rivals_of(const Scene &scene, const Parts &parts, const Model
 void put_likelier_first(const Scene &scene, const Parts &parts, Model &model, std::size_t effect) {
   const double noise_v2 = scene.white_noise_v * scene.white_noise_v;
   for (Rival &rival : rivals_of(scene, parts, model, effect)) {
-    const double left = left_v2(parts, model) - noise_v2,
-                 left_instead = left_v2(parts, rival.model) - noise_v2;
+    const double left = std::max(0.0, left_v2(parts, model) - noise_v2),
+                 left_instead = std::max(0.0, left_v2(parts, rival.model) - noise_v2);
     if (rival.model.effects[effect].effect->info().prior_rank <
             model.effects[effect].effect->info().prior_rank &&
-        left > (1.0 - criteria::kNextToNothing) * left_instead)
+        left >= (1.0 - criteria::kNextToNothing) * left_instead)
       model = std::move(rival.model);
   }
 }

@@ -23,6 +23,7 @@
 #include "diagnosis/moments.h"
 #include "diagnosis/naming.h"
 #include "diagnosis/unseen_supply.h"
+#include "model/wires.h"
 
 namespace ada {
 
@@ -49,9 +50,9 @@ void Work::read_by_radius(Scene &scene, const Model &model) const {
   std::vector<std::uint32_t> rows; // that are the sensor's, spikes or not
   std::set_union(scene.index.begin(), scene.index.end(), scene.spiked_index.begin(),
                  scene.spiked_index.end(), std::back_inserter(rows));
-  const double mid_v = 0.5 * model.supply_v;
-  scene.own_jumps = own_jumps(worked_on(), rows, mid_v + model.baseline.offset_sin_v,
-                              mid_v + model.baseline.offset_cos_v, has(model, follows_supply));
+  const auto [centre_sin_v, centre_cos_v] = recorded_centre_v(model);
+  scene.own_jumps =
+      own_jumps(worked_on(), rows, centre_sin_v, centre_cos_v, has(model, follows_supply));
 }
 
 Diagnosis Work::run() {
@@ -177,6 +178,10 @@ void Work::settle() {
   found_ = name_against_anonymous({scene_, judge(), found_baseline(), noise_, options_.progress},
                                   parts_, std::move(found_));
   take(build_ladder(parts_, found_));
+  for (; found_.by_direction > 0 && !ladder_.by_direction; --found_.by_direction) {
+    found_.forget(found_.order.size() - 1);
+    take(build_ladder(parts_, found_));
+  }
   while (drop_what_is_impossible() || drop_what_is_cancelled() || drop_slips_within_a_step() ||
          drop_what_comes_in_slowly() || drop_steps_of_processes() ||
          drop_lines_that_stand_together() || drop_what_the_length_denies() ||

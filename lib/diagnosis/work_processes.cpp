@@ -14,6 +14,7 @@
 #include "diagnosis/few_rows.h"
 #include "diagnosis/moments.h"
 #include "diagnosis/random_causes.h"
+#include "model/wires.h"
 
 namespace ada {
 
@@ -188,7 +189,7 @@ bool Work::take_out_courses(Anonymous slow, const std::vector<RandomCause> &proc
   };
   const Selection offsets = courses_of(Pattern::offset), gain = courses_of(Pattern::gain);
   const Baseline &b = out_.extended.baseline;
-  const double middle_v = 0.5 * scene_.supply_v;
+  const auto [sin_v, cos_v] = recorded_centre_v(out_.extended);
   for (Observations *data : all_data()) {
     if (judge_ && data == &parts_.heldout)
       continue;
@@ -200,7 +201,6 @@ bool Work::take_out_courses(Anonymous slow, const std::vector<RandomCause> &proc
     turning.cos = turning.sin;
     subtract(unnamed_.basis, gain, *data, turning);
     for (std::size_t i = 0; i < data->size(); ++i) {
-      const double sin_v = b.offset_sin_v + middle_v, cos_v = b.offset_cos_v + middle_v;
       const double s = pair.sin[i] - sin_v, c = pair.cos[i] - cos_v;
       // What the gain adds lies along the vector that it was read off.
       const double more = std::hypot(turning.sin[i], turning.cos[i]);

@@ -138,13 +138,17 @@ Model Work::found_baseline() const {
 
 bool Work::needed_by_all(std::size_t place) const {
   const Model less = fit(parts_.train, found_.fit.model.without(found_.order[place]), 6).model;
-  return makes_worse(ladder_.last.heldout, parts_.rung(less).heldout);
+  if (!ladder_.by_direction)
+    return makes_worse(ladder_.last.heldout, parts_.rung(less).heldout);
+  const std::optional<FitResult> apart = fit_by_direction(parts_, less); // like with like
+  return !apart || makes_worse(ladder_.last.heldout, parts_.rung(apart->model).heldout);
 }
 
 bool Work::makes_worse(const Quality &before, const Quality &after) const {
   // A figure that the direction alone has told makes the length no likelier.
   if (ladder_.by_direction)
-    return *after.angle_error_rms_deg > criteria::kNoWorse * *before.angle_error_rms_deg;
+    return after.angle_error_rms_deg.value() >
+           criteria::kNoWorse * before.angle_error_rms_deg.value();
   return (before.log_likelihood - after.log_likelihood) *
              static_cast<double>(parts_.heldout.size()) >
          criteria::kRivalNats;
@@ -152,7 +156,8 @@ bool Work::makes_worse(const Quality &before, const Quality &after) const {
 
 bool Work::drop_what_harms() {
   const Quality &first = ladder_.first.heldout, &last = ladder_.last.heldout;
-  const bool likelier = last.log_likelihood >= first.log_likelihood;
+  // The length is no witness of a figure that the direction alone tells.
+  const bool likelier = ladder_.by_direction || last.log_likelihood >= first.log_likelihood;
   const bool closer = !last.angle_error_rms_deg ||
                       *last.angle_error_rms_deg <= criteria::kNoWorse * *first.angle_error_rms_deg;
   const bool whole_harms = !likelier || !closer;
@@ -164,8 +169,8 @@ bool Work::drop_what_harms() {
     const Finding &f = ladder_.findings[i];
     const Quality &before = f.before.heldout, &after = f.after.heldout;
     const double less = before.log_likelihood - after.log_likelihood;
-    const double harm =
-        whole_harms && likelier ? *after.angle_error_rms_deg - *before.angle_error_rms_deg : less;
+    const bool by_angle = ladder_.by_direction || (whole_harms && likelier);
+    const double harm = by_angle ? *after.angle_error_rms_deg - *before.angle_error_rms_deg : less;
     const bool by_itself = f.effect->info().prior_rank > 0 && makes_worse(before, after) &&
                            !is_measured_aside(parts_.train, found_.fit.model, found_.order[i]);
     if ((whole_harms || by_itself) && harm > most) {

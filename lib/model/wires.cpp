@@ -36,7 +36,7 @@ Wires wires_of(const Model &model) {
     wave->s[i] = mid_v + (i == 0 ? 1.0 : 0.0);
     wave->c[i] = mid_v + (i == 1 ? 1.0 : 0.0);
   }
-  for (const EffectInstance &e : model.effects)
+  for (const EffectInstance &e : in_physical_order(model.effects))
     if (is_of_wires(e.effect->info()))
       e.effect->apply(e.values, *wave);
   return {wave->s[0] - mid_v, wave->s[1] - mid_v, wave->c[0] - mid_v, wave->c[1] - mid_v};

@@ -165,8 +165,14 @@ TEST_F(AngleSolverRemainder, IsTakenOutBesideEffectsAndWrongWiring) {
 
 /// A magnetometer beside iron: the circle does not enclose mid-supply.
 TEST_F(AngleSolverRemainder, IsTakenOutAboutACentreThatIsRecordedByWrongWiring) {
-  for (const char *wires : {"channel-swap", "channel-inverted:channel=vcos"}) {
-    Model model = sensor_with(wires);
+  const std::vector<std::vector<const char *>> wirings{
+      {"channel-swap"},
+      {"channel-inverted:channel=vcos"},
+      {"channel-inverted:channel=vcos", "channel-swap"}}; // whatever the order in the file
+  for (const auto &wires : wirings) {
+    Model model = sensor();
+    for (const char *effect : wires)
+      model.effects.push_back(parse_effect(effect));
     model.baseline = {0.35, -0.07, -1.12, 1.0};
     model.remainder = drawn_remainder(rng_, 4, 0.02, false);
     expect_solved(model);

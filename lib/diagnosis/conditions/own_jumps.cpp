@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -66,11 +67,12 @@ std::vector<double> turned_by_counts(const std::vector<double> &vsin_v,
                                      const std::vector<double> &vcos_v, double centre_sin_v,
                                      double centre_cos_v, int periods_per_turn) {
   const double count_v = std::hypot(converter_step(vsin_v), converter_step(vcos_v));
-  std::vector<double> out(vsin_v.size(), 0.0);
+  const double most = std::numbers::pi / periods_per_turn; // at the centre itself
+  std::vector<double> out(vsin_v.size(), most);
   for (std::size_t i = 0; i < out.size(); ++i)
     if (const double length_v = std::hypot(vsin_v[i] - centre_sin_v, vcos_v[i] - centre_cos_v);
         length_v > 0.0)
-      out[i] = count_v / (length_v * periods_per_turn);
+      out[i] = std::min(most, count_v / (length_v * periods_per_turn));
   return out;
 }
 
