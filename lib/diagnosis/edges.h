@@ -24,9 +24,10 @@ std::size_t reach_of_edges(std::size_t samples, double rounds, int periods_per_t
 inline constexpr std::size_t kFewestOfEdge = 8;
 
 /// The sharpest edges of two columns of one length, of some thousand samples, the largest first, at
-/// places about which the shaft turns in one sense, which at rest is that of the way there. An edge stands out by criteria::kJump of what
-/// the lines on either side are usually apart, is as large however short they are, down to where
-/// noise hides it, and is not undone by another beside it. Time in proportion to the length.
+/// places about which the shaft turns in one sense, which at rest is that of the way there. An edge
+/// stands out by criteria::kJump of what the lines on either side are usually apart, is as large
+/// however short they are, down to where noise hides it, and is not undone by another beside it.
+/// Time in proportion to the length.
 std::vector<Edge> find_edges(std::span<const double> time, std::span<const double> first,
                              std::span<const double> second, std::span<const signed char> sense,
                              std::size_t reach, std::size_t most);

@@ -8,7 +8,6 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "base/pick.h"
@@ -144,10 +143,10 @@ std::optional<FitResult> fit_by_direction(Parts parts, Model model) {
   parts.train.coloured.reset();
   constexpr int kPasses = 3; // what lies across shows only where the length no longer bends the fit
   for (int pass = 0; pass < kPasses; ++pass) {
-    parts.weigh(Direction::none, 1.0);
     // A gain acts on the vector from the centre, of which the length has told little.
-    std::tie(parts.train.centre_sin_v, parts.train.centre_cos_v) =
-        std::tuple_cat(recorded_centre_v(model));
+    const auto [centre_sin_v, centre_cos_v] = recorded_centre_v(model);
+    parts.train.centre_sin_v = centre_sin_v;
+    parts.train.centre_cos_v = centre_cos_v;
     const Scatter left = scatter_of(parts.train, model);
     if (left.along <= criteria::kMoreThanNoise * left.across)
       return std::nullopt;

@@ -42,10 +42,10 @@ bool stands_alone(const std::vector<char> &usable, std::size_t spike) {
   return static_cast<std::size_t>(good) >= kReach;
 }
 
-std::vector<double> turned_by_counts(const Screened &look) {
+std::vector<double> counts_of(const Screened &look) {
   const Capture &c = look.capture;
-  return ada::turned_by_counts(c.vsin_v, c.vcos_v, look.centre_sin_v, look.centre_cos_v,
-                               c.meta.periods_per_turn);
+  return turned_by_counts(c.vsin_v, c.vcos_v, look.centre_sin_v, look.centre_cos_v,
+                          c.meta.periods_per_turn);
 }
 
 /// Jumps to and fro of the pair's own angle at rows that were usable before and no longer are: of
@@ -56,7 +56,7 @@ OwnJumps jumps_left_out(const Screened &look, const std::vector<char> &before) {
     if (before[i])
       rows.push_back(static_cast<std::uint32_t>(i));
   OwnJumps out = own_jumps(pick(look.capture.time_s, rows), pick(look.angle, rows),
-                           pick(turned_by_counts(look), rows), pick(look.usable, rows));
+                           pick(counts_of(look), rows), pick(look.usable, rows));
   out.number_by(rows);
   return out.to_and_fro() ? out : OwnJumps{};
 }
@@ -143,7 +143,7 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   Kinematics motion =
       scene.has_reference ? motion_by_reference(look, scene) : motion_by_pair(look, scene, rough);
   if (scene.radius_only)
-    scene.own_jumps = own_jumps(capture.time_s, look.angle, turned_by_counts(look));
+    scene.own_jumps = own_jumps(capture.time_s, look.angle, counts_of(look));
   else
     bursts = in_rows(look.spikes);
   if (!rough.empty())

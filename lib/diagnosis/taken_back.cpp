@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "diagnosis/admission.h"
@@ -19,38 +18,22 @@ namespace ada {
 
 namespace {
 
-/// An effect in the place of one that was found. Nothing: it does nothing there that could be
-/// fitted. An event begins where what is left without that one jumps most.
-std::optional<EffectInstance> in_place_of(const Scene &scene, const Model &model,
-                                          std::size_t effect, const Effect &other) {
-  const ResidualColumns columns = residual_columns(scene.all, model.without(effect));
-  const Residual rest =
-      residual_view(scene, scene.all, columns, scene.white_noise_v, model.baseline.amplitude_v);
-  if (other.info().evidence != Evidence::signal || !other.invisible(rest).empty())
-    return std::nullopt;
-  if (!has_moment(other))
-    return absent(other);
-  const auto guesses = other.guesses(rest);
-  if (guesses.empty())
-    return std::nullopt;
-  return EffectInstance{&other, guesses.front(), {}};
-}
-
 /// What a cause says of itself that it looks like, and held-out data beside what has no name do not
 /// reject in its place.
 std::vector<Rival> rivals_of(const Scene &scene, const Parts &parts, const Model &model,
                              std::size_t effect) {
+  const ResidualColumns none;
+  const Residual facts =
+      residual_view(scene, scene.all, none, scene.white_noise_v, model.baseline.amplitude_v);
   std::vector<Rival> out;
   const double nats = nats_beside_anonymous(scene, parts, model);
   for (const Separation &from : model.effects[effect].effect->info().separations) {
     const Effect *other = find_effect(from.rival);
-    if (!other || holds(model, other))
-      continue;
-    const auto instead = in_place_of(scene, model, effect, *other);
-    if (!instead)
+    if (!other || holds(model, other) || other->info().evidence != Evidence::signal ||
+        has_moment(*other) || !other->invisible(facts).empty())
       continue;
     Model rival = model;
-    rival.effects[effect] = *instead;
+    rival.effects[effect] = absent(*other);
     const FitResult fitted = fit(parts.train, rival, kRefit);
     if (fitted.determined && in_range(fitted.model.effects[effect]) &&
         nats_beside_anonymous(scene, parts, fitted.model) > nats - criteria::kRivalNats)
@@ -59,25 +42,9 @@ std::vector<Rival> rivals_of(const Scene &scene, const Parts &parts, const Model
   return out;
 }
 
-/// A cause that is likelier before any data goes first, unless the other takes more of what it
-/// leaves above the noise than any shape does by chance.
-void put_likelier_first(const Scene &scene, const Parts &parts, Model &model, std::size_t effect) {
-  const double noise_v2 = scene.white_noise_v * scene.white_noise_v;
-  for (Rival &rival : rivals_of(scene, parts, model, effect)) {
-    const double left = std::max(0.0, left_v2(parts, model) - noise_v2),
-                 left_instead = std::max(0.0, left_v2(parts, rival.model) - noise_v2);
-    if (rival.model.effects[effect].effect->info().prior_rank <
-            model.effects[effect].effect->info().prior_rank &&
-        left >= (1.0 - criteria::kNextToNothing) * left_instead)
-      model = std::move(rival.model);
-  }
-}
-
 /// Puts causes of a fitted model, from one place on, to those that were found.
 void take_back(const Scene &scene, const Parts &parts, const Model &less, FitResult fitted,
                SearchResult &found) {
-  for (std::size_t k = less.effects.size(); k < fitted.model.effects.size(); ++k)
-    put_likelier_first(scene, parts, fitted.model, k);
   const double without_v2 = left_v2(parts, less), with_v2 = left_v2(parts, fitted.model);
   for (std::size_t k = less.effects.size(); k < fitted.model.effects.size(); ++k) {
     found.order.push_back(k);

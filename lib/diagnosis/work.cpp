@@ -321,6 +321,7 @@ void Work::compare_with_anonymous() {
 
 void Work::carry_remainder(const Parts &white) {
   out_.remainder_rms_v = out_.remainder_angle_rms_deg = 0.0;
+  auto kept = with_given_remainder(out_.extended);
   Model judged = out_.extended; // by the training part alone
   if (Model with = with_remainder(scene_, unnamed_, white.train, out_.extended); with.remainder)
     if (const Rung after = white.rung(with); likelier_and_no_farther(after)) {
@@ -328,7 +329,7 @@ void Work::carry_remainder(const Parts &white) {
       out_.extended = with_remainder(scene_, unnamed_, everything(), std::move(out_.extended));
       last_ = after;
     }
-  if (auto kept = with_given_remainder(out_.extended))
+  if (kept)
     if (const Rung after = white.rung(*kept); likelier_and_no_farther(after)) {
       judged = out_.extended = *std::move(kept);
       last_ = after;
@@ -358,7 +359,8 @@ void Work::carry_mean_of_unnamed(const Parts &white, const Model &judged) {
   const Rung after = white.rung(with_mean(white.train, judged));
   const double nats = static_cast<double>(white.heldout.size()) *
                       (after.heldout.log_likelihood - last_.heldout.log_likelihood);
-  const double error = *after.heldout.angle_error_rms_deg, was = *last_.heldout.angle_error_rms_deg;
+  const double error = after.heldout.angle_error_rms_deg.value(),
+               was = last_.heldout.angle_error_rms_deg.value();
   // The angle is what the offsets are for: what the length would rather have counts less.
   if (!(error <= was && nats > criteria::kRivalNats) && !(criteria::kNoWorse * error < was))
     return;

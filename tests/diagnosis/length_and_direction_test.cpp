@@ -62,6 +62,8 @@ KIND(beside_a_gain_that_wanders_the_direction_tells_the_pair) {
   const Diagnosis d = diagnose(c, {});
   const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
   ASSERT_TRUE(k && delta) << left_of(d);
+  // A tenth of the smallest that a bench draws; what the wander bends a fit to both by is that
+  // whole.
   EXPECT_NEAR(k->values[0], bench.pair.k, 2e-3) << left_of(d);
   EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, 0.1) << left_of(d);
   const double noise_deg = bench.pair.noise_v / bench.pair.amplitude_v * kDegPerRad;
@@ -138,6 +140,35 @@ KIND(counts_on_a_thin_ellipse_are_no_jumps_of_the_angle) {
   c.reference_deg.clear();
   const Diagnosis d = diagnose(c, {});
   EXPECT_EQ(left_of(d).find("no shaft turns so"), std::string::npos) << left_of(d);
+}
+
+/// Two converters of their own, of which one is read two or three rows late, and a scale that is
+/// pulled by hand: the lag grows with the speed, as no quadrature error does.
+KIND(a_skew_of_several_rows_is_no_quadrature_error) {
+  Bench bench;
+  constexpr std::size_t kRows = 800;
+  constexpr double kRate = 1000.0;
+  bench.pair.delta_rad = 0.0;
+  bench.pair.noise_v = 0.005 * bench.pair.amplitude_v;
+  const double rows = bench.within(1.8, 2.8), phase = bench.within(0.0, kTwoPi),
+               swing = bench.within(0.25, 0.4);
+  const auto place = [&](double t) {
+    return kTwoPi * (36.0 * t + swing * 36.0 / 8.0 * std::sin(8.0 * t + phase));
+  };
+  Capture c = bench.capture(kRows, kRate, 1, place);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.vsin_v[i] = 2.5 + bench.normal(bench.pair.noise_v) +
+                  bench.pair.amplitude_v * (1.0 + 0.5 * bench.pair.k) *
+                      std::sin(place(c.time_s[i] - rows / kRate) + bench.pair.zero_rad);
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "channel-skew");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], rows / kRate, 0.1 * rows / kRate) << left_of(d);
+  if (const Finding *delta = named(d, "quadrature-error")) {
+    EXPECT_LT(std::abs(delta->values[0]), 0.1 * rows / kRate * 36.0 * 360.0) << left_of(d);
+  }
+  expect_none(d, {"low-pass-rolloff"});
 }
 
 } // namespace

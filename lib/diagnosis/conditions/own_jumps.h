@@ -52,15 +52,15 @@ struct OwnJumps {
 OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
                    std::span<const double> of_counts, std::span<const char> spared = {});
 
-/// By how much one count of each converter turns the mechanical angle of a pair about its centre,
-/// rad, at each sample; 0 where the readings show no counts.
-std::vector<double> turned_by_counts(const std::vector<double> &vsin_v,
-                                     const std::vector<double> &vcos_v, double centre_sin_v,
-                                     double centre_cos_v, int periods_per_turn);
-
 /// The same of the pair as it was read, about its centre, at some rows of the capture; with the
 /// recorded supply divided out where the outputs follow it.
 OwnJumps own_jumps(const Capture &capture, std::span<const std::uint32_t> rows, double centre_sin_v,
                    double centre_cos_v, bool at_one_supply);
+
+/// By how much one count of each converter turns the mechanical angle of a pair about its centre,
+/// rad, at each sample; none where the readings show no counts, half a period at the centre itself.
+std::vector<double> turned_by_counts(const std::vector<double> &vsin_v,
+                                     const std::vector<double> &vcos_v, double centre_sin_v,
+                                     double centre_cos_v, int periods_per_turn);
 
 } // namespace ada
