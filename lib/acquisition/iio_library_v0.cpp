@@ -45,7 +45,7 @@ struct ContextDeleter {
 using ContextPointer = std::unique_ptr<iio_context, ContextDeleter>;
 
 /// That a dialogue with a server may take, or the making of a context.
-constexpr std::chrono::milliseconds kMostTime{60000};
+constexpr std::chrono::milliseconds kMostDialogue{60000};
 
 /// Text of a device or a server, fit to be printed.
 std::string text(const char *s) {
@@ -183,7 +183,7 @@ public:
   ContextV0(ContextPointer context, std::string port, std::vector<OpenSocket> sockets,
             std::vector<OddFormat> odd_formats)
       : context_(std::move(context)), port_(std::move(port)),
-        watch_(port_, std::move(sockets), kMostTime), odd_formats_(std::move(odd_formats)) {}
+        watch_(port_, std::move(sockets), kMostDialogue), odd_formats_(std::move(odd_formats)) {}
 
   std::vector<IioDevice> devices() const override {
     const DialogueWatch::Dialogue watched(watch_);
@@ -398,7 +398,7 @@ std::unique_ptr<IioContext> open_iio_context(const std::string &uri,
   std::vector<OddFormat> odd = check_server_description(uri, cancellation);
   std::string port = server_port(uri);
   const std::vector<OpenSocket> before = sockets_to(port);
-  const ServerWatch watch(port, before, ServerWatch::Which::all_but, kMostTime, cancellation);
+  const ServerWatch watch(port, before, ServerWatch::Which::all_but, kMostDialogue, cancellation);
   errno = 0;
   std::string scratch = uri; // 0.24 writes into the text it is given (the colon before the port)
   ContextPointer context(iio_create_context_from_uri(scratch.c_str()));

@@ -57,6 +57,13 @@ std::string shortest(double value) {
   return {text.data(), end};
 }
 
+std::string in_full(double value) {
+  std::array<char, 400> text{};
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
+  return {text.data(), end.ptr};
+}
+
 std::string moment_text(double time_s) {
   std::array<char, 400> text; // the longest double and six places
   const char *const first = text.data();

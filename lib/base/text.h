@@ -25,6 +25,8 @@ std::string shortest(double value);
 
 /// A moment of a recording, "0.5 s" or "1760000000.25 s": to the microsecond, whatever the origin.
 std::string moment_text(double time_s);
+/// The shortest text without an exponent that reads back as the same number.
+std::string in_full(double value);
 
 /// The whole text as a finite number, or nothing.
 std::optional<double> parse_number(std::string_view text);

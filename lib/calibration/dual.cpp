@@ -17,7 +17,7 @@ namespace ada {
 namespace {
 
 /// A change of amplitude is modelled when it stands this many standard errors above zero.
-constexpr double kSignificant = 5.0;
+constexpr double kSignificantChange = 5.0;
 
 struct Known {
   double value, error;
@@ -129,7 +129,7 @@ Model calibrate_dual(const Recording &cold, const Recording &hot, CalibrationMet
                                           {tc_sin.error, tc_cos.error}));
   Known tc = slope(parameter(a, kAmplitude), parameter(b, kAmplitude), span);
   tc = {tc.value / amplitude.value, tc.error / amplitude.value};
-  if (std::abs(tc.value) > kSignificant * tc.error)
+  if (std::abs(tc.value) > kSignificantChange * tc.error)
     model.effects.push_back(effect_instance("amplitude-temperature-drift", {tc.value}, {tc.error}));
   return possible(std::move(model));
 }

@@ -16,7 +16,6 @@ namespace ada {
 
 namespace {
 
-constexpr double kSignificant = 5.0;
 /// Spread of the extreme of the samples near a peak, in sigmas: between 0.3 and 0.5 for tens to
 /// thousands of samples (Gumbel).
 constexpr double kExtremeSpread = 0.5;
@@ -78,7 +77,7 @@ private:
   double n_ = 0, mean_ = 0, square_ = 0;
 };
 
-struct Sums {
+struct PeakSums {
   PieceMean offset_sin, offset_cos, amplitude_sin, amplitude_cos;
   double pieces = 0;
   void add(const Extremes &s, const Extremes &c) {
@@ -94,8 +93,8 @@ struct Sums {
 constexpr double kNearlyWhole = 0.98;
 
 /// One pair of extremes for every `span` radians that the magnet goes on from the last piece.
-Sums by_pieces(const Winsorised &samples, const AnglePath &path, double span) {
-  Sums sums;
+PeakSums by_pieces(const Winsorised &samples, const AnglePath &path, double span) {
+  PeakSums sums;
   Extremes s, c;
   double from = path.psi.front(), low = from, high = from;
   for (std::size_t i = 0; i < path.psi.size(); ++i) {
@@ -120,7 +119,7 @@ void estimate_by_extrema(const Capture &capture, const EllipseFit &fit, PairEsti
   const int p = capture.meta.periods_per_turn;
   const AnglePath path = unwrap(capture, fit);
   const Winsorised samples(capture, fit);
-  Sums sums = by_pieces(samples, path, kTwoPi * p);
+  PeakSums sums = by_pieces(samples, path, kTwoPi * p);
   if (sums.pieces == 0) // less than a mechanical turn: a period has both peaks, at least
     sums = by_pieces(samples, path, kTwoPi);
   if (sums.pieces == 0) {

@@ -14,10 +14,6 @@ namespace ada {
 
 namespace {
 
-/// Beyond this many standard errors a mismatch or quadrature error is taken for real; the note's
-/// model leaves both out.
-constexpr double kSignificant = 5.0;
-
 /// A path that ends less than this part of a turn short of its beginning is closed by a straight
 /// step: a capture of "one turn" ends one sample before it.
 constexpr double kClosable = 0.02;

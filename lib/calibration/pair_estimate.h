@@ -15,6 +15,10 @@ namespace ada {
 
 enum class CalibrationMethod { fit, mean, extrema };
 
+/// Beyond this many standard errors a mismatch or quadrature error is taken for real; the note's
+/// model leaves both out.
+inline constexpr double kSignificant = 5.0;
+
 const char *method_name(CalibrationMethod method);
 
 struct PairEstimate {

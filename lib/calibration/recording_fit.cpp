@@ -40,7 +40,7 @@ struct Bin {
 };
 
 /// What one pass over the samples adds up.
-struct Sums {
+struct BlockSums {
   std::vector<Bin> bins = std::vector<Bin>(kFineBins);
   std::vector<std::uint32_t> cells = std::vector<std::uint32_t>(kBins * kCells);
   std::size_t used = 0, rejected = 0, near_limit = 0;
@@ -50,7 +50,7 @@ struct Sums {
     std::fill(cells.begin(), cells.end(), 0u);
     used = rejected = near_limit = 0;
   }
-  void add(const Sums &other) {
+  void add(const BlockSums &other) {
     for (std::size_t b = 0; b < kFineBins; ++b) {
       bins[b].count += other.bins[b].count;
       bins[b].sum += other.bins[b].sum;
@@ -67,7 +67,7 @@ struct Sums {
 
 /// The sums of a run of blocks, and room to make them.
 struct Run {
-  Sums sums;
+  BlockSums sums;
   Block block;
   std::vector<double> psi, radius;
 };
@@ -108,7 +108,7 @@ private:
   bool circle_;
   EllipseParameters value_; ///< the curve of the pass
   double limit_v_, cell_v_; ///< greatest distance, and that of a cell
-  Sums sums_;
+  BlockSums sums_;
   std::vector<Vector5> normal_; ///< of the fine bins
   std::vector<double> weight_ = std::vector<double>(kBins, 1.0);
 };

@@ -24,9 +24,9 @@ constexpr double kMaxStay_s = 2.0;
 constexpr double kMaxWindow_s = 60.0;
 
 /// The five parameters of the ellipse, and the rates of the two centres.
-constexpr int kColumns = kEllipseSize + 2;
-using Row = Eigen::Matrix<double, kColumns, 1>;
-using Square = Eigen::Matrix<double, kColumns, kColumns>;
+constexpr int kMoments = kEllipseSize + 2;
+using Row = Eigen::Matrix<double, kMoments, 1>;
+using Square = Eigen::Matrix<double, kMoments, kMoments>;
 
 } // namespace
 
@@ -119,8 +119,8 @@ std::optional<TurnEstimate> TurnWindow::solve(double amplitude_v) const {
   TurnEstimate e;
   e.time_s = time / occupied;
   e.duration_s = last_time_ - first_time_;
-  const int columns = several_turns_ || !(e.duration_s > 0) ? kColumns - 2 : kColumns;
-  if (occupied <= kColumns)
+  const int columns = several_turns_ || !(e.duration_s > 0) ? kMoments - 2 : kMoments;
+  if (occupied <= kMoments)
     return std::nullopt;
 
   Square information = Square::Zero();
@@ -131,14 +131,14 @@ std::optional<TurnEstimate> TurnWindow::solve(double amplitude_v) const {
     if (b.n == 0)
       continue;
     const double mean = b.distance / b.n, s = b.sin / b.n, c = b.cos / b.n;
-    const double t = columns == kColumns ? (b.time / b.n - e.time_s) / e.duration_s : 0.0;
+    const double t = columns == kMoments ? (b.time / b.n - e.time_s) / e.duration_s : 0.0;
     Row row; // derivatives of the distance near a circle, in the order of EllipseIndex
     row << 1, 0.5 * amplitude_v * (s * s - c * c), amplitude_v * s * c, s, c, s * t, c * t;
     information += row * row.transpose();
     gradient += mean * row;
     total += mean * mean;
   }
-  for (int i = columns; i < kColumns; ++i)
+  for (int i = columns; i < kMoments; ++i)
     information(i, i) = 1; // not estimated
   const auto factor = information.ldlt();
   if (factor.info() != Eigen::Success)
@@ -157,11 +157,11 @@ std::optional<TurnEstimate> TurnWindow::solve(double amplitude_v) const {
     e.error[i] = error(static_cast<int>(i));
   }
   e.rate_sin_error = e.rate_cos_error = std::numeric_limits<double>::infinity();
-  if (columns == kColumns) {
-    e.rate_sin = change[kColumns - 2] / e.duration_s;
-    e.rate_cos = change[kColumns - 1] / e.duration_s;
-    e.rate_sin_error = error(kColumns - 2) / e.duration_s;
-    e.rate_cos_error = error(kColumns - 1) / e.duration_s;
+  if (columns == kMoments) {
+    e.rate_sin = change[kMoments - 2] / e.duration_s;
+    e.rate_cos = change[kMoments - 1] / e.duration_s;
+    e.rate_sin_error = error(kMoments - 2) / e.duration_s;
+    e.rate_cos_error = error(kMoments - 1) / e.duration_s;
   }
   return e;
 }

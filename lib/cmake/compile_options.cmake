@@ -8,10 +8,14 @@ endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_SYSTEM_PROCESSOR MATCHES "^arm")
   set(ada4571_no_psabi -Wno-psabi)
 endif()
+# Several files as one translation unit: a file's own names may shadow those of its neighbours.
+if(CMAKE_UNITY_BUILD)
+  set(ada4571_neighbours $<$<COMPILE_LANGUAGE:CXX>:-Wno-shadow>)
+endif()
 target_compile_options(ada4571_compile_options INTERFACE
   -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wcast-align -Wundef
   $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Woverloaded-virtual -Wextra-semi>
-  ${ada4571_no_restrict} ${ada4571_no_psabi}
+  ${ada4571_no_restrict} ${ada4571_no_psabi} ${ada4571_neighbours}
   $<$<BOOL:${ADA4571_WERROR}>:-Werror>)
 if(ADA4571_SANITIZE)
   target_compile_options(ada4571_compile_options INTERFACE

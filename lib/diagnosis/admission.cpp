@@ -11,6 +11,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "base/solve.h"
 #include "diagnosis/along_and_across.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/conditions/gains.h"
@@ -209,7 +210,7 @@ Eigen::MatrixXd Search::own_moves(const Model &model) const {
   }
   const Eigen::MatrixXd onto = free.transpose() * moved;
   const Eigen::MatrixXd within = free.transpose() * free;
-  return (moved.transpose() * moved - onto.transpose() * within.ldlt().solve(onto)) /
+  return (moved.transpose() * moved - onto.transpose() * solved(within, onto)) /
          (2.0 * static_cast<double>(samples));
 }
 
@@ -480,7 +481,7 @@ double Search::moved_off_angle_v(const Model &model, std::size_t effect) const {
       angle(i, 2 * order) = std::sin(phase);
     }
   }
-  moved -= angle * (angle.transpose() * angle).ldlt().solve(angle.transpose() * moved);
+  moved -= angle * solved(angle.transpose() * angle, angle.transpose() * moved);
   return std::sqrt(moved.squaredNorm() / (2.0 * static_cast<double>(n)));
 }
 

@@ -10,6 +10,7 @@
 
 #include "base/angle.h"
 #include "base/products.h"
+#include "base/solve.h"
 #include "diagnosis/admission.h"
 #include "diagnosis/criteria.h"
 
@@ -75,8 +76,8 @@ Eigen::VectorXd coefficients(const Eigen::MatrixXd &rows, const Eigen::VectorXd 
   add_squares(rows, gram);
   gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
   const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::LDLT<Eigen::MatrixXd> solver(scale.asDiagonal() * gram * scale.asDiagonal());
-  return scale.asDiagonal() * solver.solve(scale.asDiagonal() * (rows * of).eval());
+  return scale.asDiagonal() * solved(scale.asDiagonal() * gram * scale.asDiagonal(),
+                                     scale.asDiagonal() * (rows * of).eval());
 }
 
 } // namespace

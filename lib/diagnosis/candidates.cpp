@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "base/solve.h"
 #include "diagnosis/anonymous/discrepancy.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
@@ -198,8 +199,7 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
   const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd unit = scale.asDiagonal() * gram * scale.asDiagonal();
   const auto own = static_cast<Eigen::Index>(x0.size());
-  const Eigen::LDLT<Eigen::MatrixXd> own_solver(unit.topLeftCorner(own, own));
-  const Eigen::MatrixXd own_part = own_solver.solve(unit.topRows(own));
+  const Eigen::MatrixXd own_part = solved(unit.topLeftCorner(own, own), unit.topRows(own));
   const Eigen::MatrixXd rest = unit - unit.leftCols(own) * own_part;
 
   std::vector<Candidate> out;
@@ -213,7 +213,7 @@ std::vector<Candidate> candidates(const Scene &scene, const Observations &data, 
     // A column that the model already holds says nothing new.
     if (inner.diagonal().minCoeff() < 1e-9)
       continue;
-    const Eigen::VectorXd y = inner.ldlt().solve(right);
+    const Eigen::VectorXd y = solved(inner, right);
     const double gain = y.dot(right) * gram(total, total);
     if (!std::isfinite(gain) || gain <= 0.0)
       continue;

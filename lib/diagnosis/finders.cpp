@@ -13,6 +13,7 @@
 #include "base/pick.h"
 #include "base/robust.h"
 #include "base/sincos.h"
+#include "base/solve.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/edges.h"
 #include "diagnosis/spectrum.h"
@@ -151,7 +152,8 @@ struct Rounded {
       const Eigen::Vector2d x(r.model_sin_v[i] - r.centre_sin_v, r.model_cos_v[i] - r.centre_cos_v);
       spread += x * x.transpose();
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread);
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+    axes.computeDirect(spread);
     if (!(axes.eigenvalues()[0] > kFlattest * axes.eigenvalues()[1]))
       return;
     const Eigen::Matrix2d round = std::sqrt(0.5 * spread.trace()) * axes.operatorInverseSqrt();
@@ -318,7 +320,7 @@ bool told_from_order(const Residual &r, int order, double frequency) {
       });
   const auto taken = [&](Eigen::Index columns) { // by the first of them, V^2
     const Eigen::MatrixXd a = normal.topLeftCorner(columns, columns), b = onto.topRows(columns);
-    return (b.array() * a.ldlt().solve(b).array()).sum();
+    return (b.array() * solved(a, b).array()).sum();
   };
   const double both = taken(kOfOrder + 2);
   return both - taken(kOfOrder) > 0.5 * both;

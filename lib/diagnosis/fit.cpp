@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/angle.h"
+#include "base/solve.h"
 #include "diagnosis/anonymous/discrepancy.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/over_samples.h"
@@ -329,7 +330,7 @@ Model as_seen_by(const Observations &data, Model model) {
       matrix += ds * ds.transpose() + dc * dc.transpose();
       right += s * ds + c * dc;
     }
-    const Eigen::Vector3d step = matrix.ldlt().solve(right);
+    const Eigen::Vector3d step = solved(matrix, right);
     if (!step.allFinite())
       break;
     for (std::size_t k = 0; k < own; ++k)

@@ -4,7 +4,7 @@
 // Joint least squares of the baseline and any set of effects.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <span>
 #include <vector>
 

@@ -15,6 +15,7 @@
 #include <Eigen/Dense>
 
 #include "base/angle.h"
+#include "base/solve.h"
 #include "diagnosis/along_and_across.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/spectrum.h"
@@ -78,7 +79,7 @@ void take_out_pair(ResidualColumns &rest) {
     matrix += x * x.transpose();
     right += x * Eigen::RowVector2d(rest.sin[i], rest.cos[i]);
   }
-  const Eigen::Matrix<double, 3, 2> of = matrix.ldlt().solve(right);
+  const Eigen::Matrix<double, 3, 2> of = solved(matrix, right);
   if (!of.allFinite())
     return;
   for (std::size_t i = 0; i < rest.sin.size(); ++i) {

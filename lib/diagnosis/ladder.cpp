@@ -12,6 +12,7 @@
 
 #include "base/pick.h"
 #include "base/robust.h"
+#include "base/solve.h"
 #include "diagnosis/admission.h"
 #include "diagnosis/along_and_across.h"
 #include "diagnosis/borne_out.h"
@@ -93,7 +94,7 @@ std::vector<Clearness> clearness_of(const FitResult &fit, std::size_t samples) {
                n = static_cast<Eigen::Index>(sizes.size());
     const Eigen::VectorXd value = Eigen::Map<const Eigen::VectorXd>(x.data(), all)(sizes);
     const Eigen::MatrixXd c = fit.covariance.block(first, first, all, all)(sizes, sizes);
-    const double z2 = n == 0 ? kAny : value.dot(c.ldlt().solve(value));
+    const double z2 = n == 0 ? kAny : value.dot(solved(c, value).col(0));
     const double count = static_cast<double>(n);
     out.push_back(fit.determined && std::isfinite(z2)
                       ? Clearness{z2 / count, (z2 - 2.0 * std::log(places_of(e, samples))) / count}

@@ -22,7 +22,7 @@ namespace ada {
 namespace {
 
 constexpr std::size_t kLookedAt = 300000, kLookedAtRun = 25000;
-constexpr double kStandsOut = 6.0;      ///< standard deviations
+constexpr double kPeakStandsOut = 6.0;  ///< standard deviations
 constexpr double kOfNoise = 0.12;       ///< the least structure that is worth a word
 constexpr double kMoreThanNoise = 1.15; ///< of a residual that is not white
 
@@ -125,7 +125,7 @@ std::vector<Structure> keep_for_last_look(Scene &scene, const Model &model, doub
   std::vector<char> hit(scene.all.size(), 0);
   std::vector<std::size_t> places;
   for (const auto *v : {&r.sin, &r.cos}) {
-    find_spikes(*v, kStandsOut, noise_v, places);
+    find_spikes(*v, kPeakStandsOut, noise_v, places);
     for (std::size_t i : places)
       hit[i] = 1;
   }

@@ -19,7 +19,7 @@ namespace {
 
 /// Parts of the record to look at on either side: more than the thinned samples leave out, and more
 /// where that is not enough.
-constexpr double kReach[] = {0.03, 0.1, 0.3};
+constexpr double kReaches[] = {0.03, 0.1, 0.3};
 /// Samples that are looked at; of more only every so many.
 constexpr std::size_t kMostSamples = 60000;
 
@@ -222,10 +222,10 @@ bool has_moment(const Effect &effect) {
 Model with_exact_moments(const Scene &scene, Model model, std::size_t first) {
   for (std::size_t k = first; k < model.effects.size(); ++k)
     if (has_moment(*model.effects[k].effect))
-      for (double part : kReach)
+      for (double part : kReaches)
         if (set_exact_moment(scene, model, k, part)) {
-          if (part != kReach[0]) // then from all samples about it
-            set_exact_moment(scene, model, k, kReach[0]);
+          if (part != kReaches[0]) // then from all samples about it
+            set_exact_moment(scene, model, k, kReaches[0]);
           break;
         }
   return model;

@@ -13,6 +13,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/along_and_across.h"
 #include "diagnosis/fit.h"
 #include "model/residual.h"
 
@@ -289,13 +290,6 @@ void add(const ResidualColumns &r, std::size_t i, std::vector<double> &out,
          const Pair &around = {}) {
   out.push_back(r.sin[i] - around[0]);
   out.push_back(r.cos[i] - around[1]);
-}
-
-double mean_square(const std::vector<double> &v) {
-  double sum = 0.0;
-  for (double x : v)
-    sum += x * x;
-  return v.empty() ? 0.0 : sum / static_cast<double>(v.size());
 }
 
 /// Log likelihood a sample of all values under noise of `variance`, with a part `share` of them

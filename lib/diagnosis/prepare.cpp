@@ -232,7 +232,8 @@ FirstHarmonic first_harmonic(const Observations &all, const Scene &scene) {
 void take_figure(const Eigen::Matrix2d &axes, Observations &of) {
   constexpr double kMostOfAxes = 8.0; // one to the other: 75 degrees off a quarter of a period, 7.6
   const Eigen::Matrix2d moments = axes.transpose() * axes;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> own(moments);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> own;
+  own.computeDirect(moments, Eigen::EigenvaluesOnly);
   if (!(own.eigenvalues()[0] * kMostOfAxes * kMostOfAxes > own.eigenvalues()[1]))
     return;
   const Eigen::Matrix2d figure = moments.inverse() * own.eigenvalues()[1];

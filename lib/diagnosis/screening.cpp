@@ -18,6 +18,7 @@
 #include "base/fourier.h"
 #include "base/pick.h"
 #include "base/robust.h"
+#include "base/solve.h"
 #include "calibration/ellipse_fit.h"
 #include "diagnosis/conditions/over_supply.h"
 #include "diagnosis/conditions/travel.h"
@@ -212,7 +213,7 @@ Differences beside_reference(const Screened &look) {
     pair.row(k) << c.vsin_v[i], c.vcos_v[i];
   }
   const Eigen::MatrixXd rest =
-      pair - circle * (circle.transpose() * circle).ldlt().solve(circle.transpose() * pair);
+      pair - circle * solved(circle.transpose() * circle, circle.transpose() * pair);
   out.sin.assign(rest.col(0).begin(), rest.col(0).end());
   out.cos.assign(rest.col(1).begin(), rest.col(1).end());
   return out;
@@ -343,7 +344,7 @@ std::vector<double> against_harmonics(const std::vector<double> &v,
       right += v[i] * x;
     }
   normal.diagonal().array() += 1e-9;
-  const Eigen::VectorXd c = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+  const Eigen::VectorXd c = solved_lower(normal, right);
   std::vector<FourierPair> less; // of two channels, of which there is one here
   for (int k = 1; k <= kOrders; ++k)
     less.push_back({-c[2 * k - 1], -c[2 * k], 0.0, 0.0});

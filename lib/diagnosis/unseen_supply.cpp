@@ -12,6 +12,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "base/solve.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/spectrum.h"
 #include "motion/kinematics.h"
@@ -67,7 +68,7 @@ Radius radius_of(const Capture &c) {
     right += radius[i] * x;
   }
   normal.diagonal().array() += 1e-9;
-  const Eigen::VectorXd fitted = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+  const Eigen::VectorXd fitted = solved_lower(normal, right);
   for (std::size_t i = 0; i < c.size(); ++i) {
     row(i);
     out.off.push_back(radius[i] - fitted.dot(x));
@@ -156,7 +157,7 @@ Swing swing_at(const Radius &r, const std::vector<double> &time, const Shapes &s
     right += r.off[i] * row;
   }
   Swing out;
-  out.size = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+  out.size = solved_lower(normal, right);
   out.explained = right.dot(out.size) * static_cast<double>(stride);
   return out;
 }

@@ -17,6 +17,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "base/solve.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/few_rows.h"
 #include "diagnosis/fit.h"
@@ -351,7 +352,7 @@ private:
         normal += weight * x * x.transpose();
         right += weight * x * square(component, i);
       }
-      out = normal.ldlt().solve(right);
+      out = solved(normal, right);
       if (!(out[0] > 0.0))
         break;
     }

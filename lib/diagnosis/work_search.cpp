@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "base/angle.h"
+#include "base/solve.h"
 #include "diagnosis/admission.h"
 #include "diagnosis/along_and_across.h"
 #include "diagnosis/beside_anonymous.h"
@@ -253,7 +254,7 @@ double Work::lengthens(const Model &model, double order) const {
     normal += row * row.transpose();
     right += along * row;
   }
-  const Eigen::Vector3d x = normal.ldlt().solve(right);
+  const Eigen::Vector3d x = solved(normal, right);
   return std::hypot(x[1], x[2]);
 }
 

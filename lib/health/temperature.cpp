@@ -16,7 +16,7 @@ namespace ada::health {
 
 namespace {
 
-HealthCheck fault(double measured, double limit, std::string unit, std::string explanation) {
+HealthCheck vtemp_fault(double measured, double limit, std::string unit, std::string explanation) {
   return verdict("vtemp", false, measured, limit, std::move(unit), std::move(explanation));
 }
 
@@ -37,7 +37,7 @@ HealthCheck constant_vtemp(const Evidence &e, double volts) {
                                     "its noise");
   if (*step * kFrozenNoiseSteps > kVtempLeastNoise)
     return verdict("vtemp", true, volts, kAbsent, "V", says + ", to the converter's step");
-  return fault(
+  return vtemp_fault(
       volts, kAbsent, "V",
       fmt::format("{}, where the converter's steps of {:.3g} mV would show its noise: it is "
                   "not connected, or not measured",
@@ -53,26 +53,26 @@ HealthCheck check_vtemp(const Evidence &e) {
   const double median = quantile(column, 0.5), noise = noise_between(column);
   const Rails rails(supply);
   if (!(median > rails.low_v && median < rails.high_v))
-    return fault(
+    return vtemp_fault(
         median, kAbsent, "V",
         fmt::format("VTEMP is {:.3g} V at a supply of {:g} V, where no temperature is: it is "
                     "not connected, shorted, or its scale is wrong",
                     median, supply));
   if (const double limit = kVtempNoiseDeg * degree_v; noise > limit)
-    return fault(
+    return vtemp_fault(
         noise, limit, "V rms",
         fmt::format("VTEMP scatters by {:.3g} mV rms from sample to sample, {:.3g} degrees "
                     "Celsius: it is not connected, or disturbed",
                     1e3 * noise, noise / degree_v));
   if (t.vtemp_jumps > 0 && beside(t.vtemp_spikes, t.first_vtemp_jump))
-    return fault(
+    return vtemp_fault(
         static_cast<double>(t.vtemp_jumps), 0, "samples",
         fmt::format(
             "VTEMP is off by more than {:g} degrees Celsius for some samples in a row, first "
             "at {}: a loose contact, or it is disturbed",
             kVtempJumpDeg, moment(e.what.recording, t.first_vtemp_jump)));
   if (t.vtemp_jumps > 0)
-    return fault(
+    return vtemp_fault(
         static_cast<double>(t.vtemp_jumps), 0, "samples",
         fmt::format("VTEMP jumps by more than {:g} degrees Celsius, first at {}, faster than "
                     "any temperature: two records were joined there, or it is not connected",

@@ -16,7 +16,7 @@ namespace ada::health {
 
 namespace {
 
-HealthCheck fault(double measured, double limit, std::string unit, std::string explanation) {
+HealthCheck gaps_fault(double measured, double limit, std::string unit, std::string explanation) {
   return verdict("gaps", false, measured, limit, std::move(unit), std::move(explanation));
 }
 
@@ -36,7 +36,7 @@ HealthCheck standing_time(const Evidence &e) {
   else
     why = fmt::format("time does not grow from sample to sample: {} times, first at {}", s.standing,
                       moment(c, s.first_standing));
-  return fault(standing, 0, "steps", why);
+  return gaps_fault(standing, 0, "steps", why);
 }
 
 } // namespace
@@ -45,20 +45,21 @@ HealthCheck check_gaps(const Evidence &e) {
   const Recording &c = e.what.recording;
   const TimeSteps &s = e.tally.steps;
   if (s.back > 0)
-    return fault(static_cast<double>(s.back), 0, "steps",
-                 fmt::format("time goes back or is no number: {} times, first at {}", s.back,
-                             moment(c, s.first_back)));
+    return gaps_fault(static_cast<double>(s.back), 0, "steps",
+                      fmt::format("time goes back or is no number: {} times, first at {}", s.back,
+                                  moment(c, s.first_back)));
   if (s.standing > 0)
     return standing_time(e);
   if (e.usual_step_s < kShortestStep)
-    return fault(e.usual_step_s, kShortestStep, "s",
-                 fmt::format("time grows by {:.3g} s a sample, less than a recording can tell",
-                             e.usual_step_s));
+    return gaps_fault(e.usual_step_s, kShortestStep, "s",
+                      fmt::format("time grows by {:.3g} s a sample, less than a recording can tell",
+                                  e.usual_step_s));
   if (c.meta().sample_rate_hz && !times_follow_rate(e.capture))
-    return fault(e.usual_step_s, kAbsent, "s",
-                 fmt::format("time grows by {:.3g} s a sample, but sample_rate_hz says {:.3g} s: "
-                             "one of them is wrong",
-                             e.usual_step_s, 1 / *c.meta().sample_rate_hz));
+    return gaps_fault(
+        e.usual_step_s, kAbsent, "s",
+        fmt::format("time grows by {:.3g} s a sample, but sample_rate_hz says {:.3g} s: "
+                    "one of them is wrong",
+                    e.usual_step_s, 1 / *c.meta().sample_rate_hz));
   constexpr double kCountable = 9007199254740992.0; // 2^53: beyond, a number of samples is none
   const std::string missing = s.lost < kCountable
                                   ? fmt::format("about {:.0f} samples are missing", s.lost)

@@ -19,15 +19,15 @@ namespace {
 /// Sample periods between two captures: far more than any gap that a loss of samples leaves.
 constexpr double kApart = 1000.0;
 
-struct Column {
+struct JoinedColumn {
   std::vector<double> Capture::*values;
   const char *name;
 };
-constexpr std::array<Column, 5> kColumns{{{&Capture::vsin_v, "vsin_v"},
-                                          {&Capture::vcos_v, "vcos_v"},
-                                          {&Capture::vtemp_v, "vtemp_v"},
-                                          {&Capture::vdd_v, "vdd_v"},
-                                          {&Capture::reference_deg, "reference_deg"}}};
+constexpr std::array<JoinedColumn, 5> kJoined{{{&Capture::vsin_v, "vsin_v"},
+                                               {&Capture::vcos_v, "vcos_v"},
+                                               {&Capture::vtemp_v, "vtemp_v"},
+                                               {&Capture::vdd_v, "vdd_v"},
+                                               {&Capture::reference_deg, "reference_deg"}}};
 
 void require_alike(const Capture &first, const Capture &other, std::size_t number) {
   const auto refuse = [&](const std::string &what) {
@@ -42,7 +42,7 @@ void require_alike(const Capture &first, const Capture &other, std::size_t numbe
   if (other.meta.gain_control && first.meta.gain_control &&
       *other.meta.gain_control != *first.meta.gain_control)
     refuse("its gain control differs");
-  for (const Column &c : kColumns)
+  for (const JoinedColumn &c : kJoined)
     if ((other.*c.values).empty() != (first.*c.values).empty())
       refuse(fmt::format("{} the column {}",
                          (other.*c.values).empty() ? "it has not" : "it alone has", c.name));
@@ -74,7 +74,7 @@ std::shared_ptr<const Capture> join(std::span<const std::shared_ptr<const Captur
     const double move = k == 0 ? 0.0 : out->time_s.back() + kApart * usual_step(c) - c.time_s.front();
     for (double t : c.time_s)
       out->time_s.push_back(t + move);
-    for (const Column &column : kColumns)
+    for (const JoinedColumn &column : kJoined)
       (*out.*column.values)
           .insert((*out.*column.values).end(), (c.*column.values).begin(), (c.*column.values).end());
     if (k > 0)
@@ -105,7 +105,7 @@ Capture record_of(const Capture &joined, std::size_t k) {
   Capture out;
   out.meta = joined.meta;
   out.time_s = cut(joined.time_s);
-  for (const Column &c : kColumns)
+  for (const JoinedColumn &c : kJoined)
     out.*c.values = cut(joined.*c.values);
   for (std::size_t i = 0; i < joined.gaps.size(); ++i)
     if (joined.gaps[i] > from && joined.gaps[i] < to) {

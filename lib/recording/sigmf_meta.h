@@ -16,6 +16,9 @@
 
 namespace ada {
 
+/// Of the names that this library adds to a meta file.
+inline constexpr std::string_view kSigmfPrefix = "ada4571:";
+
 struct SigmfMeta {
   CaptureMetadata meta;
   std::vector<SigmfChannel> channels; ///< as they lie in a frame

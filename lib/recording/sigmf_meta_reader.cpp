@@ -27,7 +27,6 @@ using Json = nlohmann::ordered_json;
 using Path = std::vector<std::string>;
 
 constexpr std::string_view kExtension = "ada4571";
-constexpr std::string_view kPrefix = "ada4571:";
 constexpr std::size_t kMaxFrameBytes = 1 << 16;
 /// Of a sample that can be counted here.
 constexpr std::uint64_t kMaxPlace =
@@ -278,8 +277,8 @@ private:
     for (const auto &[key, value] : global.items()) {
       if (key == "core:sample_rate") {
         assign("sample_rate_hz", value, path / key);
-      } else if (key.starts_with(kPrefix)) {
-        const std::string name = key.substr(kPrefix.size());
+      } else if (key.starts_with(kSigmfPrefix)) {
+        const std::string name = key.substr(kSigmfPrefix.size());
         if (is_known_metadata(name))
           assign(name, value, path / key);
         else if (std::set<std::string>{"channels", "frame_bytes", "data_crc32", "metadata",

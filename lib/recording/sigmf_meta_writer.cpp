@@ -20,8 +20,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kPrefix = "ada4571:";
-
 std::string unit_of(const SigmfChannel &channel) {
   if (channel.name == "time_s")
     return channel.type.is_float ? "s" : "ns";
@@ -64,9 +62,9 @@ void put_metadata(Json &global, const CaptureMetadata &meta) {
     else if (key == "sample_rate_hz" && *as_number >= 1) // SigMF allows no lower rate
       global["core:sample_rate"] = *as_number;
     else if (as_number && key != "serial" && key != "origin")
-      global[std::string(kPrefix) + key] = *as_number;
+      global[std::string(kSigmfPrefix) + key] = *as_number;
     else
-      global[std::string(kPrefix) + key] = value;
+      global[std::string(kSigmfPrefix) + key] = value;
   }
   if (!others.empty())
     global["ada4571:metadata"] = std::move(others);

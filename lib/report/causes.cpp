@@ -14,7 +14,7 @@ namespace ada {
 
 namespace {
 
-constexpr std::size_t kMostSamples = 12000; ///< for the shares
+constexpr std::size_t kMostShared = 12000; ///< for the shares
 constexpr int kOrders = 24;
 constexpr double kNothingV = 1e-9;
 
@@ -61,7 +61,7 @@ std::vector<CauseView> cause_views(const Diagnosis &d, const Scene &scene, const
   std::vector<CauseView> out(d.findings.size());
   std::vector<std::uint32_t> every(data.size());
   std::iota(every.begin(), every.end(), 0u);
-  const Observations some = data.select(thin(every, kMostSamples));
+  const Observations some = data.select(thin(every, kMostShared));
   const ResidualColumns final_of_some = shown_residual(scene, some, d.extended);
   const double zero_rad = d.extended.baseline.angle_zero_deg * kRadPerDeg;
   Basis baseline(scene.periods, zero_rad);

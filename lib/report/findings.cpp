@@ -13,10 +13,6 @@ namespace ada {
 
 namespace {
 
-std::string change(const std::string &before, const std::string &after) {
-  return before == after ? after : before + " \u2192 " + after;
-}
-
 /// Calls each(parameter, shown) for every number of a finding.
 template <class Each> void for_parameters(const Finding &f, const Each &each) {
   const auto parameters = f.effect->info().parameters;

@@ -17,10 +17,6 @@ std::string tile(const std::string &number, const std::string &words) {
   return fmt::format("<div class=\"tile\"><b>{}</b><span>{}</span></div>", number, words);
 }
 
-std::string change(const std::string &before, const std::string &after) {
-  return before == after ? after : before + " \u2192 " + after;
-}
-
 std::string tiles(const Diagnosis &d) {
   const Quality &b = d.baseline_quality.heldout, &e = d.extended_quality.heldout, &a = d.anonymous;
   std::string out = "<div class=\"tiles\">";

@@ -18,7 +18,7 @@ namespace ada {
 
 namespace {
 
-constexpr std::size_t kMostSamples = 60000, kMostSolved = 20000, kMostScattered = 20000;
+constexpr std::size_t kMostTrained = 60000, kMostSolved = 20000, kMostScattered = 20000;
 constexpr std::size_t kMostSpectra = 12;
 
 /// Speeds that fill their range are a curve; a few held speeds are points.
@@ -257,7 +257,7 @@ View make_view(const Diagnosis &d, const Capture &capture) {
   const Observations &all = view.scene.all;
   if (d.verdict == Verdict::insufficient_data || all.size() < 2)
     return view;
-  const Observations data = all.select(thin(view.scene.train, kMostSamples));
+  const Observations data = all.select(thin(view.scene.train, kMostTrained));
   view.axes = plot_axes(view.scene, data, all.time.front(), has_part_in(d, Axis::supply));
   const ResidualColumns base = shown_residual(view.scene, data, d.baseline);
   const ResidualColumns final = shown_residual(view.scene, data, d.extended);

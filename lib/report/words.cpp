@@ -144,6 +144,10 @@ std::string degrees(double deg) {
   return fmt::format("{:.3g}\u00b0", deg);
 }
 
+std::string change(const std::string &before, const std::string &after) {
+  return before == after ? after : before + " \u2192 " + after;
+}
+
 std::string without_stop(std::string text) {
   while (!text.empty() && text.back() == '.')
     text.pop_back();

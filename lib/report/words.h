@@ -32,6 +32,9 @@ Shown show(const ParameterInfo &info, double value, double std_error);
 std::string millivolts(double volts);
 std::string degrees(double deg);
 
+/// "before \u2192 after", or the one where they are the same.
+std::string change(const std::string &before, const std::string &after);
+
 /// "one cause", "2 causes".
 std::string counted(std::size_t n, const std::string &noun);
 

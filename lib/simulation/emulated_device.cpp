@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 
 #include "base/text.h"
@@ -113,13 +112,6 @@ private:
   Frame frame_ = empty_frame();
 };
 
-std::string decimal(double value) {
-  std::array<char, 400> text{};
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
-  return {text.data(), end.ptr};
-}
-
 int any_number(const std::string &text) {
   return parse_number(text) ? 0 : EINVAL;
 }
@@ -149,14 +141,14 @@ struct Shared {
 };
 
 ServedAttribute rate_attribute(const std::shared_ptr<Shared> &shared) {
-  return {"sampling_frequency", "", [shared] { return decimal(shared->device->rate_hz); },
+  return {"sampling_frequency", "", [shared] { return in_full(shared->device->rate_hz); },
           [shared](const std::string &text) { return shared->set_rate(text); }};
 }
 
 ServedAttribute available_rates(const EmulatedSensor &sensor) {
   std::string text;
   for (const double rate : sensor.rates)
-    text += (text.empty() ? "" : " ") + decimal(rate);
+    text += (text.empty() ? "" : " ") + in_full(rate);
   return {"sampling_frequency_available", text};
 }
 
@@ -176,7 +168,7 @@ ServedChannel served_channel(const std::shared_ptr<Shared> &shared, std::size_t 
            {"label", channel.label},
            {"offset", "0"},
            {"raw", "", raw},
-           {"scale", decimal(scale_mv)}}};
+           {"scale", in_full(scale_mv)}}};
 }
 
 } // namespace

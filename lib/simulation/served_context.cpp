@@ -4,8 +4,8 @@
 #include "simulation/served_context.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
+
+#include "base/text.h"
 
 namespace ada {
 
@@ -63,19 +63,12 @@ std::string optional_attribute(const char *name, const std::string &value) {
   return value.empty() ? std::string() : attribute(name, value);
 }
 
-std::string decimal(double value) {
-  std::array<char, 400> text{};
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
-  return {text.data(), end.ptr};
-}
-
 std::string channel_xml(const ServedChannel &channel) {
   std::string xml = "<channel" + attribute("id", channel.id) + attribute("type", "input") + " >";
   if (channel.index >= 0)
     xml += "<scan-element" + attribute("index", std::to_string(channel.index)) +
            attribute("format", to_string(channel.format)) +
-           (channel.scale_mv ? attribute("scale", decimal(*channel.scale_mv)) : "") + " />";
+           (channel.scale_mv ? attribute("scale", in_full(*channel.scale_mv)) : "") + " />";
   for (const ServedAttribute &a : channel.attributes)
     xml += "<attribute" + attribute("name", a.name) +
            attribute("filename", "in_" + channel.id + "_" + a.name) + " />";

@@ -24,8 +24,6 @@ namespace ada::study {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 /// What the quick calibration finds counts as found when it is this many standard errors from zero.
 constexpr double kFoundSigmas = 4.0;
 

@@ -21,8 +21,6 @@ namespace ada::study {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 /// Length of the mean direction from which on directions count as numbers about it (0: every
 /// direction alike, 1: all the same).
 constexpr double kDirected = 0.7;

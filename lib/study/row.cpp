@@ -18,8 +18,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 /// JSON knows no NaN.
 Json number(double x) {
   return std::isfinite(x) ? Json(x) : Json(nullptr);

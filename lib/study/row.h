@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,6 +14,9 @@
 #include "study/signature.h"
 
 namespace ada::study {
+
+/// A number that is not known.
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// One number of a capture. Place 0: what every capture has (the ellipse, the noise); a finding of
 /// the diagnosis has its place in the order in which it was found, from 1 on.

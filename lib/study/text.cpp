@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostLines = 30;
 
-std::string with_unit(double value, const std::string &unit) {
+std::string beside_unit(double value, const std::string &unit) {
   return digits(value) + (unit.empty() || unit == "1" ? "" : " " + unit);
 }
 
@@ -25,7 +25,7 @@ std::string cause_lines(const CauseSummary &c, std::size_t captures) {
     out += fmt::format(", costs {} deg rms", digits(*c.angle_rms_deg));
   out += "\n";
   for (const ParameterSummary &p : c.parameters) {
-    out += fmt::format("    {} = {}, spread {}", p.parameter, with_unit(p.median, p.unit),
+    out += fmt::format("    {} = {}, spread {}", p.parameter, beside_unit(p.median, p.unit),
                        digits(p.mad));
     if (p.components)
       out += fmt::format(" (between sensors {}, within one {})", digits(p.components->between),
@@ -51,7 +51,7 @@ std::string group_line(const Grouping &g) {
   std::string out = "  " + quantity_words(g.cause, g.parameter) + ": ";
   for (std::size_t k = 0; k < g.sizes.size(); ++k)
     out += fmt::format("{}{} sensors about {}", k == 0 ? "" : ", ", g.sizes[k],
-                       with_unit(g.populations[k].centre, g.unit));
+                       beside_unit(g.populations[k].centre, g.unit));
   if (g.goes_with && g.goes_with->p_adjusted < kFalseDiscoveries)
     out += fmt::format("; goes with {} (p = {:.2g}, corrected)", printable(g.goes_with->key),
                        g.goes_with->p_adjusted);

@@ -118,6 +118,9 @@ inline void hold_in_most_draws(void (*kind)()) {
   }                                                                                                \
   void name()
 
+/// Where a pair lies that a test makes by itself, V: half of the default supply.
+inline constexpr double kMiddleV = 2.5;
+
 inline const Finding *named(const Diagnosis &d, std::string_view id) {
   const auto f = std::find_if(d.findings.begin(), d.findings.end(),
                               [&](const Finding &x) { return x.effect->info().id == id; });

@@ -16,7 +16,7 @@
 
 namespace ada::test {
 
-inline Model sound_sensor() {
+inline Model plain_sensor() {
   Model model;
   model.supply_v = 5.0;
   model.periods_per_turn = 2;

@@ -19,7 +19,7 @@ namespace ada::test {
 namespace {
 
 Capture with(const std::vector<const char *> &effects, std::mt19937_64 &rng, Drive drive = {}) {
-  Model model = sound_sensor();
+  Model model = plain_sensor();
   for (const char *text : effects)
     model.effects.push_back(parse_effect(text));
   return capture_of(model, drive, rng);
@@ -119,7 +119,7 @@ TEST(Diagnose, the_verdict_on_a_model_does_not_depend_on_how_one_came_to_it) {
 
 TEST(Diagnose, a_swing_within_a_turn_shows_mismatch_and_quadrature_without_a_reference) {
   std::mt19937_64 rng(fresh_seed());
-  Model model = sound_sensor();
+  Model model = plain_sensor();
   model.effects = {parse_effect("amplitude-mismatch:k=0.05"),
                    parse_effect("quadrature-error:delta_deg=-2")};
   const Drive drive;
@@ -227,7 +227,7 @@ TEST(Diagnose, the_data_choose_whether_an_offset_comes_before_a_bent_transfer_or
       {"quadratic-nonlinearity:q2=0.015", false},
       {"quadratic-nonlinearity:q2=0.015,origin=1", true}};
   for (const auto &[text, after] : cases) {
-    Model model = sound_sensor();
+    Model model = plain_sensor();
     model.baseline.offset_sin_v = 0.02;
     model.baseline.offset_cos_v = -0.025;
     model.effects.push_back(parse_effect(text));
@@ -240,7 +240,7 @@ TEST(Diagnose, the_data_choose_whether_an_offset_comes_before_a_bent_transfer_or
 
 TEST(Diagnose, mid_supply_is_that_of_the_recorded_supply) {
   std::mt19937_64 rng(fresh_seed());
-  Model model = sound_sensor();
+  Model model = plain_sensor();
   model.supply_v = 5.04;
   model.effects.push_back(parse_effect("cubic-nonlinearity:q3=0.015"));
   Capture c = capture_of(model, Drive(), rng);
@@ -328,7 +328,7 @@ TEST(Diagnose, a_step_without_a_reference_is_no_rough_motion) {
 
 TEST(Diagnose, a_shaft_that_turns_by_fits_and_starts_is_judged_by_the_radius) {
   std::mt19937_64 rng(fresh_seed());
-  Model model = sound_sensor();
+  Model model = plain_sensor();
   model.effects.push_back(parse_effect("amplitude-mismatch:k=0.02"));
   Drive drive;
   drive.turns_back = false;

@@ -13,8 +13,6 @@
 namespace ada::test {
 namespace {
 
-constexpr double kMiddleV = 2.5;
-
 /// A motor that steps between its readings errs with its phases: that comes again every four steps,
 /// and is neither noise nor explained.
 KIND(the_steps_of_a_motor_are_no_noise_of_the_angle) {

@@ -34,7 +34,7 @@ TEST(FitCoverage, intervals_hold_the_truth_as_often_as_they_say) {
   std::map<std::string, int> inside;
   int all = 0, parameters = 0;
   for (int run = 0; run < kRuns; ++run) {
-    Model truth = sound_sensor();
+    Model truth = plain_sensor();
     truth.baseline = {draw(1.3, 1.5), draw(-0.01, 0.01), draw(-0.01, 0.01), 0.0};
     for (const auto &[name, values] : std::map<std::string, std::vector<double>>{
              {"amplitude-mismatch", {draw(-0.015, 0.015)}},
@@ -80,8 +80,8 @@ TEST(Fit, says_when_a_coordinate_is_not_determined) {
   Drive drive;
   drive.turns_back = false;
   drive.fast_rpm = drive.slow_rpm;
-  const Capture c = capture_of(sound_sensor(), drive, rng);
-  Model twice = sound_sensor();
+  const Capture c = capture_of(plain_sensor(), drive, rng);
+  Model twice = plain_sensor();
   for (const char *delay : {"propagation-delay", "hysteresis"}) // one speed, one sense
     twice.effects.push_back(parse_effect(delay));
   EXPECT_FALSE(fit(prepare(c, false).all, twice, 5).determined);

@@ -36,7 +36,7 @@ Capture slipping(double moment, double slip_deg, std::mt19937_64 &rng) {
   }
   shaft.omega.assign(n, 0.0); // no effect of the model depends on it
   shaft.direction.assign(n, 1);
-  return pair_of(sound_sensor(), shaft, kRate, 5e-4, rng);
+  return pair_of(plain_sensor(), shaft, kRate, 5e-4, rng);
 }
 
 class SlipWithoutReference : public testing::TestWithParam<double> {};

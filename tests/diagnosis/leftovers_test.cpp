@@ -26,10 +26,10 @@ protected:
     drive.samples = 30000;
     drive.turns_back = false;
     drive.slow_rpm = drive.fast_rpm = 500.0;
-    Capture c = capture_of(sound_sensor(), drive, rng_);
+    Capture c = capture_of(plain_sensor(), drive, rng_);
     if (two_speeds) { // the second half is another drive, joined where both stand at one angle
       drive.slow_rpm = drive.fast_rpm = 900.0;
-      const Capture fast = capture_of(sound_sensor(), drive, rng_);
+      const Capture fast = capture_of(plain_sensor(), drive, rng_);
       const std::size_t half = drive.samples / 2;
       const double period = 360.0 / c.meta.periods_per_turn;
       const auto from = static_cast<std::size_t>(
@@ -122,7 +122,7 @@ TEST_F(Leftovers, uneven_steps_of_a_converter_live_along_the_level) {
   const double missing = std::uniform_real_distribution<>(40.0, 90.0)(rng_);
   Drive drive;
   drive.samples = 40000;
-  Capture c = capture_of(sound_sensor(), drive, rng_);
+  Capture c = capture_of(plain_sensor(), drive, rng_);
   for (auto *channel : {&c.vsin_v, &c.vcos_v})
     for (double &v : *channel) {
       const double code = std::round(v / kStep), rest = std::fmod(code, kPeriod);
@@ -141,7 +141,7 @@ TEST_F(Leftovers, an_even_converter_is_no_structure) {
   Drive drive;
   drive.samples = 40000;
   drive.noise_v = 1e-4; // far below its step
-  Capture c = capture_of(sound_sensor(), drive, rng_);
+  Capture c = capture_of(plain_sensor(), drive, rng_);
   const int bits = std::uniform_int_distribution<>(10, 13)(rng_);
   const double step = 5.0 / std::exp2(bits);
   for (auto *channel : {&c.vsin_v, &c.vcos_v})
@@ -159,7 +159,7 @@ TEST_F(Leftovers, a_channel_that_died_is_named_however_little_is_left) {
     Drive drive;
     drive.slow_rpm = drive.fast_rpm = 600.0;
     drive.turns_back = false;
-    Capture c = capture_of(sound_sensor(), drive, rng_);
+    Capture c = capture_of(plain_sensor(), drive, rng_);
     const auto dead = static_cast<std::size_t>(turns / 10.0 * drive.rate_hz);
     std::fill(c.vsin_v.begin() + static_cast<std::ptrdiff_t>(dead), c.vsin_v.end(), 2.5);
     const Diagnosis d = diagnose(c, {});

@@ -30,7 +30,7 @@ std::function<double(double)> motion(Bench &bench) {
   };
 }
 
-bool says(const Diagnosis &d, const char *words) {
+bool leaves(const Diagnosis &d, const char *words) {
   return left_of(d).find(words) != std::string::npos;
 }
 
@@ -55,7 +55,8 @@ KIND(sparks_of_two_brushes_are_told_with_their_places) {
   expect_pair(d, bench.pair);
   EXPECT_FALSE(named(d, "impulse-noise")) << left_of(d);
   EXPECT_EQ(d.verdict, Verdict::partly_explained) << left_of(d);
-  EXPECT_TRUE(says(d, "at the same places in the turn") || says(d, "with the place in the turn"))
+  EXPECT_TRUE(leaves(d, "at the same places in the turn") ||
+              leaves(d, "with the place in the turn"))
       << left_of(d);
 }
 
@@ -71,7 +72,7 @@ KIND(noise_of_one_half_of_a_channel_is_no_noise_along_the_vector) {
   expect_pair(d, bench.pair);
   EXPECT_FALSE(named(d, "amplitude-noise") || named(d, "angle-noise")) << left_of(d);
   EXPECT_EQ(d.verdict, Verdict::partly_explained) << left_of(d);
-  EXPECT_TRUE(says(d, "with the place in the turn")) << left_of(d);
+  EXPECT_TRUE(leaves(d, "with the place in the turn")) << left_of(d);
 }
 
 /// Two channels of different noise, and an angle that scatters: no place has a noise of its own.

@@ -18,7 +18,7 @@ namespace ada::test {
 namespace {
 
 constexpr std::size_t kRows = 2000;
-constexpr double kRate = 2000.0;
+constexpr double kTurnRate = 2000.0;
 
 /// A smooth function of the angle of many orders, of about this rms.
 std::function<double(double)> many_orders(Bench &bench, int highest, double rms) {
@@ -49,8 +49,8 @@ OneTurn one_turn(Bench &bench) {
   const int periods = bench.within(0.0, 1.0) < 0.5 ? 1 : 2;
   const auto turned = many_orders(bench, 20, bench.within(0.1, 0.4) * kRadPerDeg);
   const auto longer = many_orders(bench, 20, bench.within(1e-3, 4e-3));
-  const double turns = kRate / static_cast<double>(kRows);
-  Capture c = bench.capture(kRows, kRate, periods, [&](double t) {
+  const double turns = kTurnRate / static_cast<double>(kRows);
+  Capture c = bench.capture(kRows, kTurnRate, periods, [&](double t) {
     const double angle = kTwoPi * turns * t;
     return angle + turned(angle);
   });
@@ -73,7 +73,7 @@ KIND(one_turn_alone_has_no_event_and_no_tone) {
 KIND(one_turn_shows_a_tone_far_above_the_orders_of_the_turn) {
   Bench bench;
   Capture c = one_turn(bench).capture;
-  const double hz = bench.within(0.12, 0.45) * kRate, v = bench.within(0.01, 0.03),
+  const double hz = bench.within(0.12, 0.45) * kTurnRate, v = bench.within(0.01, 0.03),
                part = bench.within(0.2, 0.8), phase = bench.within(0.0, kTwoPi);
   for (std::size_t i = 0; i < kRows; ++i) {
     c.vsin_v[i] += v * std::sin(kTwoPi * hz * c.time_s[i]);
@@ -97,7 +97,7 @@ KIND(one_turn_shows_an_offset_that_jumps) {
   const Diagnosis d = diagnose(c, {});
   const Finding *jump = named(d, "offset-step");
   ASSERT_TRUE(jump) << left_of(d);
-  EXPECT_NEAR(jump->values[0], c.time_s[at], 2.0 / kRate);
+  EXPECT_NEAR(jump->values[0], c.time_s[at], 2.0 / kTurnRate);
   EXPECT_NEAR(jump->values[2], step, 0.25 * step);
   expect_none(d, {"periodic-interference", "angle-slip", "impulse-noise"});
 }
@@ -112,7 +112,7 @@ KIND(one_turn_shows_a_magnet_that_slips) {
   const Diagnosis d = diagnose(c, {});
   const Finding *slip = named(d, "angle-slip");
   ASSERT_TRUE(slip) << left_of(d);
-  EXPECT_NEAR(slip->values[0], c.time_s[at], 2.0 / kRate);
+  EXPECT_NEAR(slip->values[0], c.time_s[at], 2.0 / kTurnRate);
   EXPECT_NEAR(slip->values[1], -step_deg, 0.25 * step_deg);
   expect_none(d, {"periodic-interference", "offset-step", "impulse-noise"});
 }

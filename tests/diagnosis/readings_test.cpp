@@ -19,8 +19,6 @@
 namespace ada::test {
 namespace {
 
-constexpr double kMiddleV = 2.5;
-
 bool says(const Diagnosis &d, std::string_view words) {
   return std::any_of(d.structure.begin(), d.structure.end(), [&](const Structure &s) {
     return s.description.find(words) != std::string::npos;

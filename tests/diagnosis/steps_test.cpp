@@ -18,20 +18,20 @@
 namespace ada::test {
 namespace {
 
-constexpr double kSpan = 6.0; // s
+constexpr double kStepSpan = 6.0; // s
 
 /// Two speeds, there and back.
 std::function<double(double)> there_and_back(Bench &bench) {
   const double slow = kTwoPi * bench.within(2.0, 4.0), fast = kTwoPi * bench.within(5.0, 8.0);
   return [=](double t) {
-    return t < 0.5 * kSpan ? slow * t : slow * 0.5 * kSpan - fast * (t - 0.5 * kSpan);
+    return t < 0.5 * kStepSpan ? slow * t : slow * 0.5 * kStepSpan - fast * (t - 0.5 * kStepSpan);
   };
 }
 
 /// A moment away from the ends and from where the speed changes.
 double some_moment(Bench &bench) {
   const double part = bench.within(0.1, 0.4);
-  return kSpan * (bench.within(0.0, 1.0) < 0.5 ? part : 0.5 + part);
+  return kStepSpan * (bench.within(0.0, 1.0) < 0.5 ? part : 0.5 + part);
 }
 
 /// Of the sentences on what is left over, the one on the step at a moment; empty: there is none.
@@ -60,7 +60,7 @@ KIND(a_gain_that_is_switched_once_is_told_with_its_moment_and_size) {
   Bench bench;
   const double moment = some_moment(bench), by = bench.within(0.004, 0.03);
   const bool both = bench.within(0.0, 1.0) < 0.5;
-  Capture c = bench.capture(18000, 18000 / kSpan, 2, there_and_back(bench));
+  Capture c = bench.capture(18000, 18000 / kStepSpan, 2, there_and_back(bench));
   for (std::size_t i = 0; i < c.size(); ++i)
     if (c.time_s[i] >= moment) {
       c.vsin_v[i] += by * (c.vsin_v[i] - 2.5);
@@ -70,7 +70,7 @@ KIND(a_gain_that_is_switched_once_is_told_with_its_moment_and_size) {
   const Diagnosis d = diagnose(c, {});
   Pair mean = bench.pair;
   if (!both) // of the two states, as long as each lasts
-    mean.k += by * (1.0 - moment / kSpan);
+    mean.k += by * (1.0 - moment / kStepSpan);
   expect_pair(d, mean, both ? 0.0 : by);
   for (const char *innocent : {"gain-wander", "offset-wander", "low-pass-rolloff"})
     EXPECT_FALSE(named(d, innocent)) << all_of(d);
@@ -84,11 +84,12 @@ KIND(a_gain_that_is_switched_once_is_told_with_its_moment_and_size) {
 
 KIND(slips_of_different_size_are_each_told) {
   Bench bench;
-  const double first = kSpan * bench.within(0.1, 0.4), second = kSpan * bench.within(0.6, 0.9);
+  const double first = kStepSpan * bench.within(0.1, 0.4),
+               second = kStepSpan * bench.within(0.6, 0.9);
   const double large = bench.within(1.0, 2.0), small = bench.within(0.3, 0.8); // deg
   const bool large_first = bench.within(0.0, 1.0) < 0.5;
   const auto shaft = there_and_back(bench);
-  Capture c = bench.capture(18000, 18000 / kSpan, 2, [&](double t) {
+  Capture c = bench.capture(18000, 18000 / kStepSpan, 2, [&](double t) {
     const double one = large_first ? large : small, other = large_first ? small : large;
     return shaft(t) + kRadPerDeg * ((t >= first ? one : 0.0) + (t >= second ? other : 0.0));
   });
@@ -112,13 +113,14 @@ KIND(slips_of_different_size_are_each_told) {
 
 KIND(offsets_that_step_up_or_down_twice_are_two_steps) {
   Bench bench;
-  const double first = kSpan * bench.within(0.1, 0.4), second = kSpan * bench.within(0.6, 0.9);
+  const double first = kStepSpan * bench.within(0.1, 0.4),
+               second = kStepSpan * bench.within(0.6, 0.9);
   // What steps back again is a plateau, of which neither step is found without the other.
   const auto step_v = [&] {
     return bench.within(0.01, 0.03) * (bench.within(-1.0, 1.0) < 0.0 ? -1.0 : 1.0);
   };
   const double one = step_v(), other = step_v();
-  Capture c = bench.capture(18000, 18000 / kSpan, 2, there_and_back(bench));
+  Capture c = bench.capture(18000, 18000 / kStepSpan, 2, there_and_back(bench));
   for (std::size_t i = 0; i < c.size(); ++i)
     c.vsin_v[i] += (c.time_s[i] >= first ? one : 0.0) + (c.time_s[i] >= second ? other : 0.0);
   const Diagnosis d = diagnose(c, {});
@@ -144,7 +146,7 @@ KIND(an_offset_that_jumps_beside_a_gain_that_wanders_is_a_step) {
   bench.pair.noise_v = bench.within(0.005, 0.01) * bench.pair.amplitude_v;
   const double rms = bench.within(0.06, 0.12), rate_hz = bench.within(25.0, 40.0),
                step = bench.within(0.03, 0.08) * bench.pair.amplitude_v,
-               moment = kSpan * bench.within(0.3, 0.7);
+               moment = kStepSpan * bench.within(0.3, 0.7);
   constexpr std::size_t kStretches = 5, kSines = 5;
   constexpr std::array<double, kStretches> kShares{1.0, 0.35, 0.7, 0.2, 0.85};
   std::array<double, kStretches> speed;
@@ -152,7 +154,7 @@ KIND(an_offset_that_jumps_beside_a_gain_that_wanders_is_a_step) {
     speed[k] = (k % 2 == 0 ? 1.0 : -1.0) * kShares[k] * rate_hz * bench.within(0.9, 1.1);
   // Runs of one speed each, which begin and end smoothly.
   const auto turns = [&](double t) {
-    const double stretch = kSpan / kStretches;
+    const double stretch = kStepSpan / kStretches;
     double out = 0.0;
     for (std::size_t k = 0; k < kStretches; ++k) {
       const double x = std::clamp(t / stretch - static_cast<double>(k), 0.0, 1.0);
@@ -170,7 +172,8 @@ KIND(an_offset_that_jumps_beside_a_gain_that_wanders_is_a_step) {
   for (std::size_t i = 0; i < c.size(); ++i) {
     double gain = 1.0;
     for (const auto &[waves, at] : sines)
-      gain += rms * std::sqrt(2.0 / kSines) * std::sin(kTwoPi * waves * c.time_s[i] / kSpan + at);
+      gain +=
+          rms * std::sqrt(2.0 / kSines) * std::sin(kTwoPi * waves * c.time_s[i] / kStepSpan + at);
     const double jump = c.time_s[i] >= moment ? step : 0.0;
     c.vsin_v[i] = 2.5 + gain * (c.vsin_v[i] - 2.5) + jump / std::sqrt(3.0);
     c.vcos_v[i] = 2.5 + gain * (c.vcos_v[i] - 2.5) + jump;
@@ -178,7 +181,7 @@ KIND(an_offset_that_jumps_beside_a_gain_that_wanders_is_a_step) {
   const Diagnosis d = diagnose(c, {});
   const Finding *jump = named(d, "offset-step");
   ASSERT_TRUE(jump) << all_of(d);
-  EXPECT_NEAR(jump->values[0], moment, 0.05 * kSpan) << all_of(d);
+  EXPECT_NEAR(jump->values[0], moment, 0.05 * kStepSpan) << all_of(d);
   EXPECT_NEAR(std::hypot(jump->values[1], jump->values[2]), 2.0 / std::sqrt(3.0) * step, 0.2 * step)
       << all_of(d);
 }
@@ -212,7 +215,7 @@ KIND(an_amplitude_that_drifts_is_no_step) {
   Bench bench;
   const double by = bench.within(0.005, 0.03), hz = bench.within(0.05, 0.3),
                start = bench.within(0.0, kTwoPi);
-  Capture c = bench.capture(18000, 18000 / kSpan, 2, there_and_back(bench));
+  Capture c = bench.capture(18000, 18000 / kStepSpan, 2, there_and_back(bench));
   for (std::size_t i = 0; i < c.size(); ++i) {
     const double gain = by * std::sin(kTwoPi * hz * c.time_s[i] + start);
     c.vsin_v[i] += gain * (c.vsin_v[i] - 2.5);

@@ -25,7 +25,7 @@ double ratio_at(double hz, double time) {
 Capture moved(Moves what, std::mt19937_64 &rng, double hz = kSlowly) {
   Drive drive;
   drive.turns_back = false;
-  Capture c = capture_of(sound_sensor(), drive, rng);
+  Capture c = capture_of(plain_sensor(), drive, rng);
   c.reference_deg.clear();
   for (std::size_t i = 0; i < c.size(); ++i) {
     const double u = ratio_at(hz, c.time_s[i]);

@@ -17,12 +17,12 @@
 namespace ada::test {
 namespace {
 
-constexpr double kRate = 10000;
+constexpr double kTimesRate = 10000;
 
 /// Seven seconds whose times went through `write`, with the rate in the header.
 Capture written(const std::function<double(double)> &write) {
-  Capture c = Sampler(SensorPair{}, fresh_seed()).capture(kRate, 7, constant_speed(5));
-  c.meta.sample_rate_hz = kRate;
+  Capture c = Sampler(SensorPair{}, fresh_seed()).capture(kTimesRate, 7, constant_speed(5));
+  c.meta.sample_rate_hz = kTimesRate;
   for (double &t : c.time_s)
     t = write(t);
   c.gaps = gaps_in_time(c);

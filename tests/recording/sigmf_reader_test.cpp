@@ -210,18 +210,19 @@ TEST_F(SigmfReaderTest, RefusesTimestampsBeyondAllRange) {
   EXPECT_EQ(refusal(meta, data), "c.sigmf-data: sample 1: time_s is out of range");
 }
 
-struct Malformed {
+struct MalformedMeta {
   const char *name, *from, *to, *message; ///< a change of kSmall and what it leads to
 };
 
-class SigmfMetaRefuses : public SigmfReaderTest, public testing::WithParamInterface<Malformed> {};
+class SigmfMetaRefuses : public SigmfReaderTest,
+                         public testing::WithParamInterface<MalformedMeta> {};
 
 TEST_P(SigmfMetaRefuses, WithThePlace) {
   EXPECT_EQ(refusal(replaced(kSmall, GetParam().from, GetParam().to), two_frames()),
             std::string("c.sigmf-meta:") + GetParam().message);
 }
 
-const Malformed kMalformed[] = {
+const MalformedMeta kMalformedMeta[] = {
     {"NoJson", "\"captures\": [],", "\"captures\": [", // the bracket is never closed
      "10:15: this is no JSON: syntax error while parsing array - unexpected ':'; expected ']'"},
     {"Overflow", "0.5", "1e999", "6:52: number overflow parsing '1e999'"},
@@ -271,7 +272,7 @@ const Malformed kMalformed[] = {
      "6:24: the channel 'vsin_v' has no type"},
 };
 
-INSTANTIATE_TEST_SUITE_P(Malformed, SigmfMetaRefuses, testing::ValuesIn(kMalformed),
+INSTANTIATE_TEST_SUITE_P(MalformedMeta, SigmfMetaRefuses, testing::ValuesIn(kMalformedMeta),
                          [](const auto &test) { return test.param.name; });
 
 TEST_F(SigmfReaderTest, SaysHowLongAFrameOfIioWouldBe) {

@@ -7,19 +7,13 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 
+#include "report/count.h"
 #include "report/report.h"
 #include "report/samples.h"
 #include "support/temp_folder.h"
 
 namespace ada {
 namespace {
-
-std::size_t count(const std::string &text, const std::string &what) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + what.size()))
-    ++n;
-  return n;
-}
 
 /// Puts a program of our own in place of gnuplot while it lives.
 class FakeGnuplot {

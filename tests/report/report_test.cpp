@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <numeric>
 
+#include "report/count.h"
 #include "report/samples.h"
 #include "report/view.h"
 #include "report/words.h"
@@ -17,13 +18,6 @@ namespace ada {
 namespace {
 
 constexpr const char *kEvil = "<script>alert(1)</script>\"'&\n`touch x`";
-
-std::size_t count(const std::string &text, const std::string &what) {
-  std::size_t n = 0;
-  for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + what.size()))
-    ++n;
-  return n;
-}
 
 /// What stands between `open` and `close`, each time that `open` is there.
 std::vector<std::string> each(const std::string &text, const std::string &open,

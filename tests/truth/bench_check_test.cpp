@@ -17,7 +17,7 @@ namespace truth {
 namespace {
 
 /// A capture without any noise, at constant speed.
-Bench silent(double rpm) {
+Bench silent_bench(double rpm) {
   Bench bench;
   bench.samples = 20000;
   bench.sampler.rate = 5000;
@@ -51,7 +51,7 @@ double five_sigma(std::size_t n) {
 }
 
 TEST(Reference, ErrsWithAnyOrder) {
-  Bench bench = silent(100);
+  Bench bench = silent_bench(100);
   bench.record.reference_lines.push_back({7.25, 0.3 * kDegree, 1.0});
   const Capture capture = simulate(bench);
   const std::vector<double> error = reference_error(capture);
@@ -61,7 +61,7 @@ TEST(Reference, ErrsWithAnyOrder) {
 
 TEST(Reference, IsReadLateOrEarly) {
   for (double tau : {1e-3, -1e-3}) {
-    Bench bench = silent(100);
+    Bench bench = silent_bench(100);
     bench.record.reference_delay = tau;
     const std::vector<double> error = reference_error(simulate(bench));
     for (std::size_t i = 10; i + 10 < error.size(); i += 7)
@@ -70,7 +70,7 @@ TEST(Reference, IsReadLateOrEarly) {
 }
 
 TEST(Reference, CountsInSteps) {
-  Bench bench = silent(3);
+  Bench bench = silent_bench(3);
   bench.record.reference_step = 0.36;
   const Capture capture = simulate(bench);
   for (double r : capture.reference)
@@ -81,7 +81,7 @@ TEST(Reference, CountsInSteps) {
 
 TEST(Reference, ReadAtMomentsThatScatterErrsWithTheSpeed) {
   for (double rpm : {50.0, 500.0}) {
-    Bench bench = silent(rpm);
+    Bench bench = silent_bench(rpm);
     bench.record.reference_jitter = 1e-5;
     const double expected = 6 * rpm * 1e-5;
     EXPECT_NEAR(rms(reference_error(simulate(bench))), expected, expected * five_sigma(20000));
@@ -89,7 +89,7 @@ TEST(Reference, ReadAtMomentsThatScatterErrsWithTheSpeed) {
 }
 
 TEST(Noise, OfTheGainLiesAlongTheVector) {
-  Bench bench = silent(100);
+  Bench bench = silent_bench(100);
   bench.gain_noise = 1e-3;
   const Capture capture = simulate(bench);
   std::vector<double> along;
@@ -102,7 +102,7 @@ TEST(Noise, OfTheGainLiesAlongTheVector) {
 }
 
 TEST(Wander, ActsOnOffsetsAndGain) {
-  Bench bench = silent(100);
+  Bench bench = silent_bench(100);
   const Capture clean = simulate(bench);
   bench.wander.sine = [](double t) { return 0.01 * t; };
   bench.wander.gain = [](double t) { return 0.02 * t; };

@@ -7,7 +7,7 @@
 // complete in the angle; an effect of the catalogue is a pattern in these coefficients.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <vector>
 
 #include "diagnosis/axis.h"

@@ -11,7 +11,7 @@
 #include <map>
 #include <vector>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "diagnosis/anonymous/basis.h"
 #include "diagnosis/observations.h"

@@ -164,6 +164,16 @@ void Coloured::project(std::size_t first, const Eigen::Ref<const Eigen::MatrixXd
   add_products(rows_.middleCols(static_cast<Eigen::Index>(2 * first), values.cols()), values, sum);
 }
 
+Eigen::VectorXd Coloured::explained(const Eigen::Ref<const Eigen::VectorXd> &p) const {
+  return rows_.transpose() * inner_.solve(p);
+}
+
+Eigen::VectorXd Coloured::unexplained(const Eigen::Ref<const Eigen::VectorXd> &values) const {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(columns());
+  project(0, values.transpose(), sum);
+  return values - explained(sum);
+}
+
 Eigen::MatrixXd Coloured::taken(const Eigen::Ref<const Eigen::MatrixXd> &p) const {
   return p.transpose() * inner_.solve(p);
 }

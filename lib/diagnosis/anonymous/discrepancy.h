@@ -10,6 +10,8 @@
 
 #include <memory>
 
+#include <Eigen/Cholesky>
+
 #include "diagnosis/anonymous/regression.h"
 
 namespace ada {
@@ -52,15 +54,9 @@ public:
 
   /// What the discrepancy makes of residuals that project to `p`: its value in each sample, two a
   /// sample.
-  Eigen::VectorXd explained(const Eigen::Ref<const Eigen::VectorXd> &p) const {
-    return rows_.transpose() * inner_.solve(p);
-  }
+  Eigen::VectorXd explained(const Eigen::Ref<const Eigen::VectorXd> &p) const;
   /// What is left of values of all samples beside it.
-  Eigen::VectorXd unexplained(const Eigen::Ref<const Eigen::VectorXd> &values) const {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(columns());
-    project(0, values.transpose(), sum);
-    return values - explained(sum);
-  }
+  Eigen::VectorXd unexplained(const Eigen::Ref<const Eigen::VectorXd> &values) const;
 
 private:
   double freedom_, rest_v2_;

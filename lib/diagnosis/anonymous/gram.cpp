@@ -22,10 +22,10 @@ namespace {
 
 using Complex = std::complex<double>;
 
-class Sums {
+class BinnedSums {
 public:
-  Sums(const Basis &basis, const Pieces &pieces, const Observations &data,
-       const ResidualColumns &left, ColumnSums &known)
+  BinnedSums(const Basis &basis, const Pieces &pieces, const Observations &data,
+             const ResidualColumns &left, ColumnSums &known)
       : basis_(basis), pieces_(pieces), known_(known) {
     known_.need({basis, data, pieces_.unit, pieces_.functions, 2 * pieces_.highest_plain,
                  pieces_.highest_plain + pieces_.highest_mixed, pairs()});
@@ -61,7 +61,7 @@ public:
   }
 
 private:
-  /// Sums with the residual.
+  /// BinnedSums with the residual.
   struct Tables {
     Eigen::MatrixXcd of_plain;                   ///< times cosine and sine of k x
     std::map<int, Eigen::VectorXcd> of_function; ///< times each function and e^(-j k x)
@@ -184,7 +184,7 @@ Eigen::MatrixXd gram_of(const Basis &basis, const Observations &data, const Resi
                         ColumnSums *known) {
   ColumnSums none;
   const Pieces pieces(basis);
-  const Sums sums(basis, pieces, data, left, known ? *known : none);
+  const BinnedSums sums(basis, pieces, data, left, known ? *known : none);
   Eigen::MatrixXd out = sums.gram();
   if (data.weight_along != 1.0) {
     const double w2 = data.weight_along * data.weight_along;

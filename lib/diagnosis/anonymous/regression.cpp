@@ -9,6 +9,8 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/Dense>
+
 #include "diagnosis/anonymous/column_sums.h"
 #include "diagnosis/anonymous/pieces.h"
 #include "diagnosis/criteria.h"

@@ -17,8 +17,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Sums of a complex weight times the cosine and the sine of k x, each row a quantity: enough for
-/// e^(j k x) and e^(-j k x) alike.
+/// TurnedSums of a complex weight times the cosine and the sine of k x, each row a quantity: enough
+/// for e^(j k x) and e^(-j k x) alike.
 struct Turned {
   Eigen::MatrixXd real_cos, imag_cos, real_sin, imag_sin;
   Turned() = default;
@@ -65,10 +65,10 @@ struct Tables {
   }
 };
 
-class Sums {
+class TurnedSums {
 public:
-  Sums(const Basis &basis, const Pieces &pieces, const Observations &data,
-       const ResidualColumns &left, const Eigen::MatrixXd &values)
+  TurnedSums(const Basis &basis, const Pieces &pieces, const Observations &data,
+             const ResidualColumns &left, const Eigen::MatrixXd &values)
       : pieces_(pieces) {
     const int p = pieces.highest_plain, m = pieces.highest_mixed;
     const auto functions = static_cast<Eigen::Index>(pieces.functions.size());
@@ -175,7 +175,7 @@ private:
 
 Eigen::MatrixXd turned_gram(const Basis &basis, const Pieces &pieces, const Observations &data,
                             const ResidualColumns &left, const Eigen::MatrixXd &values) {
-  return Sums(basis, pieces, data, left, values).gram();
+  return TurnedSums(basis, pieces, data, left, values).gram();
 }
 
 } // namespace ada

@@ -10,7 +10,7 @@
 // first: of each exponent, times V = U*^2.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "diagnosis/anonymous/pieces.h"
 #include "diagnosis/fit.h"

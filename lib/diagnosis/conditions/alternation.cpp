@@ -12,6 +12,7 @@
 #include "base/angle.h"
 #include "base/error.h"
 #include "base/robust.h"
+#include "base/solve.h"
 #include "calibration/ellipse_fit.h"
 #include "conversion/ellipse.h"
 #include "diagnosis/conditions/no_circle.h"
@@ -57,7 +58,7 @@ std::vector<double> slow_course(const std::vector<double> &v) {
       products += row * row.transpose();
       right += v[static_cast<std::size_t>(k)] * row;
     }
-    out[static_cast<std::size_t>(i)] = products.ldlt().solve(right)[0];
+    out[static_cast<std::size_t>(i)] = solved(products, right)(0, 0);
   }
   return out;
 }

@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 
 #include "base/pick.h"
+#include "base/solve.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/first_model.h"
@@ -82,7 +83,7 @@ void RecordGains::estimate(const Observations &data, const Model &model) {
     right[k] += of_sin * data.vsin[i] + of_cos * data.vcos[i];
   }
   for (std::size_t k = 0; k < records; ++k)
-    if (const Eigen::Vector3d x = normal[k].ldlt().solve(right[k]); x.allFinite())
+    if (const Eigen::Vector3d x = solved(normal[k], right[k]); x.allFinite())
       own_[k] = {std::max(x[0], kLeastGain), x[1], x[2]};
 }
 

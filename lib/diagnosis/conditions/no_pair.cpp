@@ -68,8 +68,9 @@ bool on_one_line(const Observations &data, double noise_v) {
   const Eigen::ArrayXd x = s - s.mean(), y = c - c.mean();
   Eigen::Matrix2d covariance;
   covariance << (x * x).sum() / n, (x * y).sum() / n, (x * y).sum() / n, (y * y).sum() / n;
-  const Eigen::Vector2d along =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues();
+  const Eigen::Vector2d along = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>()
+                                    .computeDirect(covariance, Eigen::EigenvaluesOnly)
+                                    .eigenvalues();
   return along[0] < kLine * along[1] ||
          (along[0] < kLong * along[1] && along[0] < kOfNoise * noise_v * noise_v);
 }

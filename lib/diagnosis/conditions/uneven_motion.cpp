@@ -12,6 +12,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "base/solve.h"
 #include "diagnosis/criteria.h"
 #include "motion/spline.h"
 
@@ -77,7 +78,7 @@ std::optional<std::complex<double>> left_at_order(const Kinematics &motion,
   }
   if (normal(0, 0) < kKnownOfTurn)
     return std::nullopt;
-  const Eigen::Vector3d fit = normal.ldlt().solve(right);
+  const Eigen::Vector3d fit = solved(normal, right);
   return std::complex<double>{fit[1], -fit[2]};
 }
 

@@ -16,11 +16,11 @@ namespace cli {
 
 namespace {
 
-struct Options {
+struct CalibrateOptions {
   std::string method = "fit", capture, cold, hot, output;
 };
 
-ada4571_calibration_method method_of(const Options &options) {
+ada4571_calibration_method method_of(const CalibrateOptions &options) {
   return options.method == "mean"      ? ADA4571_CALIBRATE_MEAN
          : options.method == "extrema" ? ADA4571_CALIBRATE_EXTREMA
                                        : ADA4571_CALIBRATE_FIT;
@@ -55,7 +55,7 @@ void finish(const Model &model, const std::string &path) {
   note("written: {}\n", path);
 }
 
-int single(const Options &options) {
+int single(const CalibrateOptions &options) {
   Recording capture;
   Model model;
   {
@@ -77,7 +77,7 @@ double mean_vtemp(const Recording &capture, ada4571_calibration_method method) {
   return baseline.vtemp_reference_v;
 }
 
-int dual(const Options &options) {
+int dual(const CalibrateOptions &options) {
   Recording cold, hot;
   Model model;
   double cold_v = 0, hot_v = 0;
@@ -101,7 +101,7 @@ int dual(const Options &options) {
   return kDone;
 }
 
-void add_common(CLI::App &verb, Options &options) {
+void add_common(CLI::App &verb, CalibrateOptions &options) {
   verb.add_option("--method", options.method,
                   "fit: best, needs no whole turn; mean: whole turns; extrema: (max + min)/2 "
                   "(default fit)")
@@ -119,7 +119,7 @@ void add_common(CLI::App &verb, Options &options) {
 void add_calibrate(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("calibrate", "offsets, amplitudes and phase from captures");
   verb->require_subcommand(1);
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CalibrateOptions>();
 
   auto *one = verb->add_subcommand("single", "from a capture at one temperature");
   one->add_option("CAPTURE", options->capture, "the magnet turning, or - for standard input")

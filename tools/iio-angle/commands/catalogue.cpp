@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct CatalogueOptions {
   std::vector<std::string> names;
   bool json = false;
 };
@@ -103,7 +103,7 @@ Json to_json(const Effect &effect) {
           {"parameters", parameters}};
 }
 
-int run(const Options &options) {
+int run(const CatalogueOptions &options) {
   Json effects = Json::array();
   for (std::size_t i = 0; i < ada4571_catalogue_count(); ++i) {
     const Effect effect = effect_at(i);
@@ -125,7 +125,7 @@ int run(const Options &options) {
 void add_catalogue(CLI::App &app, Action &action) {
   auto *verb =
       app.add_subcommand("catalogue", "the effects that a model can hold, with their parameters");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CatalogueOptions>();
   verb->add_option("NAME", options->names, "effects to show (default: all)")
       ->transform(one_of(effect_names(), "effect").description(""));
   verb->add_flag("--json", options->json, "print JSON (ada4571-catalogue/1) instead of text");

@@ -12,12 +12,12 @@ namespace cli {
 
 namespace {
 
-struct Options {
+struct CheckOptions {
   std::string calibration, capture;
   bool json = false;
 };
 
-int run(const Options &options) {
+int run(const CheckOptions &options) {
   const auto capture = open_capture(options.capture);
   Model model;
   if (!options.calibration.empty())
@@ -35,7 +35,7 @@ int run(const Options &options) {
 void add_check(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand(
       "check", "is the sensor healthy: radius, rails, stuck, spikes, gaps, noise");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CheckOptions>();
   verb->add_option("--calibration", options->calibration,
                    "calibration of this sensor (default: the circle that fits the capture)")
       ->type_name("FILE");

@@ -17,7 +17,7 @@ namespace cli {
 
 namespace {
 
-struct Options {
+struct ConvertOptions {
   std::string calibration, capture, output, format;
   bool dynamic = false;
 };
@@ -59,7 +59,7 @@ ada4571_angle_form form_of(const std::string &format) {
 
 /// A name that says nothing of the form would be CSV without a word: who asked for angles.npy or
 /// angles.sigmf wants something else.
-void require_form(const Options &options) {
+void require_form(const ConvertOptions &options) {
   const bool sigmf =
       options.output.ends_with(".sigmf-meta") || options.output.ends_with(".sigmf-data");
   if (options.format.empty()) {
@@ -75,7 +75,7 @@ void require_form(const Options &options) {
   }
 }
 
-int run(const Options &options) {
+int run(const ConvertOptions &options) {
   const ada4571_angle_form form = form_of(options.format);
   const auto model = load_model(options.calibration);
   const auto capture = open_capture(options.capture);
@@ -99,7 +99,7 @@ int run(const Options &options) {
 
 void add_convert(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("convert", "angles of a capture");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ConvertOptions>();
   verb->add_option("--calibration", options->calibration, "calibration or model file")
       ->required()
       ->type_name("FILE");

@@ -16,7 +16,7 @@ namespace cli {
 
 namespace {
 
-struct Options {
+struct DiagnoseOptions {
   std::string model, extend, report;
   std::vector<std::string> heldout, captures;
   bool json = false;
@@ -39,7 +39,8 @@ struct Recordings {
   }
 };
 
-Diagnosis diagnose(const Options &options, const Recordings &captures, const Recordings &heldout) {
+Diagnosis diagnose(const DiagnoseOptions &options, const Recordings &captures,
+                   const Recordings &heldout) {
   Model baseline;
   if (!options.model.empty())
     baseline = load_model(options.model);
@@ -56,7 +57,7 @@ Diagnosis diagnose(const Options &options, const Recordings &captures, const Rec
                          static_cast<const ada4571_diagnosis_options *>(&wanted));
 }
 
-int run(const Options &options) {
+int run(const DiagnoseOptions &options) {
   const Recordings captures(options.captures), heldout(options.heldout);
   FileRoles roles;
   for (std::size_t k = 0; k < captures.own.size(); ++k)
@@ -90,7 +91,7 @@ int run(const Options &options) {
 void add_diagnose(CLI::App &app, Action &action) {
   auto *verb =
       app.add_subcommand("diagnose", "what the simulation gets wrong, why, and what is gained");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DiagnoseOptions>();
   verb->add_option("--model", options->model,
                    "model to test (default: the application note's, fitted to the capture)")
       ->type_name("FILE");

@@ -15,14 +15,14 @@ namespace cli {
 
 namespace {
 
-struct Options {
+struct EmulateOptions {
   SimulationOptions simulation;
   int port = 0;
   std::string capture;
   double speed = 1;
 };
 
-Emulator make_emulator(const Options &options) {
+Emulator make_emulator(const EmulateOptions &options) {
   if (options.capture.empty()) {
     const Simulation simulation = make_simulation(options.simulation);
     return make_as_asked<Emulator>(ada4571_emulator_new,
@@ -36,7 +36,7 @@ Emulator make_emulator(const Options &options) {
                                  options.speed, options.port);
 }
 
-int run(const Options &options) {
+int run(const EmulateOptions &options) {
   const Emulator emulator = make_emulator(options);
   const StopSignal stop([&emulator] { ada4571_emulator_stop(emulator.get()); });
   // The address is the result: a script reads it from the first line.
@@ -52,7 +52,7 @@ int run(const Options &options) {
 void add_emulate(CLI::App &app, Action &action) {
   auto *verb =
       app.add_subcommand("emulate", "the simulated sensor, or a capture, as a network IIO device for any client");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EmulateOptions>();
   options->simulation.numbers.duration_s = 0; // without end
   add_simulation_options(*verb, options->simulation);
   verb->get_option("--duration")->description("length, in s, 0 for no end");

@@ -16,13 +16,13 @@ namespace cli {
 
 namespace {
 
-struct Options {
+struct FiguresOptions {
   std::vector<std::string> names;
   std::string directory = ".";
   std::uint64_t seed = 1;
 };
 
-int run(const Options &options) {
+int run(const FiguresOptions &options) {
   const std::vector<std::string> names = options.names.empty() ? figure_names() : options.names;
   FileRoles().writes(options.directory + "/" + names.front() + ".csv");
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -40,7 +40,7 @@ int run(const Options &options) {
 
 void add_figures(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("figures", "the application note's figures, from the simulation");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FiguresOptions>();
   std::string names;
   for (const std::string &name : figure_names())
     names += (names.empty() ? "" : ", ") + name;

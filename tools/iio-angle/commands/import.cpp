@@ -32,7 +32,7 @@ struct Column {
   std::string column{};
 };
 
-struct Options {
+struct ImportOptions {
   std::string input, output, separator, decimal, reference_unit, time_unit, serial;
   int header_lines = -1;
   double rate_hz = 0, supply_v = 5;
@@ -72,7 +72,7 @@ CLI::Validator separator() {
 }
 
 /// "sin=0.001": the factor or the offset of a channel.
-void apply(const Options &options, const std::vector<std::string> &pairs, const char *option,
+void apply(const ImportOptions &options, const std::vector<std::string> &pairs, const char *option,
            double ada4571_import_column::*field, ada4571_import_options &out) {
   for (const std::string &pair : pairs) {
     const auto equals = pair.find('=');
@@ -103,7 +103,7 @@ std::string option_first(const CLI::App &verb, const std::string &sentence) {
   return sentence;
 }
 
-Import open_import(const CLI::App &verb, const Options &options) {
+Import open_import(const CLI::App &verb, const ImportOptions &options) {
   auto wanted = initialised(ada4571_import_options_init);
   wanted.separator = options.separator.empty() ? nullptr : options.separator.c_str();
   wanted.decimal = options.decimal.empty() ? nullptr : options.decimal.c_str();
@@ -147,7 +147,7 @@ bool is_capture(const std::string &path) {
   return begin.starts_with(kMagic) || begin.substr(3).starts_with(kMagic);
 }
 
-int change_form(const CLI::App &verb, const Options &options) {
+int change_form(const CLI::App &verb, const ImportOptions &options) {
   for (const CLI::Option *option : verb.get_options())
     if (option->count() > 0 && option->nonpositional() && !option->check_lname("output"))
       throw Failure(kWrongUsage, fmt::format("{}: {} is a capture already: this is for files of "
@@ -163,7 +163,7 @@ std::string base_name(const std::string &path) {
   return path.substr(path.rfind('/') + 1);
 }
 
-Writer open_writer(const Import &import, const Options &options) {
+Writer open_writer(const Import &import, const ImportOptions &options) {
   auto info = initialised(ada4571_recording_info_init);
   check(ada4571_import_get_info(import.get(), &info));
   const std::string origin =
@@ -174,7 +174,7 @@ Writer open_writer(const Import &import, const Options &options) {
                                static_cast<const ada4571_recording_info *>(&info));
 }
 
-int run(const CLI::App &verb, const Options &options) {
+int run(const CLI::App &verb, const ImportOptions &options) {
   FileRoles().reads(options.input).writes(options.output);
   if (is_capture(options.input))
     return change_form(verb, options);
@@ -198,7 +198,7 @@ int run(const CLI::App &verb, const Options &options) {
   return kDone;
 }
 
-void add_text_options(CLI::App &verb, Options &options) {
+void add_text_options(CLI::App &verb, ImportOptions &options) {
   verb.add_option("--separator", options.separator,
                   "what is between the columns (default: detected)")
       ->transform(separator())
@@ -211,7 +211,7 @@ void add_text_options(CLI::App &verb, Options &options) {
       ->type_name("N");
 }
 
-void add_value_options(CLI::App &verb, Options &options) {
+void add_value_options(CLI::App &verb, ImportOptions &options) {
   for (Column &column : options.columns)
     verb.add_option(std::string("--") + column.name, column.column,
                     std::string(column.help) + ": its name or its number, or none")
@@ -252,7 +252,7 @@ void add_value_options(CLI::App &verb, Options &options) {
 void add_import(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand(
       "import", "a capture from the CSV of an oscilloscope or DAQ, or from numpy's .npy");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ImportOptions>();
   verb->add_option("FILE", options->input,
                    "file of another program, or - for standard input; a capture gets the other form")
       ->type_name("")

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct ListOptions {
   SourceOptions source;
   std::string save, calibration;
   bool no_calibration = false, json = false;
@@ -26,7 +26,7 @@ struct Options {
 
 /// Stores how the device that the options choose is opened. What was stored under the name and is
 /// not given anew stays.
-int save(const Options &options) {
+int save(const ListOptions &options) {
   const Source source = open_source(options.source);
   const char *calibration = options.no_calibration        ? ""
                             : options.calibration.empty() ? nullptr
@@ -109,7 +109,7 @@ Json to_json(const ada4571_device &device) {
           {"vdd", channel(device.vdd_channel)}};
 }
 
-int run(const Options &options) {
+int run(const ListOptions &options) {
   if (!options.save.empty())
     return save(options);
   const Where where = where_of(options.source);
@@ -153,7 +153,7 @@ void require_save_for_the_rest(const CLI::App &verb) {
 
 void add_list(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("list", "devices with a usable pair of channels");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ListOptions>();
   add_source_options(*verb, options->source);
   auto *save = verb->add_option("--save", options->save,
                                 "store how the chosen device is opened as NAME, for -s NAME");

@@ -16,12 +16,12 @@ namespace cli {
 
 namespace {
 
-struct Options {
+struct PinsOptions {
   std::string pin, state, stored, line;
   bool active_low = false, hold = false;
 };
 
-Pins open_pins(const Options &options, bool gc) {
+Pins open_pins(const PinsOptions &options, bool gc) {
   auto wanted = initialised(ada4571_pins_options_init);
   if (!options.stored.empty())
     wanted.config = options.stored.c_str();
@@ -36,7 +36,7 @@ Pins open_pins(const Options &options, bool gc) {
   return options.stored.empty() ? open() : open_stored(options.stored, open);
 }
 
-int run(const Options &options) {
+int run(const PinsOptions &options) {
   // Before the line is taken: whoever asks it to end a moment later is to find it listening.
   std::optional<StopSignal> stop;
   if (options.hold && !options.state.empty())
@@ -64,7 +64,7 @@ int run(const Options &options) {
 void add_pins(CLI::App &app, Action &action) {
   auto *verb =
       app.add_subcommand("pins", "the sensor's GC (gain control) and PD (power down) lines");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PinsOptions>();
   verb->add_option("PIN", options->pin, "gc or pd")->required()->transform(one_of({"gc", "pd"}));
   verb->add_option("STATE", options->state, "on or off; without it the state is printed")
       ->transform(one_of({"on", "off"}));

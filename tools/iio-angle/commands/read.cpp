@@ -16,7 +16,7 @@ namespace cli {
 
 namespace {
 
-struct Options {
+struct ReadOptions {
   SourceOptions source;
   std::string calibration, format = "text";
   bool dynamic = false, latency = false, reconnect = false;
@@ -28,7 +28,7 @@ AngleFormat format_of(const std::string &name) {
   return name == "csv" ? AngleFormat::csv : name == "json" ? AngleFormat::json : AngleFormat::text;
 }
 
-int run(const Options &options) {
+int run(const ReadOptions &options) {
   const Source source = open_source(options.source);
   const Model model = live_model(source, options.calibration);
   mention_remainder(model);
@@ -58,7 +58,7 @@ int run(const Options &options) {
 
 void add_read(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("read", "angles, live, until stopped");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReadOptions>();
   add_source_options(*verb, options->source);
   add_replay_options(*verb, options->source.capture, options->source.speed);
   verb->add_option("--calibration", options->calibration,

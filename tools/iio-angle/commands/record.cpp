@@ -17,7 +17,7 @@ namespace cli {
 
 namespace {
 
-struct Options {
+struct RecordOptions {
   SourceOptions source;
   double duration_s = 0;
   std::uint64_t samples = 0;
@@ -36,7 +36,7 @@ struct Output {
 };
 
 /// The recording of the device's own words; nothing where device or recording are of another kind.
-Writer open_blocks(const Source &source, const Options &options,
+Writer open_blocks(const Source &source, const RecordOptions &options,
                    const ada4571_recording_info &header) {
   ada4571_writer *writer = nullptr;
   const ada4571_status status = ada4571_writer_open_blocks(
@@ -46,7 +46,7 @@ Writer open_blocks(const Source &source, const Options &options,
   return Writer(writer);
 }
 
-Output open_output(const Source &source, const Options &options) {
+Output open_output(const Source &source, const RecordOptions &options) {
   const auto info = source_info(source);
   auto header = initialised(ada4571_recording_info_init);
   header.supply_v = info.supply_v;
@@ -72,7 +72,7 @@ Output open_output(const Source &source, const Options &options) {
 /// Writes frames until as many, or as long, as was asked for.
 class Recorder {
 public:
-  Recorder(const Options &options, const Source &source)
+  Recorder(const RecordOptions &options, const Source &source)
       : options_(options), source_(source), output_(open_output(source, options)),
         bytes_a_frame_(converter_bytes(source_info(source))) {}
 
@@ -212,7 +212,7 @@ private:
       progress_.show(what);
   }
 
-  const Options &options_;
+  const RecordOptions &options_;
   const Source &source_;
   Output output_;
   double bytes_a_frame_; ///< as the converter gives them
@@ -230,7 +230,7 @@ void require_times(const Source &source, const Losses &losses) {
                              "known: the times of this recording cannot be used");
 }
 
-int run(const Options &options) {
+int run(const RecordOptions &options) {
   const Source source = open_source(options.source);
   Recorder recorder(options, source);
   // To the end of the verb: what was captured is kept, however often a signal comes.
@@ -254,7 +254,7 @@ int run(const Options &options) {
 
 void add_record(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("record", "buffered capture to a file");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RecordOptions>();
   add_source_options(*verb, options->source);
   auto *length =
       verb->add_option_group("length", "default: until Ctrl-C, which also ends it earlier");

@@ -12,12 +12,12 @@ namespace cli {
 
 namespace {
 
-struct Options {
+struct SimulateOptions {
   SimulationOptions simulation;
   std::string output, save_model;
 };
 
-int run(const Options &options) {
+int run(const SimulateOptions &options) {
   FileRoles().reads(options.simulation.model).writes(options.output).writes(options.save_model);
   const Simulation simulation = make_simulation(options.simulation);
   Busy busy("simulating");
@@ -35,7 +35,7 @@ int run(const Options &options) {
 
 void add_simulate(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("simulate", "a capture from the simulated sensor");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateOptions>();
   add_simulation_options(*verb, options->simulation);
   verb->get_option("--duration")->transform(positive("s")); // a file has an end
   verb->add_option("-o,--output", options->output,

@@ -22,7 +22,7 @@ namespace cli {
 
 namespace {
 
-struct Options {
+struct WatchOptions {
   SourceOptions source;
   std::string calibration;
   bool dynamic = false, reconnect = true;
@@ -139,7 +139,7 @@ void print_live(LiveReader &reader, LiveAngles &angles) {
   });
 }
 
-int run(const Options &options) {
+int run(const WatchOptions &options) {
   const Source source = open_source(options.source);
   const Model model = live_model(source, options.calibration);
   mention_remainder(model);
@@ -162,7 +162,7 @@ int run(const Options &options) {
 
 void add_watch(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("watch", "angles as a live picture in the terminal");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<WatchOptions>();
   add_source_options(*verb, options->source);
   add_replay_options(*verb, options->source.capture, options->source.speed);
   verb->add_option("--calibration", options->calibration,
