@@ -96,9 +96,10 @@ std::vector<Clearness> clearness_of(const FitResult &fit, std::size_t samples) {
     const Eigen::MatrixXd c = fit.covariance.block(first, first, all, all)(sizes, sizes);
     const double z2 = n == 0 ? kAny : value.dot(solved(c, value).col(0));
     const double count = static_cast<double>(n);
-    out.push_back(fit.determined && std::isfinite(z2)
-                      ? Clearness{z2 / count, (z2 - 2.0 * std::log(places_of(e, samples))) / count}
-                      : Clearness{kAny, kAny});
+    out.push_back(
+        fit.determined && std::isfinite(z2)
+            ? Clearness{z2 / count, (z2 - 2.0 * std::log(places_of(e, samples))) / count, kAny}
+            : Clearness{kAny, kAny, kAny});
     first += all;
   }
   return out;
@@ -464,11 +465,14 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
   FitResult whole = weighs_alike           ? fit_whole(parts, found.fit.model, out.by_direction)
                     : !parts.has_reference ? fit_without_reference(parts, found.fit.model)
                                            : fit_with_errors(parts.train, found.fit.model);
-  const std::vector<Clearness> clear = clearness_of(whole, parts.train.size());
+  std::vector<Clearness> clear = clearness_of(whole, parts.train.size());
   if (weighs_alike)
     widen_by_what_is_not_borne_out(parts.train, whole);
   const std::vector<Untold> untold = widen_by_what_is_not_told_apart(parts.train, whole);
   widen_by_choices(parts.train, whole);
+  const std::vector<Clearness> as_said = clearness_of(whole, parts.train.size());
+  for (std::size_t k = 0; k < clear.size(); ++k)
+    clear[k].as_said = as_said[k].own;
   attach_errors(whole);
   out.extended = std::move(whole.model);
   const Model &model = out.extended;

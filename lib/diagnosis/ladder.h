@@ -15,9 +15,10 @@
 namespace ada {
 
 /// Wald's statistic of a finding over the number of its coordinates: of its own, and beyond what
-/// the best of all places that it could have been found at has by chance.
+/// the best of all places that it could have been found at has by chance. `as_said`: of its own, by
+/// errors that count what other causes may be in its place.
 struct Clearness {
-  double own, beyond_chance;
+  double own, beyond_chance, as_said;
 };
 
 struct Ladder {

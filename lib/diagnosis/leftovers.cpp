@@ -14,6 +14,7 @@
 #include "diagnosis/criteria.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/noise_causes.h"
+#include "diagnosis/repetition.h"
 #include "diagnosis/whiteness.h"
 #include "model/residual.h"
 
@@ -93,28 +94,6 @@ Structure of_episodes(const Scene &scene) {
       std::sqrt(e.squares_v2 / (2.0 * n))};
 }
 
-/// What goes on from one row to the next, V rms: the root of the mean product of a residual with
-/// the one before. 0 where that is little beside the rest, or where the signs of the products do
-/// not show it: of noise without memory they are as often negative, whatever its size at each row.
-/// It asks few rows, and does not say what the residual goes with.
-double goes_on_v(const ResidualColumns &r) {
-  constexpr double kOfRest = 0.25; // of the power: 12 % of the rms
-  const auto sign = [](double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; };
-  double squares = 0.0, products = 0.0, signs = 0.0, scatter = 0.0;
-  for (std::size_t i = 1; i < r.sin.size(); ++i) {
-    const double of_sin = r.sin[i] * r.sin[i - 1], of_cos = r.cos[i] * r.cos[i - 1];
-    squares += r.sin[i] * r.sin[i] + r.cos[i] * r.cos[i];
-    products += of_sin + of_cos;
-    const double both = sign(of_sin) + sign(of_cos); // of one row they may be the same noise
-    signs += both;
-    scatter += both * both;
-  }
-  return products > kOfRest * (squares - products) &&
-                 signs > criteria::kClearErrors * std::sqrt(scatter)
-             ? std::sqrt(products / (2.0 * static_cast<double>(r.sin.size())))
-             : 0.0;
-}
-
 } // namespace
 
 std::vector<Structure> keep_for_last_look(Scene &scene, const Model &model, double noise_v) {
@@ -185,12 +164,21 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
   const double rest2 = last.heldout.residual_rms_v * last.heldout.residual_rms_v -
                        explained.noise_v * explained.noise_v;
   out.unexplained_rms_v = rest2 > 0.0 ? std::sqrt(rest2) : 0.0;
-  if (!out.structure.empty() || !out.of_rows.empty() || explained.supply_inferred ||
-      !explained.noise_stated)
+  if (!out.structure.empty() || !out.of_rows.empty() || explained.supply_inferred)
     return out;
   const double rms = scene.has_reference ? last.heldout.residual_rms_v
                                          : rms_in_any_direction(parts.heldout, model, false);
-  if (rms > std::hypot(kMoreThanNoise * explained.noise_v, explained.second_order_v))
+  const bool more = rms > std::hypot(kMoreThanNoise * explained.noise_v, explained.second_order_v);
+  // What the noise was measured from may be few readings itself.
+  const double nats = static_cast<double>(parts.heldout.size()) *
+                      std::log(std::max(rms, explained.noise_v) / explained.noise_v);
+  if (more && !explained.noise_stated && nats > criteria::kNatsOfNoise)
+    out.structure.push_back({"time",
+                             fmt::format("{:.3g} mV rms are left where the readings have a noise "
+                                         "of {:.3g} mV, and nothing shows what they go with",
+                                         1e3 * rms, 1e3 * explained.noise_v),
+                             out.unexplained_rms_v});
+  if (more && explained.noise_stated)
     out.structure.push_back({"time",
                              "the residual is larger than the stated noise, yet not white noise "
                              "of both channels",

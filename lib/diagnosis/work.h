@@ -311,6 +311,16 @@ private:
   /// What the named model leaves of the axes, where held-out data confirm it and it is worth a
   /// word.
   void note_unnamed();
+  /// What the named causes leave; along the radius alone where nothing else is judged.
+  ResidualColumns not_named() const;
+  /// Whether what was found to go with the angle, V rms of a channel, does so in the residual: it
+  /// is the same whenever the shaft passes a place again. Without a second pass nothing speaks
+  /// against it.
+  bool comes_again(double rms_v) const;
+
+  /// Causes of which what is left is a size that may as well be none, and none of the known ones
+  /// in its place: what they take is there, and is no explanation.
+  void note_what_is_not_sure();
 
   void note_what_stands_out();
 

@@ -13,9 +13,11 @@
 #include <fmt/format.h>
 
 #include "base/angle.h"
+#include "diagnosis/admission.h"
 #include "diagnosis/along_and_across.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/describe.h"
+#include "diagnosis/repetition.h"
 
 namespace ada {
 
@@ -30,6 +32,7 @@ void Work::look_at_leftovers() {
   drop_what_is_random();
   std::move(left.of_rows.begin(), left.of_rows.end(), std::back_inserter(out_.structure));
   note_what_the_anonymous_model_does_better();
+  note_what_is_not_sure();
   std::stable_sort(out_.structure.begin(), out_.structure.end(),
                    [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
   double unnamed2 = left.unexplained_rms_v * left.unexplained_rms_v;
@@ -223,6 +226,21 @@ void Work::look_for_reference_steps() {
       scene_.screened.push_back({effect, {step}, {0.0}, {}, {}});
 }
 
+ResidualColumns Work::not_named() const {
+  Model named = out_.extended;
+  named.remainder.reset(); // it is what has no name
+  return residual_columns(scene_.radius_only ? at_own_angle(scene_.all, named) : scene_.all, named);
+}
+
+bool Work::comes_again(double rms_v) const {
+  constexpr double kErrors = 2.0, kSure = 3.0, kCellsOfWave = 4.0;
+  const double turn = in_turns(scene_) ? kTwoPi : kTwoPi / scene_.periods;
+  const int highest = std::max(1, unnamed_.selection.orders[static_cast<std::size_t>(Axis::angle)]);
+  const auto seen = repeated_v2(scene_.all, not_named(), turn, turn / (kCellsOfWave * highest));
+  return !seen || seen->v2 > kSure * seen->error_v2 ||
+         seen->v2 + kErrors * seen->error_v2 > rms_v * rms_v;
+}
+
 void Work::note_unnamed() {
   const double noise = std::sqrt(unnamed_.selection.noise_v2);
   const double steps_v2 = std::max(0.0, unnamed_.selection.steps_v2);
@@ -238,10 +256,43 @@ void Work::note_unnamed() {
     if (line.axis == Axis::time) // the steps have sentences of their own
       line.unnamed_rms_v =
           std::sqrt(std::max(0.0, line.unnamed_rms_v * line.unnamed_rms_v - steps_v2));
+    if (line.axis == Axis::angle && line.unnamed_rms_v > least &&
+        !comes_again(line.unnamed_rms_v)) {
+      if (const double left_v = goes_on_v(not_named()); left_v > least)
+        out_.structure.push_back(
+            {std::string(axis_name(Axis::time)),
+             fmt::format("{:.3g} mV rms go on from row to row and do not come again at the same "
+                         "place, and no named cause explains them",
+                         1e3 * left_v),
+             left_v});
+      continue;
+    }
     if (line.axis != Axis::noise && line.unnamed_rms_v > least)
       out_.structure.push_back({std::string(axis_name(line.axis)),
                                 unnamed_sentence(line, unnamed_.selection, scene_),
                                 line.unnamed_rms_v});
+  }
+}
+
+void Work::note_what_is_not_sure() {
+  for (std::size_t k = 0; k < ladder_.findings.size(); ++k) {
+    const Finding &f = ladder_.findings[k];
+    const auto &effects = out_.extended.effects;
+    const auto there = std::find_if(effects.begin(), effects.end(), [&](const EffectInstance &e) {
+      return e.effect == f.effect && e.values == f.values;
+    });
+    if (ladder_.clearness[k].as_said >= criteria::kUnclear || !f.alternatives.empty() ||
+        there == effects.end())
+      continue;
+    const double takes_v =
+        moved_rms_v(scene_.all, out_.extended, static_cast<std::size_t>(there - effects.begin()));
+    out_.structure.push_back(
+        {std::string(axis_name(shows_beyond_angle(*f.effect) ? Axis::time : Axis::angle)),
+         fmt::format("{:.3g} mV rms are given to {}, the size of which is less than twice its "
+                     "error: how much is its own, and how much that of the others, these data do "
+                     "not tell",
+                     1e3 * takes_v, f.effect->info().id),
+         takes_v});
   }
 }
 
