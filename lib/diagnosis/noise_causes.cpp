@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -255,25 +256,85 @@ std::size_t on_curve(const Observations &data, const std::vector<std::uint32_t> 
       std::count_if(left.begin(), left.end(), [&](double v) { return v <= kOnCurve * noise_v; }));
 }
 
-/// Spikes come at any angle. What stands out again and again at the same angles is a corner that
-/// the model does not meet quite: Rayleigh's test at the first orders of the turn, against the
-/// angles at which the shaft was.
-constexpr int kOrders = 16;
+/// Spikes come at any angle and at any voltage. What stands out again and again at the same ones is
+/// a corner that the model does not meet quite, or a kink of a converter.
+constexpr int kOrders = 16;               ///< of the turn that are looked at
+constexpr double kImprobable = 1e-3;      ///< by chance
+constexpr double kMostOfThem = 2.0 / 3.0; ///< are close together
+
+/// Bound on the chance that so many of n places, each anywhere from 0 to 1, are as close together
+/// as most of these are: of n choose m sets of m, each begins at one of them and has the others
+/// within its width (Naus, J. Am. Stat. Assoc. 60, 1965, by Bonferroni's inequality). `round`: 1 is
+/// 0 again.
+double chance_of_gathering(std::vector<double> places, bool round) {
+  std::ranges::sort(places);
+  const std::size_t n = places.size();
+  const auto all = static_cast<double>(n);
+  const auto fewest = static_cast<std::size_t>(std::ceil(kMostOfThem * all));
+  double least = 0.0; // logarithm
+  for (std::size_t m = std::max<std::size_t>(2, fewest); m <= n; ++m)
+    for (std::size_t first = 0; first < (round ? n : n + 1 - m); ++first) {
+      const std::size_t last = first + m - 1;
+      const double to = places[last % n] + (last >= n ? 1.0 : 0.0);
+      const double width = std::max(to - places[first], 1e-12), others = static_cast<double>(m - 1);
+      const double sets =
+          std::log(all) + std::lgamma(all) - std::lgamma(others + 1.0) - std::lgamma(all - others);
+      least = std::min(least, sets + others * std::log(width));
+    }
+  return std::exp(least) * static_cast<double>(n + 1 - fewest);
+}
+
+/// Part of `sorted` that lies below each of x: 0 to 1, evenly where x are drawn from the same.
+std::vector<double> ranks(const std::vector<double> &x, const std::vector<double> &sorted) {
+  std::vector<double> out;
+  for (double v : x)
+    out.push_back(static_cast<double>(std::ranges::upper_bound(sorted, v) - sorted.begin()) /
+                  static_cast<double>(sorted.size()));
+  return out;
+}
+
+/// At each of the first orders of the turn, against the angles at which the shaft was: Rayleigh's
+/// test, and of few, or of a narrow place, how close together most of them are.
 bool come_with_the_angle(const std::vector<double> &alpha, const std::vector<double> &all) {
-  constexpr double kImprobable = 15.0; // e^-15 by chance, at each order
   const std::size_t stride = std::max<std::size_t>(1, all.size() / 20000);
   const double n = static_cast<double>(alpha.size());
   for (int k = 1; k <= kOrders; ++k) {
-    std::complex<double> hits, mean;
-    double count = 0.0;
+    std::vector<double> hits, was;
+    std::complex<double> sum, mean;
     for (double a : alpha)
-      hits += std::polar(1.0, k * a);
-    for (std::size_t i = 0; i < all.size(); i += stride, count += 1.0)
-      mean += std::polar(1.0, k * all[i]);
-    if (std::norm(hits - n * mean / count) > kImprobable * n)
+      hits.push_back(wrap(k * a, kTwoPi));
+    for (std::size_t i = 0; i < all.size(); i += stride)
+      was.push_back(wrap(k * all[i], kTwoPi));
+    for (double a : hits)
+      sum += std::polar(1.0, a);
+    for (double a : was)
+      mean += std::polar(1.0, a);
+    mean /= static_cast<double>(was.size());
+    std::ranges::sort(was);
+    if (kOrders * std::min(std::exp(-std::norm(sum - n * mean) / n),
+                           chance_of_gathering(ranks(hits, was), true)) <
+        kImprobable)
       return true;
   }
   return false;
+}
+
+/// The voltage about which most of what stands out lies in its own channel, where that is no
+/// chance. `level`: of each channel, without what stands out.
+std::optional<double> common_level(const std::array<std::vector<double>, 2> &level,
+                                   const std::array<std::vector<float>, 2> &all) {
+  std::vector<double> places, volts;
+  for (std::size_t channel = 0; channel < 2; ++channel) {
+    std::vector<double> was(all[channel].begin(), all[channel].end());
+    std::ranges::sort(was);
+    std::ranges::copy(ranks(level[channel], was), std::back_inserter(places));
+    std::ranges::copy(level[channel], std::back_inserter(volts));
+  }
+  if (!(chance_of_gathering(places, false) < kImprobable))
+    return std::nullopt;
+  const auto middle = volts.begin() + static_cast<std::ptrdiff_t>(volts.size() / 2);
+  std::ranges::nth_element(volts, middle);
+  return *middle;
 }
 
 /// The place in the turn about which most of `alpha` lie, rad.
@@ -372,6 +433,13 @@ Spikes spikes_against(const Scene &scene, const Model &model,
       add(plain, i, together);
   // Of what the first look left out, only what this model cannot explain either is a spike.
   std::vector<double> values, angles;
+  std::array<std::vector<double>, 2> levels; // of the channel that stands out
+  const auto note_level = [&](const Observations &data, const ResidualColumns &r, std::size_t i) {
+    if (std::abs(r.sin[i]) > std::abs(r.cos[i]))
+      levels[0].push_back(data.vsin[i] - r.sin[i]);
+    else
+      levels[1].push_back(data.vcos[i] - r.cos[i]);
+  };
   std::vector<std::uint32_t> spiked; // of those
   std::vector<std::uint32_t> asked(apart.sin.size());
   std::iota(asked.begin(), asked.end(), 0u);
@@ -383,6 +451,7 @@ Spikes spikes_against(const Scene &scene, const Model &model,
         !stands_out(there.sin[i], there.cos[i], beside(here, next, next), noise_v))
       continue;
     angles.push_back(scene.spiked.alpha[i]);
+    note_level(scene.spiked, apart, i);
     add(apart, i, values, supply ? beside(plain, next, next) : Pair{});
     spiked.push_back(static_cast<std::uint32_t>(i));
   }
@@ -401,6 +470,7 @@ Spikes spikes_against(const Scene &scene, const Model &model,
       }
       add(plain, i, values, supply ? beside(plain, i, i + 1) : Pair{});
       angles.push_back(scene.all.alpha[i]);
+      note_level(scene.all, plain, i);
       hit_places.push_back(static_cast<std::uint32_t>(i));
     }
   const std::size_t samples = spiked.size() + hit_places.size();
@@ -410,14 +480,17 @@ Spikes spikes_against(const Scene &scene, const Model &model,
       enough && static_cast<double>(on_curve(scene.spiked, spiked, model, noise_v) +
                                     on_curve(scene.all, hit_places, model, noise_v)) >
                     kMostOnCurve * static_cast<double>(samples);
-  if (at_places || along)
+  const std::optional<double> level =
+      enough && !at_places ? common_level(levels, {scene.all.vsin, scene.all.vcos}) : std::nullopt;
+  if (at_places || level || along)
     together.insert(together.end(), values.begin(), values.end());
   if (together.size() >= 2 * kFewestSpikes) {
     out.no_spikes.count = together.size() / 2;
     out.no_spikes.rms_v = std::sqrt(mean_square(together));
     if (at_places)
       out.no_spikes.place_rad = densest(angles);
-    out.no_spikes.on_curve = along && !at_places;
+    out.no_spikes.level_v = level;
+    out.no_spikes.on_curve = along && !at_places && !level;
   }
   if (!enough) { // whatever the first look left out is said
     out.few.count = apart.sin.size();
@@ -428,7 +501,7 @@ Spikes spikes_against(const Scene &scene, const Model &model,
     }
     out.few.rms_v = left_out.empty() ? 0.0 : std::sqrt(mean_square(left_out));
   }
-  if (!enough || at_places || along) {
+  if (!enough || at_places || level || along) {
     std::fill(out.hit.begin(), out.hit.end(), char{0});
     return out;
   }

@@ -22,12 +22,13 @@ struct Spikes {
   std::vector<char> hit; ///< of the scene's usable samples
   /// Held-out log likelihood a sample with one normal distribution, and with spikes beside it.
   double before = 0.0, after = 0.0;
-  /// Samples that stand out as spikes do, but several in a row, at the same places in the turn or
-  /// on the curve that the pair draws.
+  /// Samples that stand out as spikes do, but several in a row, at the same places in the turn, at
+  /// the same level of their channel or on the curve that the pair draws.
   struct {
     std::size_t count = 0;
     double rms_v = 0.0;              ///< of a channel
     std::optional<double> place_rad; ///< where most of them lie
+    std::optional<double> level_v;   ///< of a channel, where most of them lie
     bool on_curve = false;
   } no_spikes;
   /// Too few to tell how often they come, and left out by the first look all the same.

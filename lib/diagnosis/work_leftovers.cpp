@@ -317,6 +317,9 @@ void Work::note_what_stands_out() {
            no_spikes_.place_rad
                ? fmt::format("at the same places in the turn, most of them about {:.0f} deg",
                              *no_spikes_.place_rad * kDegPerRad)
+           : no_spikes_.level_v
+               ? fmt::format("most of them where their channel is at about {:.4g} V",
+                             *no_spikes_.level_v)
            : no_spikes_.on_curve
                ? "along the curve that the pair draws: the shaft jerks, or the readings come late"
                : "several in a row"),
