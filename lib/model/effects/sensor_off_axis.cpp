@@ -16,12 +16,16 @@ constexpr std::array<ParameterInfo, 2> kParameters{
     ParameterInfo{"a_deg", "deg", 0.2, 0.0, 20.0, Role::fitted, 0.01},
     ParameterInfo{"direction_deg", "deg", 0.0, -360.0, 360.0}};
 
-constexpr std::array<Separation, 3> kSeparations{
+// With two periods a turn a second harmonic of both channels turns the vector as this does, and
+// adds to its length what one of one channel can take out.
+constexpr std::array<Separation, 4> kSeparations{
     {{"rotation-nonuniformity",
       "record a reference angle, or repeat at another speed or in a coast-down"},
      {"field-direction-error", "move the sensor by a known step: the error of an off-axis sensor "
                                "grows with the square of the distance"},
-     {"reference-harmonic", kSteadySpin}}};
+     {"reference-harmonic", kSteadySpin},
+     {"harmonic-distortion", "move the sensor by a known step: the error of an off-axis sensor "
+                             "grows with the square of the distance, that of a channel stays"}}};
 
 constexpr EffectInfo kInfo{
     .id = "sensor-off-axis",
