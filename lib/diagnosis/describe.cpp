@@ -32,15 +32,20 @@ void describe_capture(const Capture &capture, const Scene &scene, Diagnosis &d) 
   d.has_reference = capture.has_reference();
 }
 
-std::string unnamed_sentence(const BudgetLine &line, const Selection &unnamed, const Scene &scene) {
+std::string unnamed_sentence(const BudgetLine &line, const Selection &unnamed, const Scene &scene,
+                             Recurrence again) {
   const double mv = 1e3 * line.unnamed_rms_v;
   switch (line.axis) {
   case Axis::angle:
     return fmt::format(
-        "{:.3g} mV rms repeat with the angle, up to order {} of the {}, and no named "
-        "cause explains them",
-        mv, unnamed.orders[static_cast<std::size_t>(line.axis)],
-        in_turns(scene) ? "turn" : "electrical period");
+        "{:.3g} mV rms {} the angle, up to order {} of the {}, and no named cause explains them{}",
+        mv, again == Recurrence::seen ? "repeat with" : "go with",
+        unnamed.orders[static_cast<std::size_t>(line.axis)],
+        in_turns(scene) ? "turn" : "electrical period",
+        again == Recurrence::once ? ": too few of these places were seen again"
+        : again == Recurrence::untold
+            ? ": what was seen twice does not tell the angle from the time"
+            : "");
   case Axis::speed:
     return fmt::format("{:.3g} mV rms change with speed or direction, and no named cause explains "
                        "them",

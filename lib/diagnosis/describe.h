@@ -9,12 +9,16 @@
 #include "diagnosis/result.h"
 #include "recording/capture.h"
 
+#include "diagnosis/repetition.h"
+
 namespace ada {
 
 void describe_capture(const Capture &capture, const Scene &scene, Diagnosis &d);
 
-/// A line of the budget whose part without a name is worth a word.
-std::string unnamed_sentence(const BudgetLine &line, const Selection &unnamed, const Scene &scene);
+/// A line of the budget whose part without a name is worth a word. `again`: of what goes with the
+/// angle.
+std::string unnamed_sentence(const BudgetLine &line, const Selection &unnamed, const Scene &scene,
+                             Recurrence again);
 
 /// Each step in time that has no name, in words: what of the pair changes there, and by how much.
 std::vector<Structure> unnamed_steps(const Anonymous &unnamed, const Model &model);

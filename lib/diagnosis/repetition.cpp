@@ -3,11 +3,11 @@
 #include "diagnosis/repetition.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <map>
-#include <utility>
 #include <vector>
 
 #include "diagnosis/criteria.h"
@@ -21,15 +21,18 @@ struct Visit {
   double sin = 0.0, cos = 0.0, n = 0.0;
 };
 
-/// Which pass each sample belongs to: a new one begins after every half turn of way, so that a
-/// shaft that dithers about the border of a place does not pass it again.
-std::vector<std::size_t> passes_of(const Observations &data, double turn_rad) {
+/// Which pass each sample belongs to: a new one begins wherever the shaft is `far` from where the
+/// last one began. One that rests, or dithers about the border of a place, does not pass it again.
+std::vector<std::size_t> passes_of(const Observations &data, double far_rad) {
   std::vector<std::size_t> out(data.size());
-  double way = 0.0;
+  double began = data.alpha.empty() ? 0.0 : data.alpha.front();
+  std::size_t pass = 0;
   for (std::size_t i = 0; i < data.size(); ++i) {
-    if (i > 0)
-      way += std::abs(data.alpha[i] - data.alpha[i - 1]);
-    out[i] = static_cast<std::size_t>(way / (0.5 * turn_rad));
+    if (std::abs(data.alpha[i] - began) >= far_rad) {
+      began = data.alpha[i];
+      ++pass;
+    }
+    out[i] = pass;
   }
   return out;
 }
@@ -39,7 +42,8 @@ std::vector<std::size_t> passes_of(const Observations &data, double turn_rad) {
 std::optional<Repeated> repeated_v2(const Observations &data, const ResidualColumns &rest,
                                     double turn_rad, double cell_rad) {
   const auto cells = static_cast<std::size_t>(std::ceil(turn_rad / cell_rad));
-  const std::vector<std::size_t> pass = passes_of(data, turn_rad);
+  constexpr double kFarInCells = 4.0;
+  const std::vector<std::size_t> pass = passes_of(data, kFarInCells * cell_rad);
   std::vector<std::map<std::size_t, Visit>> visits(cells);
   for (std::size_t i = 0; i < data.size(); ++i) {
     const double place = data.alpha[i] / turn_rad;
@@ -50,28 +54,32 @@ std::optional<Repeated> repeated_v2(const Observations &data, const ResidualColu
     v.cos += rest.cos[i];
     v.n += 1.0;
   }
-  // Two passes, each with all of its places: their product over the places that both have. Of two
-  // that are independent its sign is chance.
-  std::map<std::pair<std::size_t, std::size_t>, double> products;
+  // Two passes of an arc that is long beside what noise remembers: their product over its places.
+  // Of two that are independent the sign is chance.
+  constexpr std::size_t kArcs = 8; // a turn
+  std::map<std::array<std::size_t, 3>, double> products;
   double weights = 0.0;
-  std::size_t twice = 0;
-  for (const auto &cell : visits) {
+  std::size_t passed = 0, twice = 0;
+  for (std::size_t k = 0; k < cells; ++k) {
+    const auto &cell = visits[k];
+    const std::size_t arc = k * kArcs / cells;
     bool again = false;
     for (auto a = cell.begin(); a != cell.end(); ++a)
       for (auto b = std::next(a); b != cell.end(); ++b) {
         if (b->first - a->first < 2)
           continue;
-        products[{a->first, b->first}] +=
+        products[{arc, a->first, b->first}] +=
             a->second.sin * b->second.sin + a->second.cos * b->second.cos;
         weights += 2.0 * a->second.n * b->second.n;
         again = true;
       }
+    passed += !cell.empty();
     twice += again;
   }
-  if (2 * twice < cells || !(weights > 0.0))
+  if (2 * twice < passed || !(weights > 0.0))
     return std::nullopt;
   double sum = 0.0, squares = 0.0;
-  for (const auto &[pair, product] : products) {
+  for (const auto &[passes, product] : products) {
     sum += product;
     squares += product * product;
   }

@@ -11,13 +11,17 @@
 
 namespace ada {
 
+/// Whether something is the same each time that the shaft passes a place. `once`: too few places
+/// were passed twice; `untold`: they are enough, and do not tell.
+enum class Recurrence { seen, once, untold, none };
+
 /// Mean square of a channel, V^2, that is the same each time that the shaft passes a place, and the
 /// standard error of that by chance: covariance of the residuals of one pass with those of the
 /// others, over all places that were passed more than once. It may be negative. What goes on from
 /// row to row within a pass, as noise of some colour and a slow drift do, is a function of the
-/// place for a single pass, and of two it has no covariance. The error is that of passes whose
+/// place for a single pass, and of two it has no covariance. The error is that of arcs whose
 /// signs are chance. `turn_rad`: after which place repeats, mechanical rad; `cell_rad`: width of a
-/// place. nullopt: fewer than half of a turn was passed twice.
+/// place. nullopt: fewer than half of the places were passed twice.
 struct Repeated {
   double v2, error_v2;
 };

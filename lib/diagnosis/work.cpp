@@ -323,8 +323,13 @@ void Work::carry_remainder(const Parts &white) {
   out_.remainder_rms_v = out_.remainder_angle_rms_deg = 0.0;
   auto kept = with_given_remainder(out_.extended);
   Model judged = out_.extended; // by the training part alone
+  // What the shaft did not meet again where it passed again is no function of the angle.
+  const auto comes_again = [&](const Model &with) {
+    const Recurrence again = recurrence(with.remainder->rms() * out_.extended.baseline.amplitude_v);
+    return again == Recurrence::seen || again == Recurrence::once;
+  };
   if (Model with = with_remainder(scene_, unnamed_, white.train, out_.extended); with.remainder)
-    if (const Rung after = white.rung(with); likelier_and_no_farther(after)) {
+    if (const Rung after = white.rung(with); likelier_and_no_farther(after) && comes_again(with)) {
       judged = std::move(with);
       out_.extended = with_remainder(scene_, unnamed_, everything(), std::move(out_.extended));
       last_ = after;

@@ -16,6 +16,7 @@
 #include "diagnosis/noise_causes.h"
 #include "diagnosis/parts.h"
 #include "diagnosis/random_causes.h"
+#include "diagnosis/repetition.h"
 #include "diagnosis/search.h"
 
 namespace ada {
@@ -313,10 +314,9 @@ private:
   void note_unnamed();
   /// What the named causes leave; along the radius alone where nothing else is judged.
   ResidualColumns not_named() const;
-  /// Whether what was found to go with the angle, V rms of a channel, does so in the residual: it
-  /// is the same whenever the shaft passes a place again. Without a second pass nothing speaks
-  /// against it.
-  bool comes_again(double rms_v) const;
+  /// Of what was found to go with the angle, V rms of a channel: whether it is there in the
+  /// residual each time that the shaft passes a place.
+  Recurrence recurrence(double rms_v) const;
 
   /// Causes of which what is left is a size that may as well be none, and none of the known ones
   /// in its place: what they take is there, and is no explanation.

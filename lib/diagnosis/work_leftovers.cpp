@@ -232,13 +232,17 @@ ResidualColumns Work::not_named() const {
   return residual_columns(scene_.radius_only ? at_own_angle(scene_.all, named) : scene_.all, named);
 }
 
-bool Work::comes_again(double rms_v) const {
-  constexpr double kErrors = 2.0, kSure = 3.0, kCellsOfWave = 4.0;
+Recurrence Work::recurrence(double rms_v) const {
+  constexpr double kErrors = 2.0, kSure = 2.5, kCellsOfWave = 4.0;
   const double turn = in_turns(scene_) ? kTwoPi : kTwoPi / scene_.periods;
   const int highest = std::max(1, unnamed_.selection.orders[static_cast<std::size_t>(Axis::angle)]);
   const auto seen = repeated_v2(scene_.all, not_named(), turn, turn / (kCellsOfWave * highest));
-  return !seen || seen->v2 > kSure * seen->error_v2 ||
-         seen->v2 + kErrors * seen->error_v2 > rms_v * rms_v;
+  if (!seen)
+    return Recurrence::once;
+  if (seen->v2 > kSure * seen->error_v2)
+    return Recurrence::seen;
+  return seen->v2 + kErrors * seen->error_v2 < rms_v * rms_v ? Recurrence::none
+                                                             : Recurrence::untold;
 }
 
 void Work::note_unnamed() {
@@ -256,8 +260,10 @@ void Work::note_unnamed() {
     if (line.axis == Axis::time) // the steps have sentences of their own
       line.unnamed_rms_v =
           std::sqrt(std::max(0.0, line.unnamed_rms_v * line.unnamed_rms_v - steps_v2));
-    if (line.axis == Axis::angle && line.unnamed_rms_v > least &&
-        !comes_again(line.unnamed_rms_v)) {
+    const Recurrence again = line.axis == Axis::angle && line.unnamed_rms_v > least
+                                 ? recurrence(line.unnamed_rms_v)
+                                 : Recurrence::seen;
+    if (again == Recurrence::none) {
       if (const double left_v = goes_on_v(not_named()); left_v > least)
         out_.structure.push_back(
             {std::string(axis_name(Axis::time)),
@@ -269,7 +275,7 @@ void Work::note_unnamed() {
     }
     if (line.axis != Axis::noise && line.unnamed_rms_v > least)
       out_.structure.push_back({std::string(axis_name(line.axis)),
-                                unnamed_sentence(line, unnamed_.selection, scene_),
+                                unnamed_sentence(line, unnamed_.selection, scene_, again),
                                 line.unnamed_rms_v});
   }
 }
