@@ -6,10 +6,9 @@
 #pragma once
 
 #include "diagnosis/anonymous/anonymous.h"
+#include "diagnosis/repetition.h"
 #include "diagnosis/result.h"
 #include "recording/capture.h"
-
-#include "diagnosis/repetition.h"
 
 namespace ada {
 

@@ -79,6 +79,14 @@ double places_of(const EffectInstance &e, std::size_t samples) {
   return places;
 }
 
+/// What the sum of so many squares of normal numbers exceeds as often as one of them exceeds two
+/// standard deviations (Wilson and Hilferty, Proc. Natl. Acad. Sci. 17, 1931).
+double twice_of(double count) {
+  constexpr double kOneSided = 1.69; // of a normal number, 4.55 %
+  const double part = 2.0 / (9.0 * count);
+  return count * std::pow(1.0 - part + kOneSided * std::sqrt(part), 3);
+}
+
 std::vector<Clearness> clearness_of(const FitResult &fit, std::size_t samples) {
   constexpr double kAny = std::numeric_limits<double>::infinity();
   std::vector<Clearness> out;
@@ -96,10 +104,10 @@ std::vector<Clearness> clearness_of(const FitResult &fit, std::size_t samples) {
     const Eigen::MatrixXd c = fit.covariance.block(first, first, all, all)(sizes, sizes);
     const double z2 = n == 0 ? kAny : value.dot(solved(c, value).col(0));
     const double count = static_cast<double>(n);
-    out.push_back(
-        fit.determined && std::isfinite(z2)
-            ? Clearness{z2 / count, (z2 - 2.0 * std::log(places_of(e, samples))) / count, kAny}
-            : Clearness{kAny, kAny, kAny});
+    out.push_back(fit.determined && std::isfinite(z2)
+                      ? Clearness{z2 / count, (z2 - 2.0 * std::log(places_of(e, samples))) / count,
+                                  n == 0 ? kAny : z2 / twice_of(count)}
+                      : Clearness{kAny, kAny, 0.0});
     first += all;
   }
   return out;
@@ -472,7 +480,7 @@ Ladder build_ladder(Parts &parts, const SearchResult &found) {
   widen_by_choices(parts.train, whole);
   const std::vector<Clearness> as_said = clearness_of(whole, parts.train.size());
   for (std::size_t k = 0; k < clear.size(); ++k)
-    clear[k].as_said = as_said[k].own;
+    clear[k].as_said = as_said[k].as_said;
   attach_errors(whole);
   out.extended = std::move(whole.model);
   const Model &model = out.extended;

@@ -25,7 +25,7 @@ namespace {
 constexpr std::size_t kLookedAt = 300000, kLookedAtRun = 25000;
 constexpr double kPeakStandsOut = 6.0;  ///< standard deviations
 constexpr double kOfNoise = 0.12;       ///< the least structure that is worth a word
-constexpr double kMoreThanNoise = 1.15; ///< of a residual that is not white
+constexpr double kMoreThanItsNoise = 1.15; ///< of a residual that is not white
 
 /// Single rows in which the reference is wrong: no cause, and not the sensor's.
 Structure of_wrong_rows(const Scene &scene, double amplitude_v) {
@@ -168,16 +168,20 @@ LeftOver left_over(const Scene &scene, const Parts &parts, const Model &model,
     return out;
   const double rms = scene.has_reference ? last.heldout.residual_rms_v
                                          : rms_in_any_direction(parts.heldout, model, false);
-  const bool more = rms > std::hypot(kMoreThanNoise * explained.noise_v, explained.second_order_v);
-  // What the noise was measured from may be few readings itself.
-  const double nats = static_cast<double>(parts.heldout.size()) *
-                      std::log(std::max(rms, explained.noise_v) / explained.noise_v);
+  const bool more =
+      rms > std::hypot(kMoreThanItsNoise * explained.noise_v, explained.second_order_v);
+  // What the noise was measured from may be few readings itself. Of stops each has an error of its
+  // own, of which there is one for all of its readings.
+  const double nats = scene.stops
+                          ? 0.0
+                          : static_cast<double>(parts.heldout.size()) *
+                                std::log(std::max(rms, explained.noise_v) / explained.noise_v);
   if (more && !explained.noise_stated && nats > criteria::kNatsOfNoise)
     out.structure.push_back({"time",
                              fmt::format("{:.3g} mV rms are left where the readings have a noise "
                                          "of {:.3g} mV, and nothing shows what they go with",
                                          1e3 * rms, 1e3 * explained.noise_v),
-                             out.unexplained_rms_v});
+                             std::sqrt(rms * rms - explained.noise_v * explained.noise_v)});
   if (more && explained.noise_stated)
     out.structure.push_back({"time",
                              "the residual is larger than the stated noise, yet not white noise "

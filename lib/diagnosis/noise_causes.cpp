@@ -260,55 +260,77 @@ std::size_t on_curve(const Observations &data, const std::vector<std::uint32_t> 
 /// a corner that the model does not meet quite, or a kink of a converter.
 constexpr int kOrders = 16;               ///< of the turn that are looked at
 constexpr double kImprobable = 1e-3;      ///< by chance
-constexpr double kMostOfThem = 2.0 / 3.0; ///< are close together
 
-/// Bound on the chance that so many of n places, each anywhere from 0 to 1, are as close together
-/// as most of these are: of n choose m sets of m, each begins at one of them and has the others
-/// within its width (Naus, J. Am. Stat. Assoc. 60, 1965, by Bonferroni's inequality). `round`: 1 is
-/// 0 again.
-double chance_of_gathering(std::vector<double> places, bool round) {
-  std::ranges::sort(places);
+constexpr std::size_t kMostKnown = 20000; ///< values that a rank is known by
+constexpr std::size_t kMostAsked = 2000;  ///< of what stands out: of more Rayleigh's test tells
+
+/// Part of a distribution that lies below a place, and that with the place: the same but for ties.
+struct Rank {
+  double below, with;
+};
+
+/// Bound on the chance that so many of n places, each anywhere in a distribution, are as close
+/// together as most of these are: of n choose m sets of m, each begins at one of them and has the
+/// others within its width (Naus, J. Am. Stat. Assoc. 60, 1965, by Bonferroni's inequality).
+/// `round`: the end is the beginning again.
+double chance_of_gathering(std::vector<Rank> places, bool round) {
+  constexpr double kFewest = 2.0 / 3.0, kMost = 0.95; // nearly all together is a gap, no place
+  std::ranges::sort(places, {}, &Rank::below);
   const std::size_t n = places.size();
   const auto all = static_cast<double>(n);
-  const auto fewest = static_cast<std::size_t>(std::ceil(kMostOfThem * all));
+  const auto fewest = std::max<std::size_t>(2, static_cast<std::size_t>(std::ceil(kFewest * all)));
+  const std::size_t most = std::max(fewest, static_cast<std::size_t>(kMost * all));
   double least = 0.0; // logarithm
-  for (std::size_t m = std::max<std::size_t>(2, fewest); m <= n; ++m)
+  for (std::size_t m = fewest; m <= std::min(most, n); ++m) {
+    double width = 1.0;
     for (std::size_t first = 0; first < (round ? n : n + 1 - m); ++first) {
       const std::size_t last = first + m - 1;
-      const double to = places[last % n] + (last >= n ? 1.0 : 0.0);
-      const double width = std::max(to - places[first], 1e-12), others = static_cast<double>(m - 1);
-      const double sets =
-          std::log(all) + std::lgamma(all) - std::lgamma(others + 1.0) - std::lgamma(all - others);
-      least = std::min(least, sets + others * std::log(width));
+      width =
+          std::min(width, places[last % n].with + (last >= n ? 1.0 : 0.0) - places[first].below);
     }
-  return std::exp(least) * static_cast<double>(n + 1 - fewest);
+    const auto others = static_cast<double>(m - 1);
+    const double sets =
+        std::log(all) + std::lgamma(all) - std::lgamma(others + 1.0) - std::lgamma(all - others);
+    least = std::min(least, sets + others * std::log(std::max(width, 1e-12)));
+  }
+  return std::exp(least) * static_cast<double>(most + 1 - fewest);
 }
 
-/// Part of `sorted` that lies below each of x: 0 to 1, evenly where x are drawn from the same.
-std::vector<double> ranks(const std::vector<double> &x, const std::vector<double> &sorted) {
-  std::vector<double> out;
+std::vector<Rank> ranks(const std::vector<double> &x, const std::vector<double> &sorted) {
+  const auto part = [&](auto at) {
+    return static_cast<double>(at - sorted.begin()) / static_cast<double>(sorted.size());
+  };
+  std::vector<Rank> out;
   for (double v : x)
-    out.push_back(static_cast<double>(std::ranges::upper_bound(sorted, v) - sorted.begin()) /
-                  static_cast<double>(sorted.size()));
+    out.push_back(
+        {part(std::ranges::lower_bound(sorted, v)), part(std::ranges::upper_bound(sorted, v))});
   return out;
+}
+
+/// Of many values some, in step with nothing.
+std::vector<std::uint32_t> some_of(std::size_t size, std::size_t most) {
+  std::vector<std::uint32_t> out(size);
+  std::iota(out.begin(), out.end(), 0u);
+  return thin(std::move(out), most, 1);
 }
 
 /// At each of the first orders of the turn, against the angles at which the shaft was: Rayleigh's
 /// test, and of few, or of a narrow place, how close together most of them are.
 bool come_with_the_angle(const std::vector<double> &alpha, const std::vector<double> &all) {
-  const std::size_t stride = std::max<std::size_t>(1, all.size() / 20000);
-  const double n = static_cast<double>(alpha.size());
+  const std::vector<std::uint32_t> known = some_of(all.size(), kMostKnown),
+                                   asked = some_of(alpha.size(), kMostAsked);
+  const double n = static_cast<double>(asked.size());
   for (int k = 1; k <= kOrders; ++k) {
     std::vector<double> hits, was;
     std::complex<double> sum, mean;
-    for (double a : alpha)
-      hits.push_back(wrap(k * a, kTwoPi));
-    for (std::size_t i = 0; i < all.size(); i += stride)
+    for (std::uint32_t i : asked) {
+      hits.push_back(wrap(k * alpha[i], kTwoPi));
+      sum += std::polar(1.0, hits.back());
+    }
+    for (std::uint32_t i : known) {
       was.push_back(wrap(k * all[i], kTwoPi));
-    for (double a : hits)
-      sum += std::polar(1.0, a);
-    for (double a : was)
-      mean += std::polar(1.0, a);
+      mean += std::polar(1.0, was.back());
+    }
     mean /= static_cast<double>(was.size());
     std::ranges::sort(was);
     if (kOrders * std::min(std::exp(-std::norm(sum - n * mean) / n),
@@ -319,18 +341,26 @@ bool come_with_the_angle(const std::vector<double> &alpha, const std::vector<dou
   return false;
 }
 
+/// What a channel has where nothing stands out of it.
+std::vector<double> levels_of(const std::vector<float> &v, const std::vector<double> &rest) {
+  std::vector<double> out;
+  for (std::uint32_t i : some_of(v.size(), kMostKnown))
+    out.push_back(v[i] - rest[i]);
+  std::ranges::sort(out);
+  return out;
+}
+
 /// The voltage about which most of what stands out lies in its own channel, where that is no
-/// chance. `level`: of each channel, without what stands out.
+/// chance. `level`: of each channel, without what stands out; `all`: the same of all samples.
 std::optional<double> common_level(const std::array<std::vector<double>, 2> &level,
-                                   const std::array<std::vector<float>, 2> &all) {
-  std::vector<double> places, volts;
+                                   const std::array<std::vector<double>, 2> &all) {
+  std::vector<Rank> places;
+  std::vector<double> volts;
   for (std::size_t channel = 0; channel < 2; ++channel) {
-    std::vector<double> was(all[channel].begin(), all[channel].end());
-    std::ranges::sort(was);
-    std::ranges::copy(ranks(level[channel], was), std::back_inserter(places));
+    std::ranges::copy(ranks(level[channel], all[channel]), std::back_inserter(places));
     std::ranges::copy(level[channel], std::back_inserter(volts));
   }
-  if (!(chance_of_gathering(places, false) < kImprobable))
+  if (places.size() > kMostAsked || !(chance_of_gathering(places, false) < kImprobable))
     return std::nullopt;
   const auto middle = volts.begin() + static_cast<std::ptrdiff_t>(volts.size() / 2);
   std::ranges::nth_element(volts, middle);
@@ -481,7 +511,9 @@ Spikes spikes_against(const Scene &scene, const Model &model,
                                     on_curve(scene.all, hit_places, model, noise_v)) >
                     kMostOnCurve * static_cast<double>(samples);
   const std::optional<double> level =
-      enough && !at_places ? common_level(levels, {scene.all.vsin, scene.all.vcos}) : std::nullopt;
+      enough && !at_places ? common_level(levels, {levels_of(scene.all.vsin, plain.sin),
+                                                   levels_of(scene.all.vcos, plain.cos)})
+                           : std::nullopt;
   if (at_places || level || along)
     together.insert(together.end(), values.begin(), values.end());
   if (together.size() >= 2 * kFewestSpikes) {

@@ -326,7 +326,7 @@ void Work::carry_remainder(const Parts &white) {
   // What the shaft did not meet again where it passed again is no function of the angle.
   const auto comes_again = [&](const Model &with) {
     const Recurrence again = recurrence(with.remainder->rms() * out_.extended.baseline.amplitude_v);
-    return again == Recurrence::seen || again == Recurrence::once;
+    return again != Recurrence::none;
   };
   if (Model with = with_remainder(scene_, unnamed_, white.train, out_.extended); with.remainder)
     if (const Rung after = white.rung(with); likelier_and_no_farther(after) && comes_again(with)) {

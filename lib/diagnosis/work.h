@@ -312,8 +312,13 @@ private:
   /// What the named model leaves of the axes, where held-out data confirm it and it is worth a
   /// word.
   void note_unnamed();
-  /// What the named causes leave; along the radius alone where nothing else is judged.
-  ResidualColumns not_named() const;
+  /// What the named causes leave of some samples, in runs over the whole record; along the radius
+  /// alone where nothing else is judged.
+  struct NotNamed {
+    Observations data;
+    ResidualColumns rest;
+  };
+  NotNamed not_named() const;
   /// Of what was found to go with the angle, V rms of a channel: whether it is there in the
   /// residual each time that the shaft passes a place.
   Recurrence recurrence(double rms_v) const;

@@ -226,17 +226,25 @@ void Work::look_for_reference_steps() {
       scene_.screened.push_back({effect, {step}, {0.0}, {}, {}});
 }
 
-ResidualColumns Work::not_named() const {
+Work::NotNamed Work::not_named() const {
+  constexpr std::size_t kEnough = 200000, kRun = 2000; // of a long capture more tell no more
   Model named = out_.extended;
   named.remainder.reset(); // it is what has no name
-  return residual_columns(scene_.radius_only ? at_own_angle(scene_.all, named) : scene_.all, named);
+  std::vector<std::uint32_t> some(scene_.all.size());
+  std::iota(some.begin(), some.end(), 0u);
+  NotNamed out{scene_.all.select(thin(some, kEnough, kRun)), {}};
+  if (scene_.radius_only)
+    out.data = at_own_angle(std::move(out.data), named);
+  out.rest = residuals_alone(out.data, named);
+  return out;
 }
 
 Recurrence Work::recurrence(double rms_v) const {
   constexpr double kErrors = 2.0, kSure = 2.5, kCellsOfWave = 4.0;
   const double turn = in_turns(scene_) ? kTwoPi : kTwoPi / scene_.periods;
   const int highest = std::max(1, unnamed_.selection.orders[static_cast<std::size_t>(Axis::angle)]);
-  const auto seen = repeated_v2(scene_.all, not_named(), turn, turn / (kCellsOfWave * highest));
+  const NotNamed left = not_named();
+  const auto seen = repeated_v2(left.data, left.rest, turn, turn / (kCellsOfWave * highest));
   if (!seen)
     return Recurrence::once;
   if (seen->v2 > kSure * seen->error_v2)
@@ -264,13 +272,13 @@ void Work::note_unnamed() {
                                  ? recurrence(line.unnamed_rms_v)
                                  : Recurrence::seen;
     if (again == Recurrence::none) {
-      if (const double left_v = goes_on_v(not_named()); left_v > least)
-        out_.structure.push_back(
-            {std::string(axis_name(Axis::time)),
-             fmt::format("{:.3g} mV rms go on from row to row and do not come again at the same "
-                         "place, and no named cause explains them",
-                         1e3 * left_v),
-             left_v});
+      const double left_v = std::max(line.unnamed_rms_v, goes_on_v(not_named().rest));
+      out_.structure.push_back(
+          {std::string(axis_name(Axis::time)),
+           fmt::format("{:.3g} mV rms go on from row to row and do not come again at the same "
+                       "place, and no named cause explains them",
+                       1e3 * left_v),
+           left_v});
       continue;
     }
     if (line.axis != Axis::noise && line.unnamed_rms_v > least)
@@ -287,8 +295,7 @@ void Work::note_what_is_not_sure() {
     const auto there = std::find_if(effects.begin(), effects.end(), [&](const EffectInstance &e) {
       return e.effect == f.effect && e.values == f.values;
     });
-    if (ladder_.clearness[k].as_said >= criteria::kUnclear || !f.alternatives.empty() ||
-        there == effects.end())
+    if (ladder_.clearness[k].as_said >= 1.0 || !f.alternatives.empty() || there == effects.end())
       continue;
     const double takes_v =
         moved_rms_v(scene_.all, out_.extended, static_cast<std::size_t>(there - effects.begin()));

@@ -21,7 +21,7 @@ constexpr double kRate = 100e3;
 
 ada::Capture recorded(std::size_t samples) {
   std::mt19937_64 rng(1);
-  ada::Model model = ada::test::sound_sensor();
+  ada::Model model = ada::test::plain_sensor();
   for (const char *effect : {"amplitude-mismatch:k=0.01", "quadrature-error:delta_deg=0.4",
                              "stray-field:b=0.01,direction_deg=40"})
     model.effects.push_back(ada::parse_effect(effect));

@@ -61,7 +61,7 @@ public:
   }
 
 private:
-  /// BinnedSums with the residual.
+  /// Sums with the residual.
   struct Tables {
     Eigen::MatrixXcd of_plain;                   ///< times cosine and sine of k x
     std::map<int, Eigen::VectorXcd> of_function; ///< times each function and e^(-j k x)

@@ -17,7 +17,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// TurnedSums of a complex weight times the cosine and the sine of k x, each row a quantity: enough
+/// Sums of a complex weight times the cosine and the sine of k x, each row a quantity: enough
 /// for e^(j k x) and e^(-j k x) alike.
 struct Turned {
   Eigen::MatrixXd real_cos, imag_cos, real_sin, imag_sin;
