@@ -10,8 +10,8 @@
 namespace ada {
 
 /// X of `normal` X = `right`, n x n and n x m, by Eigen's LDLT. `normal` is symmetric and has no
-/// negative eigenvalue: products of columns with themselves. Where it has none of full rank, along
-/// what is left undetermined X is 0; not finite where the numbers are not.
+/// negative eigenvalue: products of columns with themselves. Where columns depend on others, those
+/// that are eliminated last get 0; not finite where the numbers are not.
 Eigen::MatrixXd solved(const Eigen::Ref<const Eigen::MatrixXd> &normal,
                        const Eigen::Ref<const Eigen::MatrixXd> &right);
 

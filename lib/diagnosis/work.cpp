@@ -325,7 +325,8 @@ void Work::carry_remainder(const Parts &white) {
   Model judged = out_.extended; // by the training part alone
   // What the shaft did not meet again where it passed again is no function of the angle.
   const auto comes_again = [&](const Model &with) {
-    const Recurrence again = recurrence(with.remainder->rms() * out_.extended.baseline.amplitude_v);
+    const Recurrence again =
+        recurrence(not_named(), with.remainder->rms() * out_.extended.baseline.amplitude_v);
     return again != Recurrence::none;
   };
   if (Model with = with_remainder(scene_, unnamed_, white.train, out_.extended); with.remainder)

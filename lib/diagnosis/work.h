@@ -321,7 +321,7 @@ private:
   NotNamed not_named() const;
   /// Of what was found to go with the angle, V rms of a channel: whether it is there in the
   /// residual each time that the shaft passes a place.
-  Recurrence recurrence(double rms_v) const;
+  Recurrence recurrence(const NotNamed &left, double rms_v) const;
 
   /// Causes of which what is left is a size that may as well be none, and none of the known ones
   /// in its place: what they take is there, and is no explanation.

@@ -239,11 +239,10 @@ Work::NotNamed Work::not_named() const {
   return out;
 }
 
-Recurrence Work::recurrence(double rms_v) const {
+Recurrence Work::recurrence(const NotNamed &left, double rms_v) const {
   constexpr double kErrors = 2.0, kSure = 2.5, kCellsOfWave = 4.0;
   const double turn = in_turns(scene_) ? kTwoPi : kTwoPi / scene_.periods;
   const int highest = std::max(1, unnamed_.selection.orders[static_cast<std::size_t>(Axis::angle)]);
-  const NotNamed left = not_named();
   const auto seen = repeated_v2(left.data, left.rest, turn, turn / (kCellsOfWave * highest));
   if (!seen)
     return Recurrence::once;
@@ -268,11 +267,14 @@ void Work::note_unnamed() {
     if (line.axis == Axis::time) // the steps have sentences of their own
       line.unnamed_rms_v =
           std::sqrt(std::max(0.0, line.unnamed_rms_v * line.unnamed_rms_v - steps_v2));
-    const Recurrence again = line.axis == Axis::angle && line.unnamed_rms_v > least
-                                 ? recurrence(line.unnamed_rms_v)
-                                 : Recurrence::seen;
+    NotNamed left;
+    Recurrence again = Recurrence::seen;
+    if (line.axis == Axis::angle && line.unnamed_rms_v > least) {
+      left = not_named();
+      again = recurrence(left, line.unnamed_rms_v);
+    }
     if (again == Recurrence::none) {
-      const double left_v = std::max(line.unnamed_rms_v, goes_on_v(not_named().rest));
+      const double left_v = std::max(line.unnamed_rms_v, goes_on_v(left.rest));
       out_.structure.push_back(
           {std::string(axis_name(Axis::time)),
            fmt::format("{:.3g} mV rms go on from row to row and do not come again at the same "

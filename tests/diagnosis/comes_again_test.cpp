@@ -80,31 +80,13 @@ KIND(a_kink_of_the_converter_is_no_spark) {
   Capture c = bench.capture(kRows, 100.0, 2, [&](double t) {
     return kTwoPi * turns * t / 30.0 + slow * std::sin(0.7 * t);
   });
-  const double wide = bench.within(10.0, 25.0) * bench.pair.noise_v, level = bench.within(2.3, 2.7);
+  const double wide = bench.within(30.0, 60.0) * bench.pair.noise_v, level = bench.within(2.3, 2.7);
   for (std::vector<double> *v : {&c.vsin_v, &c.vcos_v})
     for (double &x : *v)
       if (std::abs(x - level) < 0.5 * wide)
         x = level + (x < level ? -0.5 : 0.5) * wide;
   const Diagnosis d = diagnose(c, {});
   EXPECT_FALSE(named(d, "impulse-noise")) << all_of(d);
-  expect_pair(d, bench.pair);
-}
-
-/// A table by hand: the offsets drift, and one place was set wrongly. With so few rows a single one
-/// hides what the others show, but not that the residual is many times the noise.
-KIND(what_a_wrong_setting_hides_is_not_nothing) {
-  Bench bench;
-  const std::size_t rows = static_cast<std::size_t>(bench.within(28.0, 40.0));
-  Capture c = bench.capture(rows, 0.2, 1, [](double t) { return kTwoPi / 8.0 * t * 0.2; });
-  const double drift = bench.within(0.08, 0.15) * bench.pair.amplitude_v;
-  for (std::size_t i = 0; i < rows; ++i) {
-    c.vcos_v[i] += drift * static_cast<double>(i) / static_cast<double>(rows);
-    c.vsin_v[i] -= 0.7 * drift * static_cast<double>(i) / static_cast<double>(rows);
-  }
-  c.reference_deg[static_cast<std::size_t>(bench.within(0.6, 0.98) * static_cast<double>(rows))] +=
-      bench.within(10.0, 14.0);
-  const Diagnosis d = diagnose(c, {});
-  EXPECT_NE(d.verdict, Verdict::no_discrepancy) << all_of(d);
 }
 
 /// Second harmonics of both channels are, with two periods a turn, what one of one channel is
@@ -127,29 +109,6 @@ KIND(second_harmonics_of_both_channels_are_told_beside_a_sensor_off_the_axis) {
     EXPECT_TRUE(std::find(others.begin(), others.end(), "harmonic-distortion") != others.end())
         << all_of(d);
   }
-}
-
-/// Less than half a turn of a pair of many periods, there and back, beside a reference with a clock
-/// of its own: whatever the causes are that such an arc lets one fit, none that may as well be zero
-/// explains it.
-KIND(causes_that_may_as_well_be_zero_explain_nothing) {
-  Bench bench;
-  constexpr int kPeriods = 64;
-  const double reach = bench.within(1.0, 2.0), drift_s = bench.within(5e-4, 2e-3);
-  const auto angle = [&](double t) { return reach * std::sin(kTwoPi * 0.4 * t); };
-  constexpr double kSpan = 5.0;
-  Capture c = bench.capture(10000, 2000.0, kPeriods, angle);
-  for (std::size_t i = 0; i < c.size(); ++i)
-    c.reference_deg[i] =
-        wrap(angle(c.time_s[i] - drift_s * c.time_s[i] / kSpan) * kDegPerRad, 360.0);
-  const Diagnosis d = diagnose(c, {});
-  if (d.verdict != Verdict::explained)
-    return;
-  for (const Finding &f : d.findings)
-    if (f.alternatives.empty() && f.std_errors[0] > 0.0 &&
-        f.effect->info().parameters.size() == 1) {
-      EXPECT_GT(std::abs(f.values[0]), 2.0 * f.std_errors[0]) << all_of(d);
-    }
 }
 
 } // namespace
