@@ -13,11 +13,13 @@
 #include "diagnosis/admission.h"
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/held_rows.h"
+#include "diagnosis/conditions/pair_alone.h"
 #include "diagnosis/conditions/reference_course.h"
 #include "diagnosis/conditions/stop_means.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/explain.h"
 #include "diagnosis/work.h"
+#include "health/reference_share.h"
 
 namespace ada {
 
@@ -123,21 +125,55 @@ Diagnosis diagnose_readings(const Capture &capture, const DiagnosisOptions &give
   return better ? std::move(out) : std::move(first.out);
 }
 
-/// A result without a course of the reference, and the course: no cause has that name, so that it
-/// is left over.
-Diagnosis with_course(const ReferenceCourse &course, Diagnosis out) {
-  out.reference_course = course;
+/// What no cause has a name for is left over.
+Diagnosis left_over(Structure what, Diagnosis out) {
   if (out.verdict == Verdict::no_discrepancy)
     out.verdict = Verdict::unexplained;
   else if (out.verdict == Verdict::explained)
     out.verdict = Verdict::partly_explained;
-  const double left_v = course.rms_rad * out.periods_per_turn *
-                        std::abs(out.extended.baseline.amplitude_v) / std::numbers::sqrt2;
-  out.structure.push_back({std::string(axis_name(Axis::time)), in_words(course), left_v});
-  out.unexplained_rms_v = std::hypot(out.unexplained_rms_v, left_v);
+  out.structure.push_back(std::move(what));
   std::stable_sort(out.structure.begin(), out.structure.end(),
                    [](const Structure &a, const Structure &b) { return a.rms_v > b.rms_v; });
   return out;
+}
+
+/// A result without a course of the reference, and the course.
+Diagnosis with_course(const ReferenceCourse &course, Diagnosis out) {
+  out.reference_course = course;
+  const double left_v = course.rms_rad * out.periods_per_turn *
+                        std::abs(out.extended.baseline.amplitude_v) / std::numbers::sqrt2;
+  out.unexplained_rms_v = std::hypot(out.unexplained_rms_v, left_v);
+  return left_over({std::string(axis_name(Axis::time)), in_words(course), left_v}, std::move(out));
+}
+
+/// A result of the pair by itself, and why its reference is none. The two make every angle with
+/// each other.
+Diagnosis with_reference_aside(const std::string &why, Diagnosis out) {
+  out.reference_aside = why;
+  out.has_reference = true;
+  out.channels.push_back("reference_deg");
+  if (out.verdict == Verdict::insufficient_data)
+    return out;
+  // Of two vectors that know nothing of each other each channel differs by the amplitude.
+  const double left_v = std::abs(out.extended.baseline.amplitude_v);
+  return left_over({std::string(axis_name(Axis::angle)), why, left_v}, std::move(out));
+}
+
+/// Neither the reference nor the pair by itself says where the shaft is.
+Diagnosis without_reference_or_circle(const std::string &why, Diagnosis out) {
+  if (why.empty() || out.verdict == Verdict::insufficient_data)
+    return out;
+  Diagnosis none;
+  none.samples = out.samples;
+  none.duration_s = out.duration_s;
+  none.turns = out.turns;
+  none.periods_per_turn = out.periods_per_turn;
+  none.channels = out.channels;
+  none.has_reference = out.has_reference;
+  none.failed_checks = out.failed_checks;
+  none.baseline_name = out.baseline_name;
+  none.reason = why + ", and the pair by itself draws no circle";
+  return none;
 }
 
 /// Nats of a diagnosis on held-out data, less the price of the causes that it names; of data that
@@ -171,24 +207,16 @@ std::string_view verdict_name(Verdict verdict) {
   return "insufficient-data";
 }
 
-Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
+namespace {
+
+/// A diagnosis of rows that are readings, whose reference is that of the shaft where there is one.
+Diagnosis diagnose_by_reference(const Capture &capture, const DiagnosisOptions &given) {
   DiagnosisOptions options = given;
-  std::optional<FreshReadings> judge;
-  if (given.heldout && (judge = fresh_readings(*given.heldout)))
-    options.heldout = &judge->capture;
-  // Rows that repeat a reading are none.
-  if (const auto fresh = fresh_readings(capture)) {
-    Diagnosis out = diagnose(fresh->capture, options);
-    out.samples = capture.size();
-    out.rows_a_reading = fresh->rows_a_reading;
-    out.held_reference = fresh->of_reference;
-    return out;
-  }
   // What each stop has for itself no other stop confirms; the same ones in a second capture may.
   const auto stops = means_of_stops(capture);
   if (stops && !options.heldout) {
     options.reference_errs = true;
-    Diagnosis out = diagnose(stops->means, options);
+    Diagnosis out = diagnose_by_reference(stops->means, options);
     options.reference_errs = given.reference_errs;
     out.samples = capture.size();
     out.readings_a_stop =
@@ -224,6 +252,37 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
       worth(mended) - course <= worth(as_read))
     return as_read;
   return with_course(followed->course, std::move(mended));
+}
+
+} // namespace
+
+Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
+  DiagnosisOptions options = given;
+  std::optional<FreshReadings> judge;
+  if (given.heldout && (judge = fresh_readings(*given.heldout)))
+    options.heldout = &judge->capture;
+  // Rows that repeat a reading are none.
+  if (const auto fresh = fresh_readings(capture)) {
+    Diagnosis out = diagnose(fresh->capture, options);
+    out.samples = capture.size();
+    out.rows_a_reading = fresh->rows_a_reading;
+    out.held_reference = fresh->of_reference;
+    return out;
+  }
+  // The two are judged alike.
+  const std::string why = why_of_no_shaft(capture),
+                    of_judge = options.heldout ? why_of_no_shaft(*options.heldout) : std::string();
+  if (!why.empty() || !of_judge.empty()) {
+    if (!draws_its_circle(capture))
+      return without_reference_or_circle(why, diagnose_by_reference(capture, options));
+    const Capture pair = without_reference(capture);
+    std::optional<Capture> judging;
+    if (options.heldout)
+      options.heldout = &judging.emplace(without_reference(*options.heldout));
+    return with_reference_aside(!why.empty() ? why : "in the second capture " + of_judge,
+                                diagnose_by_reference(pair, options));
+  }
+  return diagnose_by_reference(capture, options);
 }
 
 } // namespace ada

@@ -88,7 +88,7 @@ ordered_json remainder(const Diagnosis &d) {
   const auto &r = d.extended.remainder;
   out["present"] = r.has_value();
   out["rms_v"] = number(d.remainder_rms_v);
-  if (d.has_reference)
+  if (d.by_reference())
     out["angle_rms_deg"] = number(d.remainder_angle_rms_deg);
   ordered_json orders = ordered_json::array();
   std::size_t highest = 0;
@@ -112,6 +112,8 @@ std::string to_json(const Diagnosis &d) {
   out["capture"] = {{"samples", d.samples},     {"duration_s", number(d.duration_s)},
                     {"turns", number(d.turns)}, {"periods_per_turn", d.periods_per_turn},
                     {"channels", d.channels},   {"has_reference", d.has_reference}};
+  if (!d.reference_aside.empty())
+    out["capture"]["reference_set_aside"] = d.reference_aside;
   if (d.rows_a_reading > 1.0) {
     out["capture"]["rows_a_reading"] = d.rows_a_reading;
     out["capture"]["held"] = d.held_reference ? "reference" : "pair";

@@ -312,13 +312,6 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
     if (!scene.insufficient.empty() && level_gap(capture)) // a better reason, which is told later
       scene.insufficient.clear();
   }
-  if (!scene.has_reference || !scene.insufficient.empty())
-    return scene;
-  if (const int periods = other_periods(all, scene.periods); periods != 0)
-    scene.insufficient = fmt::format(
-        "the pair makes {} {} a turn of the reference, where the capture states {}: its "
-        "periods_per_turn is wrong, or the reference counts other turns than the shaft's",
-        periods, periods == 1 ? "period" : "periods", scene.periods);
   return scene;
 }
 

@@ -76,10 +76,13 @@ struct Diagnosis {
   double readings_a_stop = 1.0; ///< more than one: each stop of a table counts as one reading
   /// Of a reference that goes away from the shaft; the pair was judged without that.
   std::optional<ReferenceCourse> reference_course;
+  /// Why the reference is none of this shaft; the pair was then judged without it. Empty otherwise.
+  std::string reference_aside;
   double duration_s = 0.0, turns = 0.0;
   int periods_per_turn = 2;
   std::vector<std::string> channels;
   bool has_reference = false;
+  bool by_reference() const { return has_reference && reference_aside.empty(); }
   bool radius_only = false; ///< the motion is no reference: only the radius was judged
   // the models
   std::string baseline_name = "application note";

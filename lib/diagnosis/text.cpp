@@ -45,8 +45,13 @@ std::string failed_checks(const Diagnosis &d) {
 } // namespace
 
 std::string to_text(const Diagnosis &d) {
-  std::string out = fmt::format("{} samples, {:.4g} s, {:.4g} turns, {}\n", d.samples, d.duration_s,
-                                d.turns, d.has_reference ? "with a reference" : "no reference");
+  std::string out =
+      fmt::format("{} samples, {:.4g} s, {:.4g} turns, {}\n", d.samples, d.duration_s, d.turns,
+                  !d.has_reference   ? "no reference"
+                  : d.by_reference() ? "with a reference"
+                                     : "with a reference that is set aside");
+  if (!d.reference_aside.empty())
+    out += fmt::format("the pair is judged by itself: {}\n", d.reference_aside);
   if (d.rows_a_reading > 1.0)
     out += fmt::format("{} is held for {:.3g} rows: the first of them is read\n",
                        d.held_reference ? "the reference" : "each pair", d.rows_a_reading);

@@ -97,6 +97,26 @@ inline constexpr double kTurnedScatter = 0.01;
 /// the record it is that part, of one that has nothing to do with the sensor 1; errors of 10
 /// electrical degrees leave 0.02.
 inline constexpr double kReferenceScatter = 0.5;
+/// Part of what the pair does, in variance (health/reference_share.h), that a reference of its
+/// shaft tells at least: half. An ellipse it tells wholly, beside harmonics of a third nine tenths;
+/// another shaft, one that stands still or one of other periods tells some hundredths. Other
+/// periods or another unit, to be told instead, are to tell more than what is certain.
+inline constexpr double kOfThisShaft = 0.5, kCertainlyOfThisShaft = 0.7;
+/// Once round, degrees that hardly change tell 0.8 of the pair, as a parabola does. A reference
+/// that tells no more than nine tenths may be such a one: it is where other periods or another unit
+/// leave less than a tenth of what it leaves.
+inline constexpr double kMostlyOfThisShaft = 0.9, kTenth = 0.1;
+/// Of each stretch the pair goes twice round: with half or with twice the periods nothing is then
+/// left of it. Three unknowns of 16 rows at least; 512 rows of 64 stretches are enough to tell a
+/// half.
+inline constexpr double kRoundsOfShare = 2.0;
+inline constexpr std::size_t kFewestOfShare = 16, kRowsOfShare = 512, kStretchesOfShare = 64;
+/// A move of the pair that counts as one, of its radius: some thirty of them go round, and noise of
+/// a twentieth of the radius makes one in seventy rows.
+inline constexpr double kMoveOfShare = 0.2;
+/// Periods a turn that are looked for. Of more the scatter of a sound reference, half a degree,
+/// would take half of what it tells.
+inline constexpr int kMostPeriodsTried = 64;
 
 /// Degrees Celsius. VTEMP's white noise: what one reading is off by may not be a degree, or it is
 /// no temperature. And a jump, which is one from the median of seven samples to that of the next

@@ -13,6 +13,7 @@
 #include "base/angle.h"
 #include "health/checks.h"
 #include "health/criteria.h"
+#include "health/reference_share.h"
 
 namespace ada::health {
 
@@ -61,37 +62,11 @@ Compared compare(const Evidence &e) {
   return out;
 }
 
-/// The periods that the pair makes in a turn of the reference, where it goes with it by another number
-/// than the stated one.
-std::optional<int> periods_that_fit(const Evidence &e, double turning) {
-  constexpr int kMost = 32;
-  std::vector<double> with, against;
-  for (int periods = 1; periods <= kMost; ++periods) {
-    with.clear();
-    against.clear();
-    for (std::size_t i = 0; i < e.angles.size(); ++i) {
-      const double sensor = e.capture.meta.periods_per_turn * kRadPerDeg * e.angles[i].angle_deg;
-      const double reference = periods * kRadPerDeg * e.capture.reference_deg[i];
-      if (!std::isfinite(reference + sensor))
-        continue;
-      with.push_back(sensor - reference);
-      against.push_back(sensor + reference);
-    }
-    if (std::min(scatter(with), scatter(against)) / turning <= kReferenceScatter)
-      return periods;
-  }
-  return std::nullopt;
-}
-
-std::string why_not(const Evidence &e, double turning) {
-  const int stated = e.capture.meta.periods_per_turn;
-  if (const auto periods = periods_that_fit(e, turning))
-    return fmt::format("the reference goes with the sensor at {} {} a turn, where the capture states "
-                       "{}: its periods_per_turn is wrong, or the reference counts other turns",
-                       *periods, *periods == 1 ? "period" : "periods", stated);
-  return fmt::format("the sensor turns, but the reference does not go with it: it belongs to another "
-                     "shaft, slips, or the periods per turn are not {}",
-                     stated);
+std::string why_not(const Evidence &e) {
+  std::string why = why_of_no_shaft(e.capture);
+  return !why.empty() ? why
+                      : "the reference goes with the sensor now and then only: it slips, drifts or "
+                        "jumps against it, or stands still for a time";
 }
 
 } // namespace
@@ -112,9 +87,7 @@ HealthCheck check_reference(const Evidence &e) {
   const double left = std::min(scatter(angles.between), scatter(angles.against)) / turning;
   const bool passed = left <= kReferenceScatter;
   return verdict("reference", passed, left, kReferenceScatter, "of its turning",
-                 passed            ? "the reference goes with the sensor"
-                 : reference_turns ? why_not(e, turning)
-                                   : "the sensor turns, but the reference stands still");
+                 passed ? "the reference goes with the sensor" : why_not(e));
 }
 
 } // namespace ada::health

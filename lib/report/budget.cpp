@@ -66,7 +66,7 @@ std::string line_of(const Diagnosis &d, const BudgetLine &line, const View &view
   std::string out =
       fmt::format("<div class=\"line\" data-axis=\"{0}\"><div class=\"what\"><b>{0}</b>"
                   "<span>{1}</span></div><div class=\"bars\">",
-                  axis_name(line.axis), meaning(line.axis, d.has_reference));
+                  axis_name(line.axis), meaning(line.axis, d.by_reference()));
   if (line.axis == Axis::noise)
     return out + noise_bar(d, line, most_v) + "</div></div>\n";
   if (line.named_rms_v > 0.0)

@@ -172,7 +172,7 @@ std::string noise_section(const Diagnosis &d, const View &view, Gallery &gallery
                ? "Only the radius was judged: there is no reference, and the shaft turns so "
                  "unevenly that across the vector nothing tells noise from motion."
                : shape_of(d.noise, view.scatter.along.size());
-  if (!d.has_reference && !radius_only)
+  if (!d.by_reference() && !radius_only)
     about += " Without a reference the angle comes from the pair itself, so that part of what lies "
              "across the vector is taken for motion.";
   about += "</p></div>";

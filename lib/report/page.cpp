@@ -75,7 +75,9 @@ std::string head(const Diagnosis &d, const Capture &c) {
   out +=
       fmt::format("<p class=\"over\">Diagnosis of {}: {} samples, {:.4g} s, {:.4g} turns, {}</p>",
                   name.empty() ? "a capture" : html_escape(name), d.samples, d.duration_s, d.turns,
-                  d.has_reference ? "with a reference angle" : "no reference angle");
+                  !d.has_reference   ? "no reference angle"
+                  : d.by_reference() ? "with a reference angle"
+                                     : "with a reference angle, which is set aside");
   return out + "<h1>" + html_escape(headline(d)) + "</h1></header>\n" + failed_checks(d) +
          Gallery::notice();
 }

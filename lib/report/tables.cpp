@@ -112,6 +112,8 @@ std::string capture_section(const Diagnosis &d, const Capture &c, const View &vi
   out += fact("identity", c.identity);
   out += fact("record", fmt::format("{} samples in {:.4g} s, {:.4g} turns", d.samples, d.duration_s,
                                     d.turns));
+  if (!d.reference_aside.empty())
+    out += fact("reference", "set aside: " + d.reference_aside);
   if (d.reference_course)
     out += fact("reference", in_words(*d.reference_course));
   if (!c.time_s.empty())

@@ -182,6 +182,13 @@ bool has_part_in(const Diagnosis &d, Axis axis) {
 /// Without a reference what is known of the sensor may have bent the motion or not, by how the
 /// diagnosis went: the look that the extended model fits.
 Scene scene_of(const Diagnosis &d, const Capture &capture) {
+  if (!d.reference_aside.empty() && capture.has_reference()) {
+    Capture pair = capture;
+    pair.reference_deg.clear();
+    Scene out = scene_of(d, pair);
+    out.capture = &capture;
+    return out;
+  }
   if (d.reference_course)
     if (const auto followed = followed_reference(capture)) {
       Scene out = prepare(followed->mended, false, nullptr, d.extended.vdd_reference_v);
@@ -189,7 +196,7 @@ Scene scene_of(const Diagnosis &d, const Capture &capture) {
       return out;
     }
   Scene out = prepare(capture, false, nullptr, d.extended.vdd_reference_v);
-  if (d.has_reference || d.verdict == Verdict::insufficient_data)
+  if (d.by_reference() || d.verdict == Verdict::insufficient_data)
     return out;
   const auto misfit = [&](const Scene &scene) {
     const Observations data = scene.all.select(thin(scene.train, kMostScattered));

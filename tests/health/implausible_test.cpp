@@ -408,7 +408,7 @@ TEST(ImplausibleReference, is_told_with_the_periods_that_would_fit) {
     Capture c = sampler.capture(5000, 2, constant_speed(3));
     c.meta.periods_per_turn = stated;
     const std::string said = find(check_health(c, nullptr), "reference").explanation;
-    EXPECT_NE(said.find("at 2 periods a turn"), std::string::npos) << said;
+    EXPECT_NE(said.find("makes 2 periods a turn"), std::string::npos) << said;
   }
 }
 

@@ -5,40 +5,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
-#include <complex>
 
 #include "base/robust.h"
 #include "diagnosis/conditions/no_circle.h"
 #include "diagnosis/criteria.h"
 
 namespace ada {
-
-namespace {
-
-/// Electrical angle of each sample as the raw pair has it.
-std::vector<double> own_angle(const Observations &data) {
-  std::vector<double> out(data.size());
-  for (std::size_t i = 0; i < data.size(); ++i)
-    out[i] = std::atan2(data.vsin[i] - data.centre_sin_v, data.vcos[i] - data.centre_cos_v);
-  return out;
-}
-
-/// How far the pair keeps step with so many periods a turn, in either sense: 1 all the time, 0
-/// never.
-double in_step(const std::vector<double> &own, const std::vector<double> &alpha, int periods) {
-  constexpr std::size_t kMost = 4000; // of chance 1/sqrt(4000) is left
-  const std::size_t every = std::max<std::size_t>(1, own.size() / kMost);
-  std::complex<double> with, against;
-  double n = 0.0;
-  for (std::size_t i = 0; i < own.size(); i += every, n += 1.0) {
-    with += std::polar(1.0, own[i] - periods * alpha[i]);
-    against += std::polar(1.0, own[i] + periods * alpha[i]);
-  }
-  return std::max(std::abs(with), std::abs(against)) / n;
-}
-
-} // namespace
 
 // Of noise the quantiles lie 4.7 standard deviations apart: up to four times that the pair has to
 // draw a circle, as that of a very noisy sensor does.
@@ -73,19 +45,6 @@ bool on_one_line(const Observations &data, double noise_v) {
                                     .eigenvalues();
   return along[0] < kLine * along[1] ||
          (along[0] < kLong * along[1] && along[0] < kOfNoise * noise_v * noise_v);
-}
-
-int other_periods(const Observations &data, int stated) {
-  const std::vector<double> own = own_angle(data);
-  // An ellipse of 1 to 2, or an error of 60 deg, leaves 0.8 of a step; what runs through leaves
-  // none.
-  constexpr double kInStep = 0.7, kOutOfStep = 0.3;
-  if (stated > criteria::kMostPeriodsInTurns || in_step(own, data.alpha, stated) > kOutOfStep)
-    return 0;
-  for (int periods = 1; periods <= criteria::kMostPeriodsInTurns; ++periods)
-    if (in_step(own, data.alpha, periods) > kInStep)
-      return periods;
-  return 0;
 }
 
 } // namespace ada

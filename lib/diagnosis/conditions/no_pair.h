@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// Captures that show no pair of a turning vector: both stand still, move along one line, or keep
-// step with another number of periods than is stated.
+// Captures that show no pair of a turning vector: both stand still, or move along one line.
 #pragma once
-
-#include <vector>
 
 #include "diagnosis/observations.h"
 #include "recording/capture.h"
@@ -18,9 +15,5 @@ bool stands_still(const Capture &capture, double noise_v);
 /// Whether VSIN and VCOS move along one line: by the variance across it over that along it, or
 /// because it is no more than noise.
 bool on_one_line(const Observations &data, double noise_v);
-
-/// The number of periods a turn with which the pair keeps step and with the stated one it does not.
-/// 0: there is none.
-int other_periods(const Observations &data, int stated);
 
 } // namespace ada

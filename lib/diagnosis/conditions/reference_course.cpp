@@ -35,15 +35,15 @@ constexpr double kEven = 2.0;
 constexpr int kOrders = 6;
 
 /// A range of values, and places in it from -1 to 1.
-struct Range {
+struct Interval {
   double middle = 0.0, half = 0.0;
   double place(double x) const { return (x - middle) / std::max(half, 1e-12); }
 };
 
-Range range_of(const ArrayXd &v) {
+Interval range_of(const ArrayXd &v) {
   return v.size() == 0
-             ? Range{}
-             : Range{0.5 * (v.maxCoeff() + v.minCoeff()), 0.5 * (v.maxCoeff() - v.minCoeff())};
+             ? Interval{}
+             : Interval{0.5 * (v.maxCoeff() + v.minCoeff()), 0.5 * (v.maxCoeff() - v.minCoeff())};
 }
 
 /// The reference of some rows, rad, unwrapped; not a number where it has none.
@@ -66,7 +66,7 @@ struct Rows {
   int periods = 1;
   ArrayXd time, alpha, sin, cos; ///< angle: of the reference, rad, unwrapped
   ArrayXd speed, acceleration;   ///< rad/s, rad/s^2
-  Range of_time, of_way;
+  Interval of_time, of_way;
   double way() const { return 2.0 * of_way.half; }
 };
 
