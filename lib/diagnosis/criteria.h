@@ -158,6 +158,10 @@ inline constexpr double kNearlyATurn = 0.95;
 /// Orders of the turn that are looked at: a map of the error has no finer detail that is worth its
 /// place. The same in electrical periods, where the turn holds many: causes reach to four of them.
 inline constexpr int kMostOrders = 96, kMostPeriods = 5;
+/// Rms across the vector to that along it, below which a remainder that fails with both alike is
+/// fitted with each as large as it is. From a half on either weight leaves the angle about the
+/// same: that of the length falls by a quarter only.
+inline constexpr double kMuchLessAcross = 0.5;
 /// Turns that show what repeats in each: every angle is seen twice. Rings of more poles
 /// than this would need more orders than a capture tells.
 inline constexpr double kFewestTurnsToRepeat = 2.0;
@@ -388,6 +392,9 @@ inline constexpr double kComparable = 0.8;
 /// What scatters by less than this above noise may be noise. An estimate: 0.44 of the power of
 /// noise may lie hidden in it, which the held-out angle is asked about as well.
 inline constexpr double kMoreThanNoise = 1.2;
+/// Mean square of what causes turn the vector by, each for itself, to that of what it is turned by
+/// without them, from which on they cancel each other: of causes that are independent it is 1.
+inline constexpr double kTurnsBack = 2.0;
 /// A rival that comes this close, in nats, cannot be rejected: odds of e^8 are 3000 to one.
 inline constexpr double kRivalNats = 8.0;
 /// What a cause leaves over of the one that yields to it: as a part of what either explains, and as

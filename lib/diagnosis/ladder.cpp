@@ -149,7 +149,7 @@ Scatter scatter_of(const Observations &data, const Model &model) {
 
 } // namespace
 
-std::optional<FitResult> fit_by_direction(Parts parts, Model model) {
+std::optional<FitResult> fit_by_direction(Parts parts, Model model, bool bent) {
   parts.train.coloured.reset();
   constexpr int kPasses = 3; // what lies across shows only where the length no longer bends the fit
   for (int pass = 0; pass < kPasses; ++pass) {
@@ -158,7 +158,7 @@ std::optional<FitResult> fit_by_direction(Parts parts, Model model) {
     parts.train.centre_sin_v = centre_sin_v;
     parts.train.centre_cos_v = centre_cos_v;
     const Scatter left = scatter_of(parts.train, model);
-    if (left.along <= criteria::kMoreThanNoise * left.across)
+    if (left.along <= criteria::kMoreThanNoise * left.across && !(bent && pass == 0))
       return std::nullopt;
     // What wanders has as many independent samples as its steps have of its mean square: it is a
     // witness no more often than that.
@@ -172,9 +172,14 @@ std::optional<FitResult> fit_by_direction(Parts parts, Model model) {
   return fit_with_errors(parts.train, model);
 }
 
-bool is_clearly_closer(const Parts &parts, const FitResult &apart, const FitResult &alike) {
-  const auto angle_error = [&](const FitResult &f) {
-    return parts.rung(f.model).heldout.angle_error_rms_deg.value();
+bool leaves_length(const Observations &data, const Model &model) {
+  const Scatter left = scatter_of(data, model);
+  return left.along > criteria::kMoreThanNoise * left.noise_along;
+}
+
+bool is_clearly_closer(const Parts &parts, const Model &apart, const Model &alike) {
+  const auto angle_error = [&](const Model &m) {
+    return parts.rung(m).heldout.angle_error_rms_deg.value();
   };
   return angle_error(alike) > criteria::kNoWorse * angle_error(apart);
 }
@@ -317,7 +322,7 @@ FitResult fit_whole(const Parts &parts, const Model &start, bool &by_direction) 
   FitResult alike = fit_with_errors(parts.train, start);
   const auto radius = [&](const FitResult &f) { return radius_left(parts.heldout, f.model); };
   if (std::optional<FitResult> apart = fit_by_direction(parts, start))
-    return (by_direction = apart->determined && is_clearly_closer(parts, *apart, alike))
+    return (by_direction = apart->determined && is_clearly_closer(parts, apart->model, alike.model))
                ? *std::move(apart)
                : alike;
   fit_by_length(parts, alike, [&](const FitResult &one, const FitResult &other) {

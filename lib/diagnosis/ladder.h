@@ -38,10 +38,13 @@ struct Ladder {
 Ladder build_ladder(Parts &parts, const SearchResult &found);
 
 /// The fit in which residuals along the vector weigh by their own scatter, and what has no name
-/// lies along it alone; nothing where more than noise is left across.
-std::optional<FitResult> fit_by_direction(Parts parts, Model model);
+/// lies along it alone; nothing where more than noise is left across. `bent`: what lies along it
+/// may have bent `model` so far that as much is left across.
+std::optional<FitResult> fit_by_direction(Parts parts, Model model, bool bent = false);
+/// Whether more than noise is left along the vector.
+bool leaves_length(const Observations &data, const Model &model);
 /// Whether the angle of held-out data is clearly better by the one than by the other.
-bool is_clearly_closer(const Parts &parts, const FitResult &apart, const FitResult &alike);
+bool is_clearly_closer(const Parts &parts, const Model &apart, const Model &alike);
 
 /// Residual along the radius at the angle that the pair itself gives with a model: what is no
 /// matter of the motion. From its mean over each electrical period: a length that drifts says

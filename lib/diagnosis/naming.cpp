@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "diagnosis/admission.h"
+#include "diagnosis/along_and_across.h"
 #include "diagnosis/beside_anonymous.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
@@ -55,14 +56,15 @@ std::optional<Model> with_better_rival(const Parts &parts, const SearchResult &f
   return better ? std::optional(*better) : std::nullopt;
 }
 
-/// What has no name, as the covariance of the training part.
+/// What has no name, as the covariance of the training part: of which no more is to be named.
 void colour(const Scene &scene, Parts &parts, const Model &model) {
-  const Anonymous left = anonymous_of(scene, parts, model);
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
+  // By itself: beside another discrepancy the model may stand where that made up for it.
+  const Anonymous left = anonymous_of(scene, parts, fit(parts.train, model, kRefit).model);
   if (left.any())
     parts.train.coloured = std::make_shared<Coloured>(
-        discrepancy_of(left.basis, left.selection, left.from), parts.train);
+        discrepancy_of(left.basis, left.selection, left.from, Stands::for_good), parts.train);
 }
 
 /// A cause is no finding where held-out data are likelier without it, with what has no name then
@@ -384,18 +386,19 @@ std::optional<Model> with_events(const Scene &scene, Parts parts, const Model &m
 
 /// Where nothing but noise is left across the vector, a length that wanders with the magnet's
 /// distance or the light hides what every pair has from a fit to both, and the angle alone tells
-/// it.
-void name_what_the_direction_tells(const Parts &parts, SearchResult &found) {
+/// it. The model by the angle alone; nothing where it tells nothing.
+std::optional<Model> name_what_the_direction_tells(const Parts &parts, SearchResult &found,
+                                                   bool bent = false) {
   if (!parts.has_reference || found.disturbed != Direction::none)
-    return;
+    return std::nullopt;
   const Model with = with_expected(found.fit.model);
-  const std::size_t before = found.fit.model.effects.size();
+  const std::size_t before = found.fit.model.effects.size(), named = found.order.size();
   if (with.effects.size() == before)
-    return;
-  const std::optional<FitResult> apart = fit_by_direction(parts, with);
+    return std::nullopt;
+  const std::optional<FitResult> apart = fit_by_direction(parts, with, bent);
   if (!apart || !apart->determined ||
-      !is_clearly_closer(parts, *apart, fit(parts.train, with, kRefit)))
-    return;
+      !is_clearly_closer(parts, apart->model, fit(parts.train, with, kRefit).model))
+    return std::nullopt;
   FitResult told = *apart;
   attach_errors(told);
   for (std::size_t k = before; k < with.effects.size(); ++k) {
@@ -407,6 +410,65 @@ void name_what_the_direction_tells(const Parts &parts, SearchResult &found) {
     found.alternatives.emplace_back();
     found.fit.model.effects.push_back(e);
     ++found.by_direction;
+  }
+  return found.order.size() > named ? std::optional(told.model) : std::nullopt;
+}
+
+/// Mean square across the vector of what takes `one` to `other`, V^2.
+double turned_v2(const Observations &data, const Model &one, const Model &other) {
+  ResidualColumns change = residual_columns(data, one);
+  const ResidualColumns less = residual_columns(data, other);
+  for (std::size_t i = 0; i < change.sin.size(); ++i) {
+    change.sin[i] -= less.sin[i];
+    change.cos[i] -= less.cos[i];
+  }
+  std::vector<double> along, across;
+  split(data, change, along, across);
+  return mean_square(across);
+}
+
+/// Sum over the causes that act at rest.
+double turned_by_each_v2(const Observations &data, const Model &model) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < model.effects.size(); ++k)
+    if (is_static(*model.effects[k].effect))
+      sum += turned_v2(data, model, model.without(k));
+  return sum;
+}
+
+/// A length that goes with the angle for no reason of the pair's, as under a gain control, bends a
+/// fit to both, and further causes of the angle take back what that turned. Where the length is not
+/// explained with them either, and the direction by itself needs none of them beside what every
+/// pair has, which turns the vector by much less than all of them that cancel each other, there are
+/// none.
+void drop_what_turns_back(const Parts &parts, SearchResult &found) {
+  if (!parts.has_reference || found.disturbed != Direction::none)
+    return;
+  SearchResult fewer = found;
+  bool dropped = false;
+  for (std::size_t place = fewer.order.size(); place-- > 0;) {
+    const Effect &effect = *fewer.fit.model.effects[fewer.order[place]].effect;
+    if (!is_static(effect))
+      continue;
+    dropped = dropped || effect.info().prior_rank != 0;
+    fewer.forget(place);
+  }
+  if (!dropped)
+    return;
+  const Model all = fit(parts.train, found.fit.model, kRefit).model;
+  if (!leaves_length(parts.train, all))
+    return;
+  const std::optional<Model> told = name_what_the_direction_tells(parts, fewer, true);
+  if (!told || is_clearly_closer(parts, all, *told))
+    return;
+  Model centred = *told;
+  centred.baseline.offset_sin_v = all.baseline.offset_sin_v;
+  centred.baseline.offset_cos_v = all.baseline.offset_cos_v;
+  const double needed_v2 =
+      turned_by_each_v2(parts.train, *told) + turned_v2(parts.train, *told, centred);
+  if (turned_by_each_v2(parts.train, all) > criteria::kTurnsBack * needed_v2) {
+    fewer.fit.model.baseline = told->baseline;
+    found = std::move(fewer);
   }
 }
 
@@ -433,10 +495,12 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
         found = search().run(true, &known);
       }
       prefer_what_every_pair_has(start.scene, start.judge, parts, found);
+      drop_what_turns_back(parts, found);
       name_what_the_direction_tells(parts, found);
       return found;
     }
-    const Discrepancy discrepancy = discrepancy_of(left.basis, left.selection, left.from);
+    const Discrepancy discrepancy =
+        discrepancy_of(left.basis, left.selection, left.from, Stands::to_be_named);
     SearchResult next = search().run_against(
         discrepancy, unnamed_beside(start.scene, parts, known, left, start.noise_v), known);
     const bool same = names_of(next) == names_of(found);
@@ -459,6 +523,8 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
     colour(start.scene, parts, found.fit.model);
   drop_what_has_no_name(start.scene, parts, found);
   prefer_what_every_pair_has(start.scene, start.judge, parts, found);
+  drop_what_turns_back(parts, found);
+  colour(start.scene, parts, found.fit.model);
   name_what_the_direction_tells(parts, found);
   return found;
 }

@@ -11,6 +11,8 @@
 
 #include "base/angle.h"
 #include "diagnosis/admission.h"
+#include "diagnosis/along_and_across.h"
+#include "diagnosis/beside_anonymous.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/conditions/level_gap.h"
 #include "diagnosis/conditions/reference_zero.h"
@@ -319,6 +321,17 @@ void Work::compare_with_anonymous() {
   carry_remainder(white);
 }
 
+namespace {
+
+/// Rms of what a model leaves across the vector to that along it.
+double left_across_to_along(const Observations &data, const Model &model) {
+  std::vector<double> along, across;
+  split(data, residual_columns(data, model), along, across);
+  return std::sqrt(mean_square(across) / mean_square(along));
+}
+
+} // namespace
+
 void Work::carry_remainder(const Parts &white) {
   out_.remainder_rms_v = out_.remainder_angle_rms_deg = 0.0;
   auto kept = with_given_remainder(out_.extended);
@@ -329,12 +342,26 @@ void Work::carry_remainder(const Parts &white) {
         recurrence(not_named(), with.remainder->rms() * out_.extended.baseline.amplitude_v);
     return again != Recurrence::none;
   };
-  if (Model with = with_remainder(scene_, unnamed_, white.train, out_.extended); with.remainder)
-    if (const Rung after = white.rung(with); likelier_and_no_farther(after) && comes_again(with)) {
-      judged = std::move(with);
-      out_.extended = with_remainder(scene_, unnamed_, everything(), std::move(out_.extended));
-      last_ = after;
-    }
+  const auto carry = [&](double weight_along) {
+    const auto fitted = [&](const Observations &data) {
+      return with_remainder(scene_, unnamed_, data, out_.extended, weight_along);
+    };
+    Model with = fitted(white.train);
+    if (!with.remainder)
+      return false;
+    const Rung after = white.rung(with);
+    if (!likelier_and_no_farther(after) || !comes_again(with))
+      return false;
+    judged = std::move(with);
+    out_.extended = fitted(everything());
+    last_ = after;
+    return true;
+  };
+  // What the length does besides gets into the angle where both are fitted alike.
+  if (!carry(1.0) && scene_.has_reference && white.train.weight_along == 1.0)
+    if (const double ratio = left_across_to_along(thinned(white.train), out_.extended);
+        ratio > 0.0 && ratio < criteria::kMuchLessAcross)
+      carry(ratio);
   if (kept)
     if (const Rung after = white.rung(*kept); likelier_and_no_farther(after)) {
       judged = out_.extended = *std::move(kept);

@@ -39,6 +39,35 @@ KIND(small_orders_of_the_field_show_beside_a_large_ellipse) {
   expect_pair(d, bench.pair, 0.002);
 }
 
+/// A quadrature error that is smaller than the products of all else keeps no name. What it leaves
+/// does not bend the field that is named beside it.
+KIND(what_is_too_small_for_a_name_bends_nothing_that_is_large) {
+  Bench bench;
+  bench.pair.k = bench.within(0.03, 0.04);
+  bench.pair.delta_rad = bench.within(0.013, 0.018) * kRadPerDeg;
+  bench.pair.noise_v = 1.8e-4 * bench.pair.amplitude_v;
+  const double b = bench.within(0.01, 0.02), from = bench.within(0.0, kTwoPi);
+  constexpr double kRate = 3.0, kRows = 15000;
+  const auto shaft = [&](double t) { return kTwoPi * (kRate / 36.0 * 1.003) * t; };
+  Capture c = bench.capture(static_cast<std::size_t>(kRows), kRate, 1, [&](double t) {
+    const double a = shaft(t);
+    return std::atan2(std::sin(a) + b * std::sin(from), std::cos(a) + b * std::cos(from));
+  });
+  const double offset_sin = bench.within(0.02, 0.04), offset_cos = bench.within(0.02, 0.04);
+  const double drift_sin = bench.within(-0.02, 0.02), drift_cos = bench.within(-0.02, 0.02);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+    const double warm = 0.5 * std::sin(kTwoPi * 4.0 * c.time_s[i] * kRate / kRows);
+    c.vtemp_v.push_back(2.4 + warm + bench.normal(5e-4));
+    c.vsin_v[i] += offset_sin * bench.pair.amplitude_v + drift_sin * warm;
+    c.vcos_v[i] += offset_cos * bench.pair.amplitude_v + drift_cos * warm;
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *field = named(d, "stray-field");
+  ASSERT_TRUE(field) << left_of(d);
+  EXPECT_NEAR(field->values[0], b, 3.0 * field->std_errors[0]) << left_of(d);
+}
+
 /// The angle is shaken at frequencies that come and go, and the length is not. What the pair's own
 /// noise remembers it remembers along the vector as well: this is none of it.
 KIND(what_shakes_the_angle_alone_is_no_noise_that_remembers_itself) {

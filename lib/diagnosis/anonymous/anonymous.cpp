@@ -375,7 +375,7 @@ Eigen::VectorXd each_order_as_large_as_it_is(const Basis &basis, const Eigen::Ma
 } // namespace
 
 Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data,
-                     Model model) {
+                     Model model, double weight_along) {
   const int orders = left.selection.orders[static_cast<std::size_t>(Axis::angle)];
   // Without a reference nothing tells a ripple of the shaft from one of the sensor, but where it
   // comes with the poles of a ring: what may be the shaft's is not corrected, as with the causes
@@ -383,6 +383,10 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
   if (orders == 0 || (!scene.has_reference && (scene.radius_only || scene.periods <= 2)))
     return model;
   Observations some = some_of(data, criteria::kRemainderSamples);
+  if (weight_along != 1.0) {
+    some.disturbed = Direction::radius;
+    some.weight_along = weight_along;
+  }
   const ResidualColumns r = residual_columns(some, model);
   some = at_shaft(model, std::move(some));
   // What the other axes hold is fitted beside it, and so cannot leak into it; the baseline moves

@@ -79,9 +79,10 @@ std::vector<BudgetLine> budget_of(const Anonymous &whole, const Anonymous &unnam
 NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &model);
 
 /// The model with what repeats with the angle and has no name, fitted to `data` together with the
-/// baseline; without one where held-out data did not confirm any.
+/// baseline; without one where held-out data did not confirm any. `weight_along`: how much less
+/// what lies along the vector weighs.
 Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data,
-                     Model model);
+                     Model model, double weight_along = 1.0);
 
 /// What the remainder of a model turns the vector by, rms over the data, mechanical degrees.
 double remainder_angle_rms(const Observations &data, const Model &model);

@@ -31,7 +31,8 @@ struct Power {
 
 } // namespace
 
-Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const Products &from) {
+Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const Products &from,
+                           Stands alone) {
   Discrepancy out;
   if (selection.columns.empty())
     return out;
@@ -65,7 +66,7 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   const auto power = [&](Eigen::Index k) { return values[k] * values[k] - variance[k]; };
   // Angle, by order, along the vector and across it: flaws of a magnet turn the vector and leave
   // its length, so that what changes the length stands out of them.
-  std::array<std::map<int, Power>, 2> of_order;
+  std::array<std::map<int, Power>, 2> of_order, own;
   std::map<std::tuple<Axis, bool, int>, Power> of_function; // others, by axis and exponent
   const auto term_of = [&](Eigen::Index k) -> const Basis::Term & {
     return basis.terms()[static_cast<std::size_t>(out.columns[static_cast<std::size_t>(k)] / 2)];
@@ -85,6 +86,8 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
       // The order of a period has one side only and cannot be split. It counts as across, as nearly
       // all does that repeats with the angle: a magnet's flaw there is no change of length.
       const std::vector<std::size_t> parts = parts_of(k);
+      for (std::size_t part : parts) // of all its coefficients: where an angle is zero is no matter
+        own[part][g.order].add(power(k), 1.0);
       for (int d : {-2, -1, 1, 2})
         for (std::size_t part : parts.size() == 1 ? parts : std::vector<std::size_t>{1})
           of_order[part][g.order + d].add(
@@ -126,6 +129,9 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
     else
       take(of_function[{g.axis, g.of_step, term_of(k).exponent}],
            g.axis == Axis::speed && apart > 0.0 ? std::clamp(together / apart, 0.0, 1.0) : 1.0);
+    if (g.axis == Axis::angle && alone == Stands::for_good)
+      for (std::size_t part : parts_of(k))
+        local = std::max(local, own[part][g.order].mean());
     out.variance_v2[k] = std::max(local, criteria::kLeastOfResolution * variance[k]);
     freedom += out.variance_v2[k] * from_so_many;
   }

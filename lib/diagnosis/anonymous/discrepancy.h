@@ -28,11 +28,16 @@ struct Discrepancy {
   explicit operator bool() const { return !columns.empty(); }
 };
 
+/// What stands alone among what has no name may yet be named, or was not.
+enum class Stands { to_be_named, for_good };
+
 /// From the coefficients that a named model leaves over. On the angle axis the variance of an order
 /// is the mean power of its neighbours, without its own: a harmonic that stands alone stands out,
-/// one among others of its size does not. On the other axes it is the mean over all functions of
-/// the axis that act on the pair in the same way.
-Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const Products &from);
+/// one among others of its size does not. Where it stays without a name it is no less than its own:
+/// what the covariance does not allow for would bend the sizes of what was named. On the other axes
+/// it is the mean over all functions of the axis that act on the pair in the same way.
+Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const Products &from,
+                           Stands alone);
 
 /// The covariance sigma^2 + B T B' of one set of observations, by Woodbury's identity.
 class Coloured {
