@@ -12,7 +12,8 @@ constexpr std::array<ParameterInfo, 1> kParameters{
     ParameterInfo{"channel", "channel", 0.0, 0.0, 1.0, Role::chosen}};
 
 constexpr std::array<Separation, 1> kSeparations{
-    {{"channel-swap", "look at the wiring, or compare one known zero angle"}}};
+    {{"channel-swap", "look at the wiring, and whether sensor and reference are mounted the same "
+                      "way round; or compare one known zero angle"}}};
 
 constexpr EffectInfo kInfo{.id = "channel-inverted",
                            .cause = "The sign of a channel is reversed.",

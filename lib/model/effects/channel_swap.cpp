@@ -9,7 +9,8 @@ namespace ada {
 namespace {
 
 constexpr std::array<Separation, 1> kSeparations{
-    {{"channel-inverted", "look at the wiring, or compare one known zero angle"}}};
+    {{"channel-inverted", "look at the wiring, and whether sensor and reference are mounted the "
+                          "same way round; or compare one known zero angle"}}};
 
 constexpr EffectInfo kInfo{.id = "channel-swap",
                            .cause = "VSIN and VCOS are exchanged, so the angle runs backwards.",
