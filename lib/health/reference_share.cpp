@@ -35,16 +35,23 @@ template <class T> std::vector<T> some_of(const std::vector<T> &all, std::size_t
 }
 
 /// From the least to the most but for some readings that may be wild.
-double range_of(const Rows &rows, const std::vector<double> &column_v) {
+struct Usual {
+  double least_v, most_v;
+  double half_v() const { return 0.5 * (most_v - least_v); }
+  /// Half of the reach beyond it is noise; what lies farther is no reading.
+  bool holds(double v) const { return v >= least_v - half_v() && v <= most_v + half_v(); }
+};
+
+Usual usual_of(const Rows &rows, const std::vector<double> &column_v) {
   std::vector<double> v;
   v.reserve(rows.size());
   for (const std::uint32_t i : rows)
     v.push_back(column_v[i]);
   const auto wild = static_cast<std::ptrdiff_t>(std::min(health::kFewFaulty, v.size() / 4));
   std::nth_element(v.begin(), v.begin() + wild, v.end());
-  const double least = v[static_cast<std::size_t>(wild)];
+  const double least_v = v[static_cast<std::size_t>(wild)];
   std::nth_element(v.begin(), v.end() - 1 - wild, v.end());
-  return *(v.end() - 1 - wild) - least;
+  return {least_v, *(v.end() - 1 - wild)};
 }
 
 /// Stretches of one record each, in which the pair goes twice round, or all of a shorter record. Of
@@ -57,7 +64,8 @@ std::vector<Rows> stretches(const Capture &c) {
   std::vector<Rows> out;
   if (all.size() < health::kFewestOfShare)
     return out;
-  const double radius_v = 0.5 * std::max(range_of(all, c.vsin_v), range_of(all, c.vcos_v));
+  const Usual sine = usual_of(all, c.vsin_v), cosine = usual_of(all, c.vcos_v);
+  const double radius_v = std::max(sine.half_v(), cosine.half_v());
   std::vector<std::size_t> begins = c.starts;
   begins.insert(begins.end(), c.gaps.begin(), c.gaps.end());
   std::sort(begins.begin(), begins.end());
@@ -73,6 +81,8 @@ std::vector<Rows> stretches(const Capture &c) {
     out.pop_back();
   };
   for (const std::uint32_t i : all) {
+    if (!sine.holds(c.vsin_v[i]) || !cosine.holds(c.vcos_v[i]))
+      continue;
     bool other_record = out.empty();
     for (; next != begins.end() && *next <= i; ++next)
       other_record = true;
