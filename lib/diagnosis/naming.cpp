@@ -58,9 +58,10 @@ std::optional<Model> with_better_rival(const Parts &parts, const SearchResult &f
 
 /// What has no name, as the covariance of the training part: of which no more is to be named.
 void colour(const Scene &scene, Parts &parts, const Model &model) {
-  const Anonymous left = anonymous_of(scene, parts, model);
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
+  // By itself: beside another discrepancy the model may stand where that made up for it.
+  const Anonymous left = anonymous_of(scene, parts, fit(parts.train, model, kRefit).model);
   if (left.any())
     parts.train.coloured = std::make_shared<Coloured>(
         discrepancy_of(left.basis, left.selection, left.from, Stands::for_good), parts.train);
