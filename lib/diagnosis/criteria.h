@@ -159,8 +159,8 @@ inline constexpr double kNearlyATurn = 0.95;
 /// place. The same in electrical periods, where the turn holds many: causes reach to four of them.
 inline constexpr int kMostOrders = 96, kMostPeriods = 5;
 /// Rms across the vector to that along it, below which a remainder that fails with both alike is
-/// fitted with each as large as it is. From a half on either weight leaves the angle about the
-/// same: that of the length falls by a quarter only.
+/// fitted with each as large as it is. A choice: above a half the length keeps a quarter of its
+/// weight or more, and the second fit would hardly be another one.
 inline constexpr double kMuchLessAcross = 0.5;
 /// Turns that show what repeats in each: every angle is seen twice. Rings of more poles
 /// than this would need more orders than a capture tells.

@@ -146,34 +146,18 @@ Diagnosis with_course(const ReferenceCourse &course, Diagnosis out) {
   return left_over({std::string(axis_name(Axis::time)), in_words(course), left_v}, std::move(out));
 }
 
-/// A result of the pair by itself, and why its reference is none. The two make every angle with
-/// each other.
-Diagnosis with_reference_aside(const std::string &why, Diagnosis out) {
+/// A result of the pair by itself, and why a reference is none: that of the capture, which had one,
+/// or of the second one. The two make every angle with each other.
+Diagnosis with_reference_aside(const std::string &why, bool has_reference, Diagnosis out) {
   out.reference_aside = why;
-  out.has_reference = true;
-  out.channels.push_back("reference_deg");
+  out.has_reference = has_reference;
+  if (has_reference)
+    out.channels.push_back("reference_deg");
   if (out.verdict == Verdict::insufficient_data)
     return out;
   // Of two vectors that know nothing of each other each channel differs by the amplitude.
   const double left_v = std::abs(out.extended.baseline.amplitude_v);
   return left_over({std::string(axis_name(Axis::angle)), why, left_v}, std::move(out));
-}
-
-/// Neither the reference nor the pair by itself says where the shaft is.
-Diagnosis without_reference_or_circle(const std::string &why, Diagnosis out) {
-  if (why.empty() || out.verdict == Verdict::insufficient_data)
-    return out;
-  Diagnosis none;
-  none.samples = out.samples;
-  none.duration_s = out.duration_s;
-  none.turns = out.turns;
-  none.periods_per_turn = out.periods_per_turn;
-  none.channels = out.channels;
-  none.has_reference = out.has_reference;
-  none.failed_checks = out.failed_checks;
-  none.baseline_name = out.baseline_name;
-  none.reason = why + ", and the pair by itself draws no circle";
-  return none;
 }
 
 /// Nats of a diagnosis on held-out data, less the price of the causes that it names; of data that
@@ -272,17 +256,18 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
   // The two are judged alike.
   const std::string why = why_of_no_shaft(capture),
                     of_judge = options.heldout ? why_of_no_shaft(*options.heldout) : std::string();
-  if (!why.empty() || !of_judge.empty()) {
-    if (!draws_its_circle(capture))
-      return without_reference_or_circle(why, diagnose_by_reference(capture, options));
-    const Capture pair = without_reference(capture);
-    std::optional<Capture> judging;
-    if (options.heldout)
-      options.heldout = &judging.emplace(without_reference(*options.heldout));
-    return with_reference_aside(!why.empty() ? why : "in the second capture " + of_judge,
-                                diagnose_by_reference(pair, options));
-  }
-  return diagnose_by_reference(capture, options);
+  if (why.empty() && of_judge.empty())
+    return diagnose_by_reference(capture, options);
+  if (!draws_its_circle(capture)) // that may be the pair's fault, and is then said
+    if (Diagnosis out = diagnose_by_reference(capture, options);
+        why.empty() || out.verdict == Verdict::insufficient_data)
+      return out;
+  const Capture pair = without_reference(capture);
+  std::optional<Capture> judging;
+  if (options.heldout)
+    options.heldout = &judging.emplace(without_reference(*options.heldout));
+  return with_reference_aside(!why.empty() ? why : "in the second capture " + of_judge,
+                              capture.has_reference(), diagnose_by_reference(pair, options));
 }
 
 } // namespace ada

@@ -114,8 +114,8 @@ inline constexpr std::size_t kFewestOfShare = 16, kRowsOfShare = 512, kStretches
 /// A move of the pair that counts as one, of its radius: some thirty of them go round, and noise of
 /// a twentieth of the radius makes one in seventy rows.
 inline constexpr double kMoveOfShare = 0.2;
-/// Periods a turn that are looked for. Of more the scatter of a sound reference, half a degree,
-/// would take half of what it tells.
+/// Periods a turn that are looked for. Half a degree of scatter takes a quarter of what a sound
+/// reference tells of so many, exp(-(64 * 0.5 degrees)^2), and half of what it tells of 95.
 inline constexpr int kMostPeriodsTried = 64;
 
 /// Degrees Celsius. VTEMP's white noise: what one reading is off by may not be a degree, or it is

@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 
 #include "base/angle.h"
+#include "base/pick.h"
+#include "base/robust.h"
 #include "base/solve.h"
 #include "health/criteria.h"
 
@@ -34,24 +36,21 @@ template <class T> std::vector<T> some_of(const std::vector<T> &all, std::size_t
   return out;
 }
 
-/// From the least to the most but for some readings that may be wild.
-struct Usual {
-  double least_v, most_v;
-  double half_v() const { return 0.5 * (most_v - least_v); }
-  /// Half of the reach beyond it is noise; what lies farther is no reading.
-  bool holds(double v) const { return v >= least_v - half_v() && v <= most_v + half_v(); }
-};
-
-Usual usual_of(const Rows &rows, const std::vector<double> &column_v) {
-  std::vector<double> v;
-  v.reserve(rows.size());
-  for (const std::uint32_t i : rows)
-    v.push_back(column_v[i]);
+/// From the least to the most of some rows but for a few that may be wild. Where the shaft rests
+/// for nearly all of the record a hundredth of the rows, which the bulk leaves out, is all that
+/// moved.
+Reach all_but_a_few(const Rows &rows, const std::vector<double> &column_v) {
+  std::vector<double> v = pick(column_v, rows);
   const auto wild = static_cast<std::ptrdiff_t>(std::min(health::kFewFaulty, v.size() / 4));
   std::nth_element(v.begin(), v.begin() + wild, v.end());
-  const double least_v = v[static_cast<std::size_t>(wild)];
+  const double low_v = v[static_cast<std::size_t>(wild)];
   std::nth_element(v.begin(), v.end() - 1 - wild, v.end());
-  return {least_v, *(v.end() - 1 - wild)};
+  return {low_v, *(v.end() - 1 - wild)};
+}
+
+/// With as much as half of it to either side: what lies farther is no noise, and no reading.
+Reach with_noise(const Reach &r) {
+  return {r.low - 0.5 * r.width(), r.high + 0.5 * r.width()};
 }
 
 /// Stretches of one record each, in which the pair goes twice round, or all of a shorter record. Of
@@ -64,8 +63,9 @@ std::vector<Rows> stretches(const Capture &c) {
   std::vector<Rows> out;
   if (all.size() < health::kFewestOfShare)
     return out;
-  const Usual sine = usual_of(all, c.vsin_v), cosine = usual_of(all, c.vcos_v);
-  const double radius_v = std::max(sine.half_v(), cosine.half_v());
+  const Reach sine = all_but_a_few(all, c.vsin_v), cosine = all_but_a_few(all, c.vcos_v);
+  const Reach of_sine = with_noise(sine), of_cosine = with_noise(cosine);
+  const double radius_v = 0.5 * std::max(sine.width(), cosine.width());
   std::vector<std::size_t> begins = c.starts;
   begins.insert(begins.end(), c.gaps.begin(), c.gaps.end());
   std::sort(begins.begin(), begins.end());
@@ -81,7 +81,7 @@ std::vector<Rows> stretches(const Capture &c) {
     out.pop_back();
   };
   for (const std::uint32_t i : all) {
-    if (!sine.holds(c.vsin_v[i]) || !cosine.holds(c.vcos_v[i]))
+    if (!of_sine.holds(c.vsin_v[i]) || !of_cosine.holds(c.vcos_v[i]))
       continue;
     bool other_record = out.empty();
     for (; next != begins.end() && *next <= i; ++next)

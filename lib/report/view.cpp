@@ -11,6 +11,7 @@
 #include "base/angle.h"
 #include "base/pick.h"
 #include "conversion/angle_solver.h"
+#include "diagnosis/conditions/pair_alone.h"
 #include "diagnosis/conditions/reference_course.h"
 #include "diagnosis/fit.h"
 
@@ -183,8 +184,7 @@ bool has_part_in(const Diagnosis &d, Axis axis) {
 /// diagnosis went: the look that the extended model fits.
 Scene scene_of(const Diagnosis &d, const Capture &capture) {
   if (!d.reference_aside.empty() && capture.has_reference()) {
-    Capture pair = capture;
-    pair.reference_deg.clear();
+    const Capture pair = without_reference(capture);
     Scene out = scene_of(d, pair);
     out.capture = &capture;
     return out;
