@@ -105,6 +105,12 @@ ada4571_verdict ada4571_diagnosis_verdict(const ada4571_diagnosis *diagnosis) {
                    : ADA4571_INSUFFICIENT_DATA;
 }
 
+const char *ada4571_diagnosis_reference_aside(const ada4571_diagnosis *diagnosis) {
+  return diagnosis && !diagnosis->impl.reference_aside.empty()
+             ? diagnosis->impl.reference_aside.c_str()
+             : nullptr;
+}
+
 const char *ada4571_diagnosis_json(const ada4571_diagnosis *diagnosis) {
   return diagnosis ? diagnosis->json.c_str() : "";
 }

@@ -749,7 +749,13 @@ ADA4571_API ada4571_status ada4571_diagnose_captures(const ada4571_recording *co
                                                      size_t count,
                                                      const ada4571_diagnosis_options *options,
                                                      ada4571_diagnosis **diagnosis);
+/* A reference that is none of the sensor's shaft - in radians, of another shaft or another number of
+ * periods, standing still - is set aside: the pair is judged by itself, the verdict is not
+ * ADA4571_EXPLAINED, and _reference_aside says why. */
 ADA4571_API ada4571_verdict ada4571_diagnosis_verdict(const ada4571_diagnosis *diagnosis);
+/* Why the reference was set aside, a sentence that lives as long as the diagnosis; NULL where it was
+ * not, or there is none. */
+ADA4571_API const char *ada4571_diagnosis_reference_aside(const ada4571_diagnosis *diagnosis);
 /* "ada4571-diagnosis/1" */
 ADA4571_API const char *ada4571_diagnosis_json(const ada4571_diagnosis *diagnosis);
 /* The same for a person, plain text. */

@@ -735,6 +735,8 @@ const std::map<std::string, Case> &diagnosis_cases() {
        [](const Handles &) {
          EXPECT_EQ(ada4571_diagnosis_verdict(nullptr), ADA4571_INSUFFICIENT_DATA);
        }},
+      {"ada4571_diagnosis_reference_aside",
+       [](const Handles &) { EXPECT_EQ(ada4571_diagnosis_reference_aside(nullptr), nullptr); }},
       {"ada4571_diagnosis_json",
        [](const Handles &) { EXPECT_STREQ(ada4571_diagnosis_json(nullptr), ""); }},
       {"ada4571_diagnosis_text",

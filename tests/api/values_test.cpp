@@ -144,6 +144,39 @@ TEST(Values, findings_are_those_of_the_json) {
   }
 }
 
+/// Two turns of a clean pair of two periods beside a reference of `unit` per degree.
+ada4571_diagnosis *beside_a_reference(double unit) {
+  const ada::test::TempFolder folder;
+  const std::string path = folder / "capture.csv";
+  std::FILE *file = std::fopen(path.c_str(), "w");
+  std::fprintf(file, "# ada4571-capture/1\ntime_s,vsin_v,vcos_v,reference_deg\n");
+  for (int i = 0; i < 3000; ++i) {
+    const double turns = 2.0 * i / 3000, electrical = 4 * M_PI * turns;
+    std::fprintf(file, "%.5f,%.6f,%.6f,%.6f\n", 0.001 * i,
+                 2.5 + 1.7 * std::sin(electrical) + 0.001 * std::sin(1e3 * i * i),
+                 2.5 + 1.7 * std::cos(electrical) + 0.001 * std::cos(1e3 * i * i),
+                 unit * 360 * (turns - std::floor(turns)));
+  }
+  std::fclose(file);
+  auto *recording = make<ada4571_recording>(ada4571_recording_open, path.c_str());
+  auto *diagnosis = make<ada4571_diagnosis>(
+      ada4571_diagnose, recording, static_cast<const ada4571_diagnosis_options *>(nullptr));
+  ada4571_recording_free(recording);
+  return diagnosis;
+}
+
+TEST(Values, a_reference_that_is_set_aside_is_told_with_the_sentence_of_the_json) {
+  auto *sound = beside_a_reference(1);
+  EXPECT_EQ(ada4571_diagnosis_reference_aside(sound), nullptr);
+  ada4571_diagnosis_free(sound);
+  auto *radians = beside_a_reference(M_PI / 180);
+  const char *why = ada4571_diagnosis_reference_aside(radians);
+  ASSERT_NE(why, nullptr);
+  EXPECT_EQ(json::parse(ada4571_diagnosis_json(radians))["capture"]["reference_set_aside"], why);
+  EXPECT_NE(ada4571_diagnosis_verdict(radians), ADA4571_EXPLAINED);
+  ada4571_diagnosis_free(radians);
+}
+
 /// NAME:parameter=value.
 bool accepted(const ada4571_effect_info &effect, const ada4571_parameter &p, double value) {
   char text[200];
