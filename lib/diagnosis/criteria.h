@@ -280,6 +280,9 @@ inline constexpr double kOfUnknown = 0.3;
 /// name: the likeliest of some fifty shapes takes a tenth of an unknown structure, and no more than
 /// half by chance.
 inline constexpr double kOfRival = 0.5;
+/// Of what has no name and does not repeat with the angle, but goes with the shaft, the part of the
+/// power that may lie on a cause's own axis: of one that had more there, more would be left there.
+inline constexpr double kOfOtherAxes = 0.5;
 /// Of the mean square that is left without a cause next to nothing is left with it: a tenth, which
 /// is what chance would take, and not what it would leave.
 inline constexpr double kNextToNothing = 0.1;

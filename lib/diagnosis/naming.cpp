@@ -13,6 +13,7 @@
 #include "diagnosis/admission.h"
 #include "diagnosis/along_and_across.h"
 #include "diagnosis/beside_anonymous.h"
+#include "diagnosis/by_chance.h"
 #include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/doubt.h"
@@ -522,6 +523,7 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
   if (take_back_what_explains_most(start.scene, parts, first, found))
     colour(start.scene, parts, found.fit.model);
   drop_what_has_no_name(start.scene, parts, found);
+  drop_what_chance_would_take(start.scene, parts, found);
   prefer_what_every_pair_has(start.scene, start.judge, parts, found);
   drop_what_turns_back(parts, found);
   colour(start.scene, parts, found.fit.model);
