@@ -227,7 +227,11 @@ void check_model(const Model &model) {
 }
 
 void write_model(const Model &model, const std::string &path) {
-  check_model(model);
+  try {
+    check_model(model);
+  } catch (const Error &e) {
+    throw Error(e.status(), path + " is not written: " + e.what());
+  }
   AtomicFile file(path);
   file.write(model_to_toml(model));
   file.commit();

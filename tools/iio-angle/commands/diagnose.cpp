@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
+#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
@@ -73,14 +74,22 @@ int run(const DiagnoseOptions &options) {
     const auto model = make<Model>(ada4571_diagnosis_model, diagnosis.get());
     check(ada4571_model_save(model.get(), options.extend.c_str()));
   };
+  // Before the result, which a reader may cut short; but what becomes of the file does not cost it.
+  std::exception_ptr not_written;
   if (told)
-    extend();
+    try {
+      extend();
+    } catch (...) {
+      not_written = std::current_exception();
+    }
   const std::string_view result = options.json ? ada4571_diagnosis_json(diagnosis.get())
                                                : ada4571_diagnosis_text(diagnosis.get());
   print("{}{}", result, result.ends_with('\n') ? "" : "\n");
   // Last: whatever becomes of the page, the result is out.
   if (!options.report.empty())
     check(ada4571_diagnosis_report(diagnosis.get(), options.report.c_str()));
+  if (not_written)
+    std::rethrow_exception(not_written);
   if (!told)
     extend(); // there may be no model, and the result has said why
   return told ? kDone : kUnusable;

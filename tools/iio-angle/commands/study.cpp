@@ -129,12 +129,16 @@ std::string time_words(double s) {
 class Course {
 public:
   explicit Course(std::size_t all) : all_(all) {}
-  void ended(const std::string &why_not) {
+  /// `why_not`: empty where it is done.
+  void ended(std::string_view capture, const std::string &why_not) {
     ++done_;
     failed_ += why_not.empty() ? 0 : 1;
     if (!why_not.empty() && failed_ <= kMostRemarks) {
       progress_.clear();
-      note("{}\n", why_not);
+      if (why_not.starts_with(capture)) // the file, with the line
+        note("{}\n", why_not);
+      else
+        note("{}: {}\n", capture, why_not);
     }
     const double rate = static_cast<double>(done_) / seconds();
     progress_.show(static_cast<double>(done_) / static_cast<double>(all_),
@@ -215,13 +219,13 @@ int run(const RunOptions &options) {
     const char *name = ada4571_study_waiting(study.get(), k);
     if (why_not.empty()) {
       check(ada4571_study_put(study.get(), text.c_str()));
-      course.ended(nlohmann::json::parse(text).value("reason", ""));
+      course.ended(name, nlohmann::json::parse(text).value("reason", ""));
       return;
     }
     const auto row = make<StudyRow>(ada4571_study_row_failed, name,
                                     fmt::format("{}: {}", name, why_not).c_str());
     check(ada4571_study_put(study.get(), ada4571_study_row_text(row.get())));
-    course.ended(ada4571_study_row_reason(row.get()));
+    course.ended(name, ada4571_study_row_reason(row.get()));
   };
   const bool complete = work_through(work);
   course.close(complete);
