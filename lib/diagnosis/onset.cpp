@@ -21,10 +21,9 @@ namespace ada {
 
 namespace {
 
-/// The effect as it would be at one sample, had it always been there, and what is seen there; what
-/// all of its kind in the model add there, and what is seen without any of them.
+/// The effect as it would be at one sample, had it always been there, and what is seen there.
 struct Sight {
-  double effect[2], seen[2], kind[2], seen_bare[2], speed;
+  double effect[2], seen[2], speed;
 };
 
 /// What is seen on both sides of the moment, in the order of time.
@@ -61,8 +60,7 @@ Side look_at(const std::vector<Sight> &sights) {
 /// Sum of squares that is left of what is seen by a combination of `N` functions,
 /// `functions(sample, place, channel)`.
 template <int N, class Functions>
-double left_over(const std::vector<Sight> &sights, Functions functions,
-                 double (Sight::*seen)[2] = &Sight::seen) {
+double left_over(const std::vector<Sight> &sights, Functions functions) {
   using Vector = Eigen::Matrix<double, N, 1>;
   Eigen::Matrix<double, N, N> normal = Eigen::Matrix<double, N, N>::Identity() * 1e-12;
   Vector right = Vector::Zero();
@@ -71,8 +69,8 @@ double left_over(const std::vector<Sight> &sights, Functions functions,
     for (int c = 0; c < 2; ++c) {
       const Vector row = functions(sights[k], k, c);
       normal += row * row.transpose();
-      right += row * (sights[k].*seen)[c];
-      sum += (sights[k].*seen)[c] * (sights[k].*seen)[c];
+      right += row * sights[k].seen[c];
+      sum += sights[k].seen[c] * sights[k].seen[c];
     }
   return sum - right.dot(normal.ldlt().solve(right));
 }
@@ -121,41 +119,25 @@ std::vector<Sight> both(const Beside &of) {
   return out;
 }
 
-/// Whether an offset that is a combination of `N` functions of the speed, which is given as a part
-/// of the fastest, would be seen just so in place of all the steps of that kind.
-template <int N, class Functions>
-bool does_as_well(const std::vector<Sight> &sights, Functions functions) {
-  constexpr double kNoWorse = 10.0; // nats, of the noise that the steps leave
+/// Whether an offset that follows the speed would be seen just so.
+bool goes_with_the_speed(Beside of) {
+  keep_settled(of.before, of.after);
+  constexpr double kNoWorse = 10.0; // nats, of the noise that the step leaves
+  const std::vector<Sight> sights = both(of);
   double fastest = 0.0;
   for (const Sight &s : sights)
     fastest = std::max(fastest, std::abs(s.speed));
   if (!(fastest > 0.0))
     return false;
-  const double steps = left_over<2>(
-      sights,
-      [](const Sight &s, std::size_t, int c) { return Eigen::Vector2d(s.effect[c], s.kind[c]); },
-      &Sight::seen_bare);
-  const double speed = left_over<N>(
-      sights,
-      [&](const Sight &s, std::size_t, int c) {
-        return Eigen::Matrix<double, N, 1>(s.effect[c] * functions(s.speed / fastest));
-      },
-      &Sight::seen_bare);
+  const double step = left_over<2>(sights, [&](const Sight &s, std::size_t k, int c) {
+    return Eigen::Vector2d(s.effect[c], k >= of.before.size() ? s.effect[c] : 0.0);
+  });
+  const double speed = left_over<3>(sights, [&](const Sight &s, std::size_t, int c) {
+    const double part = s.speed / fastest;
+    return Eigen::Vector3d(s.effect[c] * Eigen::Vector3d(1.0, part, part * part));
+  });
   const double n = static_cast<double>(sights.size());
-  return speed < steps * (1.0 + 2.0 * kNoWorse / n);
-}
-
-/// Whether it is a smooth function of the speed, or goes with its sense: a step at the very moment
-/// at which the shaft turns back, and its end where the shaft turns back once more, is none in
-/// time.
-bool goes_with_the_speed(Beside of) {
-  if (does_as_well<4>(both(of), [](double part) {
-        return Eigen::Vector4d(1.0, part, part * part, part > 0.0 ? 1.0 : -1.0);
-      }))
-    return true;
-  keep_settled(of.before, of.after);
-  return does_as_well<3>(both(of),
-                         [](double part) { return Eigen::Vector3d(1.0, part, part * part); });
+  return speed < step * (1.0 + 2.0 * kNoWorse / n);
 }
 
 /// By how much a step at the moment is likelier than what comes in evenly over an eighth of the
@@ -192,14 +174,8 @@ public:
       near_ = at_own_angle(std::move(near_), model);
     Model always = model;
     always.effects[effect].values[0] = std::numeric_limits<double>::lowest();
-    Model bare = model;
-    std::erase_if(bare.effects, [&](const EffectInstance &e) {
-      return e.effect == model.effects[effect].effect;
-    });
     without_ = residual_columns(near_, model.without(effect));
     with_ = residual_columns(near_, always);
-    bare_ = residual_columns(near_, bare);
-    full_ = residual_columns(near_, model);
     const auto later = std::lower_bound(near_.time.begin(), near_.time.end(), moment_);
     middle = static_cast<std::size_t>(later - near_.time.begin());
   }
@@ -212,13 +188,11 @@ public:
   Sight at(std::size_t k) const {
     Sight out{{without_.sin[k] - with_.sin[k], without_.cos[k] - with_.cos[k]},
               {without_.sin[k], without_.cos[k]},
-              {bare_.sin[k] - full_.sin[k], bare_.cos[k] - full_.cos[k]},
-              {bare_.sin[k], bare_.cos[k]},
               near_.omega[k]};
     if (!reference_) { // only the radius tells
       const double s = near_.vsin[k] - near_.centre_sin_v, c = near_.vcos[k] - near_.centre_cos_v;
       const double inverse = 1.0 / std::max(std::hypot(s, c), 1e-12);
-      for (double *v : {out.effect, out.seen, out.kind, out.seen_bare}) {
+      for (double *v : {out.effect, out.seen}) {
         v[0] = (v[0] * s + v[1] * c) * inverse;
         v[1] = 0.0;
       }
@@ -230,7 +204,7 @@ private:
   Observations near_;
   bool reference_;
   double moment_;
-  ResidualColumns without_, with_, bare_, full_;
+  ResidualColumns without_, with_;
 };
 
 /// What is seen in the turns on both sides of the moment.

@@ -12,8 +12,8 @@ namespace ada {
 
 /// Whether the data bear out that an effect with a moment begins at once there: within a turn
 /// before it nothing of it is seen, within a turn after it all, and no smooth function of the speed
-/// or its sense does as well. True where too little is seen to say. Not `told_from_speed`: such a
-/// function may do as well, which two speeds that follow one another once always let it.
+/// does as well. True where too little is seen to say. Not `told_from_speed`: such a function may
+/// do as well, which two speeds that follow one another once always let it.
 bool begins_at_once(const Scene &scene, const Model &model, std::size_t effect,
                     bool told_from_speed = true);
 

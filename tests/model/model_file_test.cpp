@@ -377,7 +377,7 @@ TEST(ModelFile, RefusesToWriteWhatItCouldNotRead) {
   m.baseline.amplitude_v = std::nan("");
   ada4571_status status = ADA4571_OK;
   EXPECT_EQ(failure([&] { write_model(m, folder / "m.toml"); }, &status),
-            "amplitude_v must be a finite number");
+            (folder / "m.toml") + " is not written: amplitude_v must be a finite number");
   EXPECT_EQ(status, ADA4571_ERROR_INVALID_ARGUMENT);
   m = {};
   m.remainder = {false, {0.1, 0.2}, {0.1}, {0.1, 0}, {0, 0}};
