@@ -90,12 +90,10 @@ ada4571_status ada4571_diagnose_captures(const ada4571_recording *const *recordi
     }
     auto out = std::make_unique<ada4571_diagnosis>();
     out->capture = joined(recordings, count, "recordings", looked_at);
-    if (const int here = out->capture->meta.periods_per_turn;
-        o.baseline && o.baseline->periods_per_turn != here)
-      throw Error(ADA4571_ERROR_UNUSABLE_DATA,
-                  (options->baseline_name ? o.baseline_name : "the model") +
-                      " is for periods_per_turn = " + std::to_string(o.baseline->periods_per_turn) +
-                      ", the capture says " + std::to_string(here));
+    if (o.baseline)
+      o.baseline->require_periods(out->capture->meta.periods_per_turn,
+                                  options->baseline_name ? o.baseline_name : "the model",
+                                  "the capture");
     out->impl = diagnose(*out->capture, o);
     for (std::size_t k = 0; k < count; ++k)
       add_checks(out->impl, check_health(to_fit(*recordings[k]), nullptr),

@@ -11,6 +11,7 @@
 #include "capi/driver_calibration.h"
 #include "capi/guard.h"
 #include "capi/handles.h"
+#include "conversion/frame_converter.h"
 #include "model/model_file.h"
 #include "simulation/simulation.h"
 
@@ -23,6 +24,11 @@ struct ada4571_source {
   std::string calibration_file; ///< of the stored configuration, empty: none
   std::optional<bool> gain_control;
   RawFrames block{}; ///< that ada4571_source_read_block gave last
+
+  Model at_its_supply(const Model &model) const {
+    const SourceInfo &info = impl->info();
+    return model_for(model, {"source", true, info.periods_per_turn, info.supply_v, info.has_vtemp});
+  }
 
   /// Calibration attributes and a storable address belong to an IIO device only.
   IioSource &device(const char *what) const {
@@ -313,12 +319,22 @@ ada4571_status ada4571_source_get_statistics(const ada4571_source *source,
   });
 }
 
+ada4571_status ada4571_model_for_source(const ada4571_model *model, const ada4571_source *source,
+                                        ada4571_model **out) {
+  return guard([&] {
+    require(model, "model");
+    require(source, "source");
+    require(out, "out");
+    *out = new ada4571_model{source->at_its_supply(model->impl)};
+  });
+}
+
 ada4571_status ada4571_source_read_calibration(ada4571_source *source, ada4571_model **model) {
   return guard([&] {
     require(source, "source");
     require(model, "model");
     if (!source->calibration_file.empty()) {
-      *model = new ada4571_model{read_model(source->calibration_file)};
+      *model = new ada4571_model{source->at_its_supply(read_model(source->calibration_file))};
       return;
     }
     const auto *iio = dynamic_cast<IioSource *>(source->impl.get());

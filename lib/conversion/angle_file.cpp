@@ -111,15 +111,7 @@ public:
     std::vector<char> &floats = holds_times() ? out.floats : out.bytes;
     floats.resize(count * kFloats);
     frames_of_floats(angles.angle_deg.data(), angles.radius.data(), angles.status.data(), count,
-                     floats.data());
-    // A double just below a whole turn is that turn as a float.
-    const auto turn = static_cast<float>(360.0 / recording_.meta().periods_per_turn);
-    for (std::size_t i = 0; i < count; ++i) {
-      float angle;
-      std::memcpy(&angle, floats.data() + i * kFloats, sizeof angle);
-      if (angle >= turn)
-        std::memset(floats.data() + i * kFloats, 0, sizeof angle);
-    }
+                     static_cast<float>(360.0 / recording_.meta().periods_per_turn), floats.data());
     if (holds_times()) {
       const std::size_t time = meta_.channels[3].byte;
       char *frame = out.bytes.data();

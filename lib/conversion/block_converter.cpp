@@ -51,8 +51,7 @@ void AngleBlock::set(std::size_t i, const ada4571_angle &angle) {
 }
 
 BlockConverter::BlockConverter(const Model &model, const Recording &recording)
-    : recording_(recording),
-      model_(FrameConverter::model_for(model, recording.meta(), recording.channels())),
+    : recording_(recording), model_(model_for(model, recording.meta(), recording.channels())),
       frames_(model_), raw_(raw_converter(model_)) {
   if (!raw_ && !frames_.sample_by_sample()) {
     all_.resize(recording.size());

@@ -64,21 +64,21 @@ void FrameConverter::frames(std::span<const Frame> in, std::span<ada4571_angle> 
       out[i].status |= ADA4571_SAMPLE_GAP;
 }
 
-Model FrameConverter::model_for(const Model &model, const CaptureMetadata &meta,
-                                const ChannelSet &channels) {
-  if (meta.periods_per_turn != model.periods_per_turn)
-    throw Error(
-        ADA4571_ERROR_UNUSABLE_DATA,
-        "the calibration is for periods_per_turn = " + std::to_string(model.periods_per_turn) +
-            ", the capture says " + std::to_string(meta.periods_per_turn));
-  if (!channels.vtemp && EllipseModel::beyond(model).empty() &&
+Model model_for(const Model &model, const FramesOf &frames) {
+  model.require_periods(frames.periods_per_turn, "the calibration", "the " + frames.what);
+  if (!frames.vtemp && EllipseModel::beyond(model).empty() &&
       EllipseModel(model).follows_temperature())
-    throw Error(
-        ADA4571_ERROR_UNUSABLE_DATA,
-        "the calibration follows VTEMP and the capture has no column vtemp_v: record VTEMP, "
-        "or use a single-temperature calibration");
+    throw Error(ADA4571_ERROR_UNUSABLE_DATA,
+                "the calibration follows VTEMP and the " + frames.what + " has no " +
+                    (frames.live ? "channel of it: name one" : "column vtemp_v: record VTEMP") +
+                    ", or use a single-temperature calibration");
   // Everything the sensor puts out is a fraction of its supply, so the calibration scales.
-  return meta.supply_v != model.supply_v ? model.at_supply(meta.supply_v) : model;
+  return frames.supply_v != model.supply_v ? model.at_supply(frames.supply_v) : model;
+}
+
+Model model_for(const Model &model, const CaptureMetadata &meta, const ChannelSet &channels) {
+  return model_for(
+      model, FramesOf{"capture", false, meta.periods_per_turn, meta.supply_v, channels.vtemp});
 }
 
 void FrameConverter::capture(const Capture &in, std::span<ada4571_angle> out) const {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "base/frame.h"
 #include "conversion/ellipse.h"
@@ -23,6 +24,20 @@ class AngleSolver;
 void convert_sample(const EllipseInverse &inverse, int periods_per_turn, double zero_rad,
                     double supply_v, const Frame &frame, ada4571_angle &angle);
 
+/// What a calibration must go with: where the frames come from.
+struct FramesOf {
+  std::string what; ///< "capture", in a message
+  bool live;        ///< channels of a device, no columns of a file
+  int periods_per_turn;
+  double supply_v;
+  bool vtemp;
+};
+
+/// The model at the supply of such frames. Throws ADA4571_ERROR_UNUSABLE_DATA where it cannot
+/// convert them: other periods a turn, or no VTEMP where it follows that.
+Model model_for(const Model &model, const FramesOf &frames);
+Model model_for(const Model &model, const CaptureMetadata &meta, const ChannelSet &channels);
+
 class FrameConverter {
 public:
   explicit FrameConverter(const Model &model);
@@ -36,9 +51,6 @@ public:
   /// ADA4571_ERROR_UNUSABLE_DATA when the model follows VTEMP and the capture has none.
   void capture(const Capture &in, std::span<ada4571_angle> out) const;
 
-  /// The model at the supply of a capture, or why it cannot convert that: refuses as capture().
-  static Model model_for(const Model &model, const CaptureMetadata &meta,
-                         const ChannelSet &channels);
   /// Whether an angle depends on its own sample alone, but for a VTEMP that is missing.
   bool sample_by_sample() const { return ellipse_.has_value(); }
   /// One such sample; `vtemp_v` is the last one seen, before and after it.

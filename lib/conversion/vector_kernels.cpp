@@ -322,18 +322,22 @@ bool finish_planar(const double *sin, const double *cos, std::size_t n, const Sa
 }
 
 std::size_t whole_frames_of_floats(const double *angle, const double *radius,
-                                   const std::uint32_t *status, std::size_t count, void *frames) {
+                                   const std::uint32_t *status, std::size_t count, float turn,
+                                   void *frames) {
   auto *out = static_cast<float *>(frames);
   const F64 d;
   const hn::Rebind<float, F64> df;
   const hn::Rebind<std::int32_t, F64> di;
   const std::size_t lanes = hn::Lanes(d);
   const auto *bits = reinterpret_cast<const std::int32_t *>(status);
+  const auto whole = hn::Set(df, turn);
   std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes)
-    hn::StoreInterleaved3(hn::DemoteTo(df, hn::LoadU(d, angle + i)),
+  for (; i + lanes <= count; i += lanes) {
+    const auto deg = hn::DemoteTo(df, hn::LoadU(d, angle + i));
+    hn::StoreInterleaved3(hn::IfThenZeroElse(hn::Ge(deg, whole), deg),
                           hn::DemoteTo(df, hn::LoadU(d, radius + i)),
                           hn::ConvertTo(df, hn::LoadU(di, bits + i)), df, out + 3 * i);
+  }
   return i;
 }
 #else
@@ -414,7 +418,7 @@ bool finish_planar(const double *sin, const double *cos, std::size_t n, const Sa
 }
 
 std::size_t whole_frames_of_floats(const double *, const double *, const std::uint32_t *,
-                                   std::size_t, void *) {
+                                   std::size_t, float, void *) {
   return 0;
 }
 #endif
@@ -473,9 +477,10 @@ bool FinishPlanarF64(const double *sin, const double *cos, std::size_t n,
   return finish_planar(sin, cos, n, limits, angle, radius, status);
 }
 void FramesOfFloats(const double *angle, const double *radius, const std::uint32_t *status,
-                    std::size_t n, void *frames) {
-  for (std::size_t i = whole_frames_of_floats(angle, radius, status, n, frames); i < n; ++i) {
-    const float values[] = {static_cast<float>(angle[i]), static_cast<float>(radius[i]),
+                    std::size_t n, float turn, void *frames) {
+  for (std::size_t i = whole_frames_of_floats(angle, radius, status, n, turn, frames); i < n; ++i) {
+    const auto deg = static_cast<float>(angle[i]);
+    const float values[] = {deg >= turn ? 0.0f : deg, static_cast<float>(radius[i]),
                             static_cast<float>(static_cast<std::int32_t>(status[i]))};
     std::memcpy(static_cast<std::uint8_t *>(frames) + i * sizeof values, values, sizeof values);
   }
@@ -560,8 +565,8 @@ bool finish_planar_f64(const double *sin, const double *cos, std::size_t count,
   return HWY_DYNAMIC_DISPATCH(FinishPlanarF64)(sin, cos, count, limits, angle, radius, status);
 }
 void frames_of_floats(const double *angle, const double *radius, const std::uint32_t *status,
-                      std::size_t count, void *frames) {
-  HWY_DYNAMIC_DISPATCH(FramesOfFloats)(angle, radius, status, count, frames);
+                      std::size_t count, float turn, void *frames) {
+  HWY_DYNAMIC_DISPATCH(FramesOfFloats)(angle, radius, status, count, turn, frames);
 }
 
 const char *vector_target() {

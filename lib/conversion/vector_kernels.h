@@ -69,9 +69,10 @@ bool finish_planar_f64(const double *sin, const double *cos, std::size_t count,
                        const SampleLimits &limits, double *angle, const double *radius,
                        std::uint32_t *status);
 
-/// Frames of angle, radius and status as three floats, of any alignment.
+/// Frames of angle, radius and status as three floats, of any alignment. An angle just below `turn`
+/// is that turn as a float, and becomes 0.
 void frames_of_floats(const double *angle, const double *radius, const std::uint32_t *status,
-                      std::size_t count, void *frames);
+                      std::size_t count, float turn, void *frames);
 
 /// Name of the instruction set in use. Lives for ever.
 const char *vector_target();

@@ -235,10 +235,11 @@ ADA4571_API ada4571_status ada4571_source_cancel(ada4571_source *source);
 ADA4571_API ada4571_status ada4571_source_stop(ada4571_source *source);
 ADA4571_API ada4571_status ada4571_source_get_statistics(const ada4571_source *source,
                                                          ada4571_source_statistics *statistics);
-/* The calibration that a stored configuration names, or that the driver keeps in calibbias and
- * calibscale; ADA4571_ERROR_NOT_FOUND when there is none. By the kernel's ABI a driver applies its
- * calibbias and calibscale: the volts of such a source are corrected already, and correcting them
- * again with this model does harm (the documentation's "Acquisition"). */
+/* The calibration that a stored configuration names, as ada4571_model_for_source() gives it, or
+ * that the driver keeps in calibbias and calibscale; ADA4571_ERROR_NOT_FOUND when there is none. By
+ * the kernel's ABI a driver applies its calibbias and calibscale: the volts of such a source are
+ * corrected already, and correcting them again with this model does harm (the documentation's
+ * "Acquisition"). */
 ADA4571_API ada4571_status ada4571_source_read_calibration(ada4571_source *source,
                                                            ada4571_model **model);
 /* Writes offsets and amplitudes of the model to the driver's calibbias and calibscale:
@@ -485,6 +486,12 @@ ADA4571_API ada4571_status ada4571_model_new(const ada4571_baseline *baseline,
 ADA4571_API ada4571_status ada4571_model_load(const char *path, ada4571_model **model);
 /* Whole or not at all, as ada4571_file_commit. */
 ADA4571_API ada4571_status ada4571_model_save(const ada4571_model *model, const char *path);
+/* The model at the supply of the source, as a converter or tracker of its frames needs it: all
+ * volts are fractions of VDD. ADA4571_ERROR_UNUSABLE_DATA where the two do not go together: other
+ * periods a turn, or no VTEMP in the source where the model follows it. */
+ADA4571_API ada4571_status ada4571_model_for_source(const ada4571_model *model,
+                                                    const ada4571_source *source,
+                                                    ada4571_model **out);
 ADA4571_API ada4571_status ada4571_model_get_baseline(const ada4571_model *model,
                                                       ada4571_baseline *baseline);
 /* Adds an effect, "stray-field" or "stray-field:b=0.01,direction_deg=30"; what is not given takes

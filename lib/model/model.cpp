@@ -51,6 +51,13 @@ Model Model::without(std::size_t effect) const {
   return out;
 }
 
+void Model::require_periods(int here, const std::string &name, const std::string &what) const {
+  if (periods_per_turn != here)
+    throw Error(ADA4571_ERROR_UNUSABLE_DATA,
+                name + " is for periods_per_turn = " + std::to_string(periods_per_turn) + ", " +
+                    what + " says " + std::to_string(here));
+}
+
 Model Model::at_supply(double volts) const {
   if (!(volts > 0) || !std::isfinite(volts))
     throw Error(ADA4571_ERROR_INVALID_ARGUMENT, "the supply must be above 0 V");

@@ -67,6 +67,10 @@ struct Model {
   /// The same model less the effect in this place of `effects`.
   Model without(std::size_t effect) const;
 
+  /// Throws ADA4571_ERROR_UNUSABLE_DATA where `what`, a capture say, has other periods a turn than
+  /// this model, which the message calls `name`.
+  void require_periods(int here, const std::string &name, const std::string &what) const;
+
   /// The same model at another supply: voltages scale, ratios stay.
   Model at_supply(double volts) const;
 };

@@ -199,6 +199,13 @@ const std::map<std::string, Case> &source_cases() {
          REFUSED(ada4571_source_read_calibration(h.source, nullptr));
          EXPECT_NE(ada4571_source_read_calibration(h.source, &model), ADA4571_OK);
        }},
+      {"ada4571_model_for_source",
+       [](const Handles &h) {
+         Untouched<ada4571_model> model;
+         REFUSED(ada4571_model_for_source(nullptr, h.source, &model));
+         REFUSED(ada4571_model_for_source(h.model, nullptr, &model));
+         REFUSED(ada4571_model_for_source(h.model, h.source, nullptr));
+       }},
       {"ada4571_source_write_calibration",
        [](const Handles &h) {
          REFUSED(ada4571_source_write_calibration(nullptr, h.model));

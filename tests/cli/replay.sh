@@ -24,6 +24,22 @@ check_read_plays_a_capture_and_gives_what_convert_gives() {
   same "ten lines a second of the recording" "$(lines out)" 20
 }
 
+check_a_calibration_is_taken_to_the_supply_of_the_frames() {
+  simulate
+  awk -F, -v OFS=, '
+    /^# supply_v/ {print "# supply_v = 4"; next}
+    /^#/ {print; next}
+    !names {for (i = 1; i <= NF; ++i) if ($i ~ /_v$/) volts[i] = 1; names = 1; print; next}
+    {for (i in volts) $i *= 0.8; print}' a.csv >at4.csv
+  status 0 iio-angle convert --calibration a.toml at4.csv -o angles.csv
+  status 0 iio-angle read --capture at4.csv --speed 0 --calibration a.toml --format csv
+  cmp -s out angles.csv || fail "$(diff out angles.csv | head -3)"
+  same "radius at 4 V" "$(awk -F, 'NR > 1 {sum += $3} END {printf "%.2f", sum / (NR - 1)}' out)" 1.00
+  sed 's/^# periods_per_turn = 2/# periods_per_turn = 3/' a.csv >three.csv
+  status 1 iio-angle read --capture three.csv --calibration a.toml
+  says err 'the calibration is for periods_per_turn = 2, the source says 3'
+}
+
 check_what_a_capture_says_itself_is_refused_beside_it() {
   simulate
   status 2 iio-angle read --capture a.csv -u ip:127.0.0.1

@@ -204,9 +204,14 @@ TEST_P(OnTarget, samples_are_finished_as_one_by_one) {
       EXPECT_EQ(one.numbers, other->numbers) << n;
     }
     std::vector<float> frames(3 * n + 1, -7.0f);
-    frames_of_floats(one.angle.data(), one.radius.data(), one.status.data(), n, frames.data());
+    constexpr float kTurn = 180.0f;
+    for (std::size_t i = 0; i < n; i += 5) // a double below the turn, which is the turn as a float
+      one.angle[i] = std::nextafter(180.0, 0.0);
+    frames_of_floats(one.angle.data(), one.radius.data(), one.status.data(), n, kTurn,
+                     frames.data());
     for (std::size_t i = 0; i < n; ++i) {
-      EXPECT_EQ(frames[3 * i], static_cast<float>(one.angle[i]));
+      const auto deg = static_cast<float>(one.angle[i]);
+      EXPECT_EQ(frames[3 * i], deg >= kTurn ? 0.0f : deg);
       if (!std::isnan(one.radius[i])) {
         EXPECT_EQ(frames[3 * i + 1], static_cast<float>(one.radius[i]));
       }

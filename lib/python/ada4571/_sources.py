@@ -97,6 +97,11 @@ class Source:
         """The Model that the stored configuration names, or that the driver keeps."""
         return Model._of(self._handle.calibration())
 
+    def model_for(self, model):
+        """The Model at the supply of this source, as a Converter or Tracker of its frames needs it;
+        UnusableDataError where the two do not go together."""
+        return Model._of(self._handle.model_for(model._handle))
+
     def write_calibration(self, model):
         """Writes offsets and amplitudes of a Model into the driver, which then corrects by itself; a
         driver without calibbias and calibscale raises NotFoundError."""

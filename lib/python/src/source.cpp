@@ -157,7 +157,8 @@ void add_sources(py::module_ &module) {
       .def("start", simple<ada4571_source_start>)
       .def("stop", simple<ada4571_source_stop>)
       // Any thread may cancel, and must not wait for the read that it is to end.
-      .def("cancel", [](const Source &source) { check(Outcome(ada4571_source_cancel(source.get()))); })
+      .def("cancel",
+           [](const Source &source) { check(Outcome(ada4571_source_cancel(source.get()))); })
       .def("close", close<Source>)
       .def("read", read)
       .def("fileno",
@@ -179,6 +180,14 @@ void add_sources(py::module_ &module) {
                    return ada4571_source_read_calibration(source.get(), fresh);
                  },
                  source);
+           })
+      .def("model_for",
+           [](const Source &source, const Model &model) {
+             return made<Model, ada4571_model>(
+                 [&](ada4571_model **fresh) {
+                   return ada4571_model_for_source(model.get(), source.get(), fresh);
+                 },
+                 source, model);
            })
       .def("write_calibration",
            [](const Source &source, const Model &model) {

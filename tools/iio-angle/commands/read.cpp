@@ -29,8 +29,9 @@ AngleFormat format_of(const std::string &name) {
 }
 
 int run(const ReadOptions &options) {
-  const Source source = open_source(options.source);
-  const Model model = live_model(source, options.calibration);
+  const Live live = open_live(options.source, options.calibration);
+  const Source &source = live.source;
+  const Model &model = live.model;
   mention_remainder(model);
   LiveAngles angles(model, options.dynamic);
   if (options.latency) {
@@ -59,11 +60,7 @@ int run(const ReadOptions &options) {
 void add_read(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("read", "angles, live, until stopped");
   auto options = std::make_shared<ReadOptions>();
-  add_source_options(*verb, options->source);
-  add_replay_options(*verb, options->source.capture, options->source.speed);
-  verb->add_option("--calibration", options->calibration,
-                   "calibration or model file (default: what -s or the driver has)")
-      ->type_name("FILE");
+  add_live_options(*verb, options->source, options->calibration);
   verb->add_flag("--dynamic", options->dynamic, "follow drifting offsets while it turns");
   verb->add_option("--format", options->format,
                    "text: ten lines a second; csv, json: a line a sample")

@@ -140,8 +140,9 @@ void print_live(LiveReader &reader, LiveAngles &angles) {
 }
 
 int run(const WatchOptions &options) {
-  const Source source = open_source(options.source);
-  const Model model = live_model(source, options.calibration);
+  const Live live = open_live(options.source, options.calibration);
+  const Source &source = live.source;
+  const Model &model = live.model;
   mention_remainder(model);
   LiveAngles angles(model, options.dynamic);
   if (Screen::is_there())
@@ -163,11 +164,7 @@ int run(const WatchOptions &options) {
 void add_watch(CLI::App &app, Action &action) {
   auto *verb = app.add_subcommand("watch", "angles as a live picture in the terminal");
   auto options = std::make_shared<WatchOptions>();
-  add_source_options(*verb, options->source);
-  add_replay_options(*verb, options->source.capture, options->source.speed);
-  verb->add_option("--calibration", options->calibration,
-                   "calibration or model file (default: what -s or the driver has)")
-      ->type_name("FILE");
+  add_live_options(*verb, options->source, options->calibration);
   verb->add_flag("--dynamic", options->dynamic, "follow drifting offsets while it turns");
   add_reconnect_option(*verb, options->reconnect);
   example(*verb, "  iio-angle watch --calibration sensor.toml\n"

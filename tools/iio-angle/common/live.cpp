@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "common/file_roles.h"
 #include "common/print.h"
@@ -31,6 +32,25 @@ Model ideal_model(const Source &source) {
   baseline.supply_v = info.supply_v;
   baseline.periods_per_turn = info.periods_per_turn;
   return make<Model>(ada4571_model_new, &baseline);
+}
+
+/// What the stored configuration or the driver has.
+Model stored_model(const Source &source) {
+  ada4571_model *model = nullptr;
+  const ada4571_status status = ada4571_source_read_calibration(source.get(), &model);
+  if (status == ADA4571_OK)
+    return Model(model);
+  if (status != ADA4571_ERROR_NOT_FOUND && status != ADA4571_ERROR_UNSUPPORTED)
+    check(status);
+  note("no calibration: angles may be off by some degrees "
+       "(record, calibrate, then give --calibration FILE)\n");
+  return ideal_model(source);
+}
+
+ada4571_baseline baseline_of(const Model &model) {
+  auto baseline = initialised(ada4571_baseline_init);
+  check(ada4571_model_get_baseline(model.get(), &baseline));
+  return baseline;
 }
 
 } // namespace
@@ -201,24 +221,35 @@ void add_reconnect_option(CLI::App &verb, bool &reconnect) {
       ->excludes(wait);
 }
 
-Model live_model(const Source &source, const std::string &path) {
-  if (!path.empty())
-    return load_model(path);
-  ada4571_model *model = nullptr;
-  const ada4571_status status = ada4571_source_read_calibration(source.get(), &model);
-  if (status == ADA4571_OK)
-    return Model(model);
-  if (status != ADA4571_ERROR_NOT_FOUND && status != ADA4571_ERROR_UNSUPPORTED)
-    check(status);
-  note("no calibration: angles may be off by some degrees "
-       "(record, calibrate, then give --calibration FILE)\n");
-  return ideal_model(source);
+void add_live_options(CLI::App &verb, SourceOptions &source, std::string &calibration) {
+  add_source_options(verb, source, "the calibration's, or ");
+  add_replay_options(verb, source.capture, source.speed);
+  verb.add_option("--calibration", calibration,
+                  "calibration or model file (default: what -s or the driver has)")
+      ->type_name("FILE");
+}
+
+Live open_live(const SourceOptions &options, const std::string &calibration) {
+  if (calibration.empty()) {
+    Source source = open_source(options);
+    Model model = stored_model(source);
+    return {std::move(source), std::move(model)};
+  }
+  const Model model = load_model(calibration);
+  const auto baseline = baseline_of(model);
+  SourceOptions said = options;
+  if (!(said.supply_v > 0))
+    said.supply_v = baseline.supply_v;
+  if (said.periods_per_turn == 0)
+    said.periods_per_turn = baseline.periods_per_turn;
+  Source source = open_source(said);
+  Model here = make<Model>(ada4571_model_for_source, model.get(),
+                           static_cast<const ada4571_source *>(source.get()));
+  return {std::move(source), std::move(here)};
 }
 
 double angle_range_deg(const Model &model) {
-  auto baseline = initialised(ada4571_baseline_init);
-  check(ada4571_model_get_baseline(model.get(), &baseline));
-  return 360.0 / baseline.periods_per_turn;
+  return 360.0 / baseline_of(model).periods_per_turn;
 }
 
 void mention_remainder(const Model &model) {

@@ -99,9 +99,19 @@ std::chrono::seconds patience(const SourceOptions &source);
 /// The flag of the verbs that read live.
 void add_reconnect_option(CLI::App &verb, bool &reconnect);
 
-/// Calibration for a live source: the file when one is named, else what the stored configuration
-/// or the driver has, else an ideal sensor, which standard error is told.
-Model live_model(const Source &source, const std::string &path);
+/// A source and the calibration of its frames, at its supply.
+struct Live {
+  Source source;
+  Model model;
+};
+
+/// The options of the source, of a capture in its place and of the calibration.
+void add_live_options(CLI::App &verb, SourceOptions &source, std::string &calibration);
+
+/// Opens the source. Its calibration: the file when one is named, which then also says the supply
+/// and the periods a turn where the options do not; else what the stored configuration or the
+/// driver has; else an ideal sensor, which standard error is told.
+Live open_live(const SourceOptions &options, const std::string &calibration);
 
 /// Frames to angles, block after block: a converter, or with `dynamic` a tracker.
 class LiveAngles {

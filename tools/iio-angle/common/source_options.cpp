@@ -71,7 +71,7 @@ void add_uri_option(CLI::App &verb, SourceOptions &options) {
       ->type_name("URI");
 }
 
-void add_source_options(CLI::App &verb, SourceOptions &options) {
+void add_source_options(CLI::App &verb, SourceOptions &options, const std::string &before) {
   verb.add_option("-s,--stored", options.stored,
                   "stored configuration, made by `list --save NAME`, instead of the options below")
       ->type_name("NAME");
@@ -91,11 +91,12 @@ void add_source_options(CLI::App &verb, SourceOptions &options) {
   verb.add_option("--rate", options.rate_hz, "sample rate to set (default: what is set)")
       ->transform(positive("Hz"))
       ->type_name("HZ");
-  verb.add_option("--supply", options.supply_v, "supply of the sensor (default 5)")
+  verb.add_option("--supply", options.supply_v, "supply of the sensor (default: " + before + "5)")
       ->transform(positive("V"))
       ->type_name("V");
   verb.add_option("--periods", options.periods_per_turn,
-                  "electrical periods a turn: 2 for AMR, 1 for GMR, TMR and Hall (default 2)")
+                  "electrical periods a turn: 2 for AMR, 1 for GMR, TMR and Hall (default: " +
+                      before + "2)")
       ->transform(whole(1, 1000))
       ->type_name("N");
   verb.add_option("--within", options.latency_s,
@@ -140,8 +141,10 @@ Source open_source(const SourceOptions &options) {
   wanted.vdd_channel = given(options.vdd);
   wanted.trigger = given(options.trigger);
   wanted.sample_rate_hz = options.rate_hz;
-  wanted.supply_v = options.supply_v;
-  wanted.periods_per_turn = options.periods_per_turn;
+  if (options.supply_v > 0)
+    wanted.supply_v = options.supply_v;
+  if (options.periods_per_turn > 0)
+    wanted.periods_per_turn = options.periods_per_turn;
   wanted.latency_s = options.latency_s;
   const Busy busy("opening " + (options.uri.empty() ? "the device" : options.uri));
   try {

@@ -16,8 +16,8 @@ namespace cli {
 struct SourceOptions {
   std::string stored, uri, device, sin, cos, temp, vdd, trigger;
   double rate_hz = 0;
-  double supply_v = 5.0;
-  int periods_per_turn = 2;
+  double supply_v = 0;      ///< 0: not said
+  int periods_per_turn = 0; ///< 0: not said
   double latency_s = 0;
   std::string capture; ///< played instead of a device
   double speed = 1;
@@ -27,7 +27,8 @@ struct SourceOptions {
 
 /// -u alone, for `list`.
 void add_uri_option(CLI::App &verb, SourceOptions &options);
-void add_source_options(CLI::App &verb, SourceOptions &options);
+/// `before`: what says the supply and the periods before their defaults do.
+void add_source_options(CLI::App &verb, SourceOptions &options, const std::string &before = "");
 /// --capture and --speed, which take the place of a device.
 void add_replay_options(CLI::App &verb, std::string &capture, double &speed);
 /// Throws when one of these options is there beside --capture.
