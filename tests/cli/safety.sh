@@ -59,6 +59,8 @@ check_no_verb_writes_over_what_it_reads() {
     says err 'to be written twice'
   done
   absent x.toml
+  status 2 iio-angle diagnose --extend - --report - a.csv
+  says err 'standard output is to be written twice'
   # By way of standard input, too.
   iio-angle calibrate single - -o a.csv <a.csv 2>err >out
   same "exit status" $? 2

@@ -176,9 +176,20 @@ check_wrong_usage_and_foreign_files() {
     says err 'text.db: this is no study|absent.db: there is no such study'
   done
   absent s.db
+  status 1 iio-angle study report .
+  says err '\.: cannot read: Is a directory'
+  status 1 iio-angle study run --list absent.txt -o s.db
+  says err 'absent.txt: cannot read: No such file'
+  absent s.db
   status 0 iio-angle study run --without diagnose -o s.db c1.csv
   status 2 iio-angle study run -o s.db c1.csv
   says err 'made without the diagnosis'
+  # What a result would take the place of is a study, or a page.
+  md5sum c1.csv text.db >before
+  status 1 iio-angle study merge -o text.db s.db
+  says err 'text.db: this is no study'
+  status 2 iio-angle study report --report c1.csv s.db
+  md5sum --quiet -c before || fail "a file was written over"
 }
 
 # A small fleet from end to end: off-axis error proportional to a position, two populations of

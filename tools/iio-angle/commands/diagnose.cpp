@@ -2,8 +2,11 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #include <exception>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
+
+#include <fmt/ranges.h>
 
 #include "common/file_roles.h"
 #include "common/handles.h"
@@ -58,8 +61,26 @@ Diagnosis diagnose(const DiagnoseOptions &options, const Recordings &captures,
                          static_cast<const ada4571_diagnosis_options *>(&wanted));
 }
 
+/// Captures of one call are of one sensor, or so it is taken.
+void mention_serials(const Recordings &captures, const Recordings &heldout) {
+  std::set<std::string> serials;
+  for (const Recordings *some : {&captures, &heldout})
+    for (const Recording &recording : some->own) {
+      auto info = initialised(ada4571_recording_info_init);
+      check(ada4571_recording_get_info(recording.get(), &info));
+      // Each simulation counts its own seed for a serial, whatever the model is.
+      const std::string serial = info.serial;
+      if (!serial.empty() && !serial.starts_with("simulated-"))
+        serials.insert(serial);
+    }
+  if (serials.size() > 1)
+    note("the serials differ ({}): the captures are taken for those of one sensor all the same\n",
+         fmt::join(serials, ", "));
+}
+
 int run(const DiagnoseOptions &options) {
   const Recordings captures(options.captures), heldout(options.heldout);
+  mention_serials(captures, heldout);
   FileRoles roles;
   for (std::size_t k = 0; k < captures.own.size(); ++k)
     roles.reads_once(options.captures[k], captures.own[k]);

@@ -75,7 +75,7 @@ std::vector<std::string> names_of(const std::string &list) {
   if (list != "-") {
     file.open(list);
     if (!file)
-      throw Failure(kUnusable, list + ": cannot be read");
+      throw Failure(kUnusable, fmt::format("{}: cannot read: {}", list, std::strerror(errno)));
   }
   std::istream &in = list == "-" ? std::cin : file;
   std::vector<std::string> names;
@@ -245,6 +245,10 @@ int merge(const MergeOptions &options) {
     parts.push_back(part.c_str());
   }
   roles.writes(options.output);
+  std::error_code none;
+  if (const auto bytes = std::filesystem::file_size(options.output, none); !none && bytes > 0)
+    make<Study>(ada4571_study_open, options.output.c_str(), // what is replaced is a study
+                static_cast<const ada4571_study_options *>(nullptr));
   check(ada4571_study_merge(parts.data(), parts.size(), options.output.c_str()));
   const auto study = make<Study>(ada4571_study_open, options.output.c_str(),
                                  static_cast<const ada4571_study_options *>(nullptr));
@@ -328,6 +332,7 @@ void add_report(CLI::App &study, Action &action) {
   auto options = std::make_shared<ReportOptions>();
   verb->add_flag("--json", options->json, "print JSON (ada4571-study/1) instead of text");
   verb->add_option("--report", options->page, "write one self-contained HTML page")
+      ->transform(ends_in({".html", ".htm"}, "an HTML page"))
       ->type_name("FILE.html");
   verb->add_option("STUDY", options->study, "study, or a part of one")->type_name("")->required();
   example(*verb, "  iio-angle study report --report bench.html bench.db");

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -117,11 +118,15 @@ bool FileRoles::Known::is(const Known &other) const {
 void FileRoles::add(const std::string &path, bool written) {
   struct stat info {};
   const bool is_standard = path == "-";
-  if (is_standard && written)
-    return; // whatever it is, it is not replaced
+  if (is_standard && written) { // whatever it is, it is not replaced
+    if (std::exchange(standard_output_, true))
+      throw Failure(kWrongUsage, "standard output is to be written twice: give one of them a name");
+    return;
+  }
   const bool there = look_at(path, info);
-  if (there && written && S_ISDIR(info.st_mode))
-    throw Failure(kUnusable, fmt::format("{}: cannot write: {}", path, std::strerror(EISDIR)));
+  if (there && S_ISDIR(info.st_mode))
+    throw Failure(kUnusable, fmt::format("{}: cannot {}: {}", path, written ? "write" : "read",
+                                         std::strerror(EISDIR)));
   if (there && !S_ISREG(info.st_mode))
     return; // a pipe, a terminal, /dev/null: written in place
   const Known file{there ? path : real_path(path), info.st_dev, there ? info.st_ino : 0, written};

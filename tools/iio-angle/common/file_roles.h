@@ -49,6 +49,7 @@ private:
   void add(const std::string &path, bool written);
 
   std::vector<Known> known_;
+  bool standard_output_ = false; ///< one of them is written there
 };
 
 } // namespace cli

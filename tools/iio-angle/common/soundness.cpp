@@ -31,8 +31,12 @@ void warn_of_faults(const Recording &capture, const std::string &path) {
       make<Health>(ada4571_check, capture.get(), static_cast<const ada4571_model *>(nullptr));
   if (ada4571_health_sound(health.get()))
     return;
-  note("but {0} is not sound: see `iio-angle check {0}`\n", path);
-  remark(what_failed(ada4571_health_text(health.get())));
+  const std::string failed = what_failed(ada4571_health_text(health.get()));
+  if (failed.empty()) // too little to judge by
+    note("whether {0} is sound cannot be told: see `iio-angle check {0}`\n", path);
+  else
+    note("but {0} is not sound: see `iio-angle check {0}`\n", path);
+  remark(failed);
 }
 
 } // namespace cli
