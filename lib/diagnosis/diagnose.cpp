@@ -18,6 +18,7 @@
 #include "diagnosis/conditions/stop_means.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/explain.h"
+#include "diagnosis/next_experiments.h"
 #include "diagnosis/work.h"
 #include "health/reference_share.h"
 
@@ -240,14 +241,16 @@ Diagnosis diagnose_by_reference(const Capture &capture, const DiagnosisOptions &
 
 } // namespace
 
-Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
+namespace {
+
+Diagnosis diagnose_rows(const Capture &capture, const DiagnosisOptions &given) {
   DiagnosisOptions options = given;
   std::optional<FreshReadings> judge;
   if (given.heldout && (judge = fresh_readings(*given.heldout)))
     options.heldout = &judge->capture;
   // Rows that repeat a reading are none.
   if (const auto fresh = fresh_readings(capture)) {
-    Diagnosis out = diagnose(fresh->capture, options);
+    Diagnosis out = diagnose_rows(fresh->capture, options);
     out.samples = capture.size();
     out.rows_a_reading = fresh->rows_a_reading;
     out.held_reference = fresh->of_reference;
@@ -268,6 +271,14 @@ Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &given) {
     options.heldout = &judging.emplace(without_reference(*options.heldout));
   return with_reference_aside(!why.empty() ? why : "in the second capture " + of_judge,
                               capture.has_reference(), diagnose_by_reference(pair, options));
+}
+
+} // namespace
+
+Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &options) {
+  Diagnosis out = diagnose_rows(capture, options);
+  out.next_experiments = next_experiments(out, capture);
+  return out;
 }
 
 } // namespace ada

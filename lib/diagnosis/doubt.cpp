@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 
 #include "diagnosis/admission.h"
+#include "diagnosis/criteria.h"
 
 namespace ada {
 
@@ -98,6 +99,35 @@ double offsets_in_transfer(const Observations &data, const Model &m) {
     variance += square / n - sum * sum / (n * n);
   }
   return std::sqrt(std::max(0.0, 0.5 * variance));
+}
+
+namespace {
+
+/// Whether an effect of the sensor, the motion or the reference is a function of the angle alone:
+/// its products with others are not known to second order. A ripple of the shaft that falls with
+/// the speed is none.
+bool repeats_with_angle(const EffectInstance &e) {
+  if (chosen(e, "speed_rpm").value_or(std::nan("")) > 0.0)
+    return false;
+  return of_the_angle(*e.effect) ||
+         (e.effect->info().stage == Stage::record && !shows_beyond_angle(*e.effect));
+}
+
+} // namespace
+
+Blur::Blur(const Scene &scene, const Observations &data, const Model &model, std::size_t effect)
+    : repeats_(repeats_with_angle(model.effects[effect])), amplitude_v_(model.baseline.amplitude_v),
+      offset_v_(std::hypot(model.baseline.offset_sin_v, model.baseline.offset_cos_v)),
+      in_transfer_v_(offsets_in_transfer(data, model)),
+      others_v_(sizes_at_rest(scene, data, model.without(effect)).sum()) {}
+
+double Blur::left_by(const EffectInstance &rival, double part) const {
+  if (!repeats_ || !repeats_with_angle(rival))
+    return 0.0;
+  // Which of two stages acts first is not known to second order.
+  const double second = criteria::kSecondOrder * part / amplitude_v_;
+  return std::min(criteria::kMostBlurred * part,
+                  std::max({second * (part + offset_v_), in_transfer_v_, second * others_v_}));
 }
 
 double entanglement(const FitResult &fit, std::size_t effect, std::size_t from) {

@@ -39,6 +39,21 @@ double next_of_supply(const Observations &data, const Model &model);
 /// either: the difference between the two, V rms of a channel.
 double offsets_in_transfer(const Observations &data, const Model &model);
 
+/// How much of what a cause explains a rival of the same leading shape may leave over: two
+/// functions of the angle alone differ in their higher terms, which the order of the stages blurs.
+class Blur {
+public:
+  /// The cause at this place of a model, and what the others do.
+  Blur(const Scene &scene, const Observations &data, const Model &model, std::size_t effect);
+  /// V rms of a channel, of the `part` that the cause explains; 0 where one of the two is no such
+  /// function.
+  double left_by(const EffectInstance &rival, double part) const;
+
+private:
+  bool repeats_;
+  double amplitude_v_, offset_v_, in_transfer_v_, others_v_;
+};
+
 /// Largest correlation of any mixture of one effect's coordinates with any of another's from
 /// `first` on, 0 to 1: at 1 the two are one in these data. Of a cause that shows with the angle
 /// alone and one that shows beyond it no correlation counts.

@@ -37,8 +37,11 @@ ordered_json parameters_of(const Effect &effect, const std::vector<double> &valu
   return out;
 }
 
+/// Error 0: it is not known.
 ordered_json value_with_error(double value, double error, const char *unit) {
-  return {{"value", number(value)}, {"std_error", number(error)}, {"unit", unit}};
+  return {{"value", number(value)},
+          {"std_error", error > 0.0 ? number(error) : ordered_json(nullptr)},
+          {"unit", unit}};
 }
 
 ordered_json baseline_parameters(const Model &m) {
@@ -175,6 +178,18 @@ std::string to_json(const Diagnosis &d) {
   out["failed_checks"] = ordered_json::array();
   for (const FailedCheck &c : d.failed_checks)
     out["failed_checks"].push_back({{"check", c.id}, {"explanation", c.explanation}});
+  out["next_experiments"] = ordered_json::array();
+  for (const Experiment &e : d.next_experiments) {
+    ordered_json next = {{"motion", e.motion},
+                         {"temperature", e.temperature},
+                         {"duration_s", number(e.duration_s)},
+                         {"separates", e.separates},
+                         {"expected_nats", number(e.expected_nats)},
+                         {"sentence", e.sentence}};
+    if (!e.record.empty())
+      next["record"] = e.record;
+    out["next_experiments"].push_back(std::move(next));
+  }
   out["verdict"] = verdict_name(d.verdict);
   if (!d.reason.empty())
     out["reason"] = d.reason;

@@ -52,6 +52,17 @@ struct FailedCheck {
   std::string id, explanation;
 };
 
+/// A capture that would tell a cause from others.
+struct Experiment {
+  std::string motion, temperature; ///< as the simulation takes them (simulation/profile.h)
+  double duration_s = 0.0;
+  std::vector<std::string> record; ///< columns that the present capture has not
+  /// The cause, and those that it would be told from.
+  std::vector<std::string> separates;
+  double expected_nats = 0.0; ///< for the cause, against the likeliest of them
+  std::string sentence;
+};
+
 /// A line of the budget: what lies on an axis and on none before it, V rms of one channel, on
 /// held-out data.
 struct BudgetLine {
@@ -79,6 +90,7 @@ struct Diagnosis {
   /// Why the reference is none of this shaft; the pair was then judged without it. Empty otherwise.
   std::string reference_aside;
   double duration_s = 0.0, turns = 0.0;
+  double fastest_rad_s = 0.0; ///< of the shaft
   int periods_per_turn = 2;
   std::vector<std::string> channels;
   bool has_reference = false;
@@ -97,6 +109,7 @@ struct Diagnosis {
   double remainder_rms_v = 0.0, remainder_angle_rms_deg = 0.0; ///< of extended.remainder
   std::vector<Structure> structure;
   std::vector<Invisible> invisible;
+  std::vector<Experiment> next_experiments;
   std::vector<FailedCheck> failed_checks;
   double unexplained_rms_v = 0.0, noise_rms_v = 0.0;
   Verdict verdict = Verdict::insufficient_data;

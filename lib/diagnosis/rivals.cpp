@@ -39,16 +39,6 @@ bool Search::others_stay(const Model &model, std::size_t effect, const Model &ri
 
 namespace {
 
-/// Whether an effect of the sensor, the motion or the reference is a function of the angle alone:
-/// its products with others are not known to second order. A ripple of the shaft that falls with
-/// the speed is none.
-bool repeats_with_angle(const EffectInstance &e) {
-  if (chosen(e, "speed_rpm").value_or(std::nan("")) > 0.0)
-    return false;
-  return of_the_angle(*e.effect) ||
-         (e.effect->info().stage == Stage::record && !shows_beyond_angle(*e.effect));
-}
-
 /// Whether an effect says of itself that it looks like another.
 bool knows(const Effect &self, const Effect &other) {
   return std::ranges::any_of(self.info().separations,
@@ -71,19 +61,14 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
   const State less = without(now, effect);
   const Effect *self = now.fit.model.effects[effect].effect;
   const double part = contribution(now, less);
-  // A rival of the same leading shape differs in its higher terms only, which the order of the
-  // stages blurs: what those can leave over is no reason to reject it.
   const double n = static_cast<double>(data_.heldout.size());
-  const Baseline &base = now.fit.model.baseline;
-  const double offset = std::hypot(base.offset_sin_v, base.offset_cos_v);
   std::vector<Candidate> list = candidates_beside(less.fit.model, signatures_);
   std::erase_if(list, [&](const Candidate &c) {
     return !c.visible && !may_look_alike(*self, *c.effect, data_.scene->has_reference);
   });
   const double my_side = side_evidence(data_, now.fit.model);
-  const double in_transfer = offsets_in_transfer(quick_, now.fit.model);
-  // Which of two stages acts first is not known to second order.
-  const double others = sizes_at_rest(*data_.scene, quick_, less.fit.model).sum();
+  // What higher terms can leave over is no reason to reject a rival of the same leading shape.
+  const Blur blur(*data_.scene, quick_, now.fit.model, effect);
   const double noise = std::max(noise_v_, data_.scene->white_noise_v);
   double highest = 0.0;
   for (const Candidate &c : list)
@@ -109,21 +94,13 @@ std::vector<Rival> Search::rivals(const State &now, std::size_t effect, State *b
       continue;
     State rival = evaluate(with_exact_moments(*data_.scene, c.start, c.start.effects.size() - 1));
     choose(rival, rival.fit.model.effects.size() - 1);
-    const bool at_rest = repeats_with_angle(now.fit.model.effects[effect]) &&
-                         repeats_with_angle(c.start.effects.back());
     if (!rival.fit.determined || !in_range(rival.fit.model, given_) ||
         !all_stand_alone(rival.fit.model) ||
         refuted(rival, rival.fit.model.effects.size() - 1, rival.fit.model.effects.size(),
                 told_from_speed))
       continue;
     const double side = side_evidence(data_, rival.fit.model) - my_side;
-    const double blurred =
-        at_rest
-            ? std::min(criteria::kMostBlurred * part,
-                       std::max({criteria::kSecondOrder * part * (part + offset) / base.amplitude_v,
-                                 in_transfer,
-                                 criteria::kSecondOrder * part * others / base.amplitude_v}))
-            : 0.0;
+    const double blurred = blur.left_by(c.start.effects.back(), part);
     const double left = std::sqrt(std::max(0.0, rival.heldout - now.heldout) / (2.0 * n));
     if (side < -criteria::kRivalNats ||
         (rival.score - side < now.score - criteria::kRivalNats && left > blurred))

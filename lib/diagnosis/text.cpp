@@ -95,6 +95,10 @@ std::string to_text(const Diagnosis &d) {
   for (const Structure &s : d.structure)
     out += fmt::format("left over along {}: {}\n", s.along, s.description);
   out += verdict_sentence(d) + "\n";
+  if (!d.next_experiments.empty())
+    out += "\nRecord next:\n";
+  for (const Experiment &e : d.next_experiments)
+    out += fmt::format("  {}\n", e.sentence);
   if (!d.invisible.empty()) {
     out += "\nThis capture cannot show:\n";
     for (const Invisible &i : d.invisible)
