@@ -492,5 +492,28 @@ KIND(a_sensor_that_vibrates_is_not_explained_by_flicker_noise) {
   EXPECT_NE(d.verdict, Verdict::explained) << names(d);
 }
 
+/// In a few turns a sawtooth of a coupling looks like steps in time. What repeats with the angle is
+/// on its axis all the same, and the budget counts it there.
+KIND(what_repeats_with_the_angle_is_counted_there_and_not_as_steps_in_time) {
+  Bench bench;
+  bench.pair.k = bench.within(0.01, 0.03);
+  const double turns = bench.within(1.0, 6.0), teeth = std::round(bench.within(3.0, 9.0)),
+               saw = bench.within(0.03, 0.1) * kRadPerDeg;
+  constexpr double kRows = 1500.0, kRate = 5000.0;
+  Capture c = bench.capture(static_cast<std::size_t>(kRows), kRate, 2, [&](double t) {
+    const double turn = turns * t * kRate / kRows;
+    return kTwoPi * turn + saw * (teeth * turn - std::floor(teeth * turn) - 0.5);
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(360.0 * turns * static_cast<double>(i) / kRows, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  ASSERT_FALSE(d.budget.empty());
+  EXPECT_EQ(d.budget.front().axis, Axis::angle) << left_of(d);
+  for (const BudgetLine &line : d.budget)
+    if (line.axis == Axis::time) {
+      EXPECT_LT(line.rms_v, 0.2 * d.budget.front().rms_v) << left_of(d);
+    }
+}
+
 } // namespace
 } // namespace ada::test

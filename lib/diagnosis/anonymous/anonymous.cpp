@@ -184,6 +184,18 @@ std::vector<double> steps_of(const Scene &scene, const Halves &halves, const Ano
   return out;
 }
 
+/// Whether held-out data need the steps. They come before all other columns, and so take what the
+/// angle explains as well where it is given no chance.
+bool needs_its_steps(const Anonymous &with, const Anonymous &without) {
+  const double least = criteria::kLeastMeanSquare;
+  const double nats =
+      0.5 * with.from.n_heldout *
+      std::log((without.selection.noise_v2 + least) / (with.selection.noise_v2 + least));
+  const double more = static_cast<double>(with.selection.columns.size()) -
+                      static_cast<double>(without.selection.columns.size());
+  return nats > criteria::kNatsPerCoordinate * more;
+}
+
 Anonymous compute(const Scene &scene, const Halves &halves, const Model &model, Asked asked,
                   RecentAnonymous *recent) {
   std::vector<double> steps;
@@ -194,6 +206,7 @@ Anonymous compute(const Scene &scene, const Halves &halves, const Model &model, 
   Anonymous out = with(std::max(criteria::kMostOrders, criteria::kMostPeriods * unit), {});
   if (!asked.over_time)
     return out;
+  const Anonymous without = out;
   // A step that was not known has bent what else was fitted: with it known look once more.
   for (int look = 0; look < 2; ++look) {
     std::vector<double> seen = steps_of(scene, halves, out, model);
@@ -201,6 +214,10 @@ Anonymous compute(const Scene &scene, const Halves &halves, const Model &model, 
       break;
     steps = std::move(seen);
     out = with(std::max(2, out.selection.orders[0]), {});
+  }
+  if (!steps.empty() && !needs_its_steps(out, without)) {
+    steps.clear();
+    out = without;
   }
   if (!asked.speed || halves.train.size() < criteria::kFewestForLines)
     return out;

@@ -110,6 +110,34 @@ private:
   Eigen::VectorXd heldout_onto_;
 };
 
+/// Steps come first of all columns. What each axis explains is counted in the order of the axes all
+/// the same: what an axis before that of the time explains as well is its own. `before`: held-out
+/// sum of squares of the baseline.
+void share_in_order(const Basis &basis, const Products &from, double before, Selection &out) {
+  const auto axis_of = [&](Eigen::Index column) {
+    for (const Group &g : basis.groups())
+      if (column >= static_cast<Eigen::Index>(g.first) &&
+          column < static_cast<Eigen::Index>(g.first + g.count))
+        return g.order == kOfBaseline ? -1 : static_cast<int>(g.axis);
+    return -1;
+  };
+  std::vector<Eigen::Index> columns = out.columns;
+  std::stable_sort(columns.begin(), columns.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return axis_of(a) < axis_of(b); });
+  Nested nested(from, columns, basis.stiffness(), 1.0, out.ridge);
+  out.share_v2.fill(0.0);
+  for (std::size_t k = 0; k < columns.size();) {
+    const int axis = axis_of(columns[k]);
+    while (k < columns.size() && axis_of(columns[k]) == axis)
+      ++k;
+    const double left = nested.heldout(nested.values(k));
+    if (axis >= 0)
+      out.share_v2[static_cast<std::size_t>(axis)] = std::max(0.0, before - left) / from.n_heldout;
+    before = std::min(before, left);
+  }
+  out.steps_v2 = std::min(out.steps_v2, out.share_v2[static_cast<std::size_t>(Axis::time)]);
+}
+
 } // namespace
 
 Products products(const Basis &basis, const Observations &train, const ResidualColumns &train_left,
@@ -207,6 +235,8 @@ Selection select(const Basis &basis, const Products &from) {
     out.train_v2 = nested.train(best);
     now = best_heldout;
   }
+  if (out.steps_v2 > 0.0)
+    share_in_order(basis, from, std::min(from.heldout(last, last), with_baseline), out);
   out.noise_v2 = now / std::max(1.0, from.n_heldout);
   out.train_v2 /= std::max(1.0, from.n_train - static_cast<double>(out.columns.size()));
   return out;
