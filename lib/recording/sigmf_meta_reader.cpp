@@ -48,7 +48,7 @@ public:
 
   SigmfMeta read() {
     try {
-      root_ = Json::parse(text_);
+      parse();
     } catch (const Json::parse_error &e) {
       const auto at = place_of_offset(text_, e.byte > 0 ? e.byte - 1 : 0);
       fail_at(at, "this is no JSON: " + reason(e.what()));
@@ -69,6 +69,41 @@ public:
   }
 
 private:
+  /// Of two values of one key the parser would keep the last.
+  void parse() {
+    std::vector<std::set<std::string>> open;
+    std::vector<std::string> keys; // all, up to the first that is there twice
+    bool twice = false;
+    root_ = Json::parse(text_, [&](int, Json::parse_event_t event, Json &value) {
+      if (event == Json::parse_event_t::object_start)
+        open.emplace_back();
+      else if (event == Json::parse_event_t::object_end)
+        open.pop_back();
+      else if (event == Json::parse_event_t::key && !twice) {
+        keys.push_back(value.get<std::string>());
+        twice = !open.back().insert(keys.back()).second;
+      }
+      return true;
+    });
+    if (!twice)
+      return;
+    const auto before = std::count(keys.begin(), keys.end() - 1, keys.back());
+    fail_at(place_of_offset(text_, place_of_key(keys.back(), before)),
+            "the key \"" + reason(keys.back()) + "\" is there twice");
+  }
+
+  /// Where a key stands for the first time after so many times; of one that is written in escapes,
+  /// the beginning.
+  std::size_t place_of_key(const std::string &key, std::ptrdiff_t after) const {
+    const std::string quoted = '"' + key + '"';
+    for (std::size_t at = text_.find(quoted); at != text_.npos; at = text_.find(quoted, at + 1)) {
+      const std::size_t next = text_.find_first_not_of(" \t\r\n", at + quoted.size());
+      if (next != text_.npos && text_[next] == ':' && after-- == 0)
+        return at;
+    }
+    return 0;
+  }
+
   [[noreturn]] void fail_at(const TextPlace &at, const std::string &what) const {
     throw Error(ADA4571_ERROR_FORMAT, shown_ + ":" + std::to_string(at.line) + ":" +
                                           std::to_string(at.column) + ": " + what);

@@ -250,6 +250,8 @@ const MalformedMeta kMalformedMeta[] = {
      "5:23: the extension 'antenna' is needed, and is not known here"},
     {"MissingChannel", "vcos_v", "voltage1", "6:23: the channel vcos_v is missing"},
     {"ChannelTwice", "vcos_v", "vsin_v", "7:24: the channel 'vsin_v' is there twice"},
+    {"KeyTwice", "\"scale\": 0.5, ", "\"scale\": 0.5, \"scale\": 0.6, ",
+     "6:57: the key \"scale\" is there twice"},
     {"NoScale", "\"scale\": 0.5, ", "", "6:24: the channel vsin_v has no scale"},
     {"ZeroScale", "0.5", "0", "6:52: the scale of vsin_v is zero"},
     {"ScaleText", "0.5", "\"0.5\"",
