@@ -107,6 +107,12 @@ ordered_json remainder(const Diagnosis &d) {
   return out;
 }
 
+/// The interface knows no structure along the supply: that goes on in time, and its sentence says
+/// what with.
+std::string_view along(const Structure &s) {
+  return s.along == axis_name(Axis::supply) ? axis_name(Axis::time) : std::string_view(s.along);
+}
+
 } // namespace
 
 std::string to_json(const Diagnosis &d) {
@@ -166,7 +172,7 @@ std::string to_json(const Diagnosis &d) {
   ordered_json structure = ordered_json::array();
   for (const Structure &s : d.structure)
     structure.push_back(
-        {{"along", s.along}, {"description", s.description}, {"rms_v", number(s.rms_v)}});
+        {{"along", along(s)}, {"description", s.description}, {"rms_v", number(s.rms_v)}});
   out["unexplained"] = {{"present", !d.structure.empty()},
                         {"residual_rms_v", number(d.unexplained_rms_v)},
                         {"noise_rms_v", number(d.noise_rms_v)},

@@ -181,11 +181,11 @@ Model shown_again(const Model &extended) {
 std::string in_words(const Experiment &e, const std::string &what_to_do) {
   return fmt::format(
       "turn the shaft {} for {:g} s{}: if it is {}, {} will describe that capture worse by some "
-      "{:.2g} nats",
+      "{:.0f} nats",
       what_to_do, e.duration_s,
       e.record.empty() ? "" : fmt::format(", and record {} as well", fmt::join(e.record, " and ")),
       e.separates.front(), fmt::join(e.separates.begin() + 1, e.separates.end(), " or "),
-      e.expected_nats);
+      two_digits(e.expected_nats));
 }
 
 /// Which program tells most rivals apart; of those, the first that does it half as clearly as the

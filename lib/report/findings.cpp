@@ -95,13 +95,17 @@ std::string gain_table(const Finding &f) {
          rows + "</tbody></table>";
 }
 
-std::string rivals(const Finding &f) {
+std::string rivals(const Diagnosis &d, const Finding &f) {
   if (f.alternatives.empty())
     return {};
+  std::string next;
+  for (const Experiment &e : d.next_experiments)
+    if (e.separates.front() == f.effect->info().id)
+      next += " To record next: " + html_escape(e.sentence) + ".";
   return fmt::format(
-      "<p class=\"rivals\"><b>This capture cannot tell it from {}.</b> What would: {}."
+      "<p class=\"rivals\"><b>This capture cannot tell it from {}.</b> What would: {}.{}"
       "</p>",
-      listed(f.alternatives), html_escape(without_stop(f.separate_by)));
+      listed(f.alternatives), html_escape(without_stop(f.separate_by)), next);
 }
 
 /// Why a finding has no curve, by how a capture shows it.
@@ -204,7 +208,7 @@ std::string finding(const Diagnosis &d, const View &view, std::size_t i, Gallery
   else
     out += "</div><div>" + gain_table(f) + instead(f, view, gallery);
   out += "</div></div>";
-  return out + rivals(f) + "</section>\n";
+  return out + rivals(d, f) + "</section>\n";
 }
 
 } // namespace
