@@ -509,11 +509,19 @@ std::vector<RandomCause> noise_causes(const Anonymous &left, const Parts &parts,
     // What differences tell of a variance is worth fewer samples: 2 over the square of its error.
     const double samples = (one ? 1.0 : 2.0) * 2.0 / (relative_error * relative_error);
     const double nats = 0.5 * samples * (ratio - 1.0 - std::log(ratio));
+    // Beside a noise of one direction alone the excess is read off the other one, where a noise of
+    // that one would be as well.
+    std::vector<std::string> others;
+    if (differ && parts.has_reference)
+      if (const Effect *other =
+              effect_of(Evidence::noise, "noise", across > along ? Pattern::gain : Pattern::turn,
+                        Character::white))
+        others.push_back(id_of(other));
     if (nats > criteria::kNatsOfNoise)
       out.push_back({excess,
                      {more},
                      {white2 * relative_error / std::sqrt(one ? 1.0 : 2.0) / (2.0 * more)},
-                     {},
+                     others,
                      nats,
                      0.0});
   }

@@ -19,10 +19,12 @@ namespace ada {
 
 namespace {
 
-/// A cause of one number.
+/// A cause whose first coordinate is this, and any other nothing.
 EffectInstance of_size(const Effect &effect, double x) {
   const std::vector<double> absent(effect.info().parameters.size(), 0.0);
-  return {&effect, effect.from_coordinates(absent, std::array{x}), {}};
+  std::vector<double> coordinates = effect.to_coordinates(absent);
+  coordinates[0] = x;
+  return {&effect, effect.from_coordinates(absent, coordinates), {}};
 }
 
 /// The largest size of this sign that physics does not rule out.
@@ -71,11 +73,17 @@ double square_of_what_it_may_be(double size, double error, double least, double 
   return std::max(squares / (1.0 + there), 0.25 * within * within);
 }
 
-/// Whether a cause that a model lacks may be beside what every pair has.
+/// Whether a cause that a model lacks may be beside what every pair has: one of one number that
+/// shows beyond the angle, or a field error of a known order, which an arc does not tell from an
+/// ellipse.
 bool may_be_beside(const Effect &effect, const Model &model) {
   const EffectInfo &info = effect.info();
-  return info.prior_rank == 1 && info.evidence == Evidence::signal && shows_beyond_angle(effect) &&
-         info.parameters.size() == 1 &&
+  const bool of_field = info.stage == Stage::field && of_the_angle(effect) &&
+                        std::ranges::none_of(info.parameters, [](const ParameterInfo &p) {
+                          return p.role == Role::chosen || is_place(p);
+                        });
+  return info.prior_rank == 1 && info.evidence == Evidence::signal &&
+         ((shows_beyond_angle(effect) && info.parameters.size() == 1) || of_field) &&
          std::none_of(model.effects.begin(), model.effects.end(),
                       [&](const EffectInstance &e) { return e.effect == &effect; });
 }
@@ -118,37 +126,43 @@ std::vector<Untold> widen_by_what_is_not_told_apart(const Observations &all, Fit
     const FitResult look = fit(*some, both, 1);
     const auto entangled = [&](const auto &place) {
       const auto k = place.first;
-      const double variance = look.covariance(k, k) * look.covariance(n, n);
-      return std::abs(look.covariance(k, n)) > criteria::kWorthAFit * std::sqrt(variance);
+      for (Eigen::Index of = n; of < look.covariance.cols(); ++of)
+        if (std::abs(look.covariance(k, of)) >
+            criteria::kWorthAFit * std::sqrt(look.covariance(k, k) * look.covariance(of, of)))
+          return true;
+      return false;
     };
     if (!look.determined || std::none_of(places.begin(), places.end(), entangled))
       continue;
     const FitResult joint = fit(all, both, 3);
     if (!joint.determined)
       continue;
-    const double size = coordinates_of(joint.model).back();
-    const double error = std::sqrt(joint.covariance(n, n));
     const double least = largest(*other, -1.0, all), most = largest(*other, 1.0, all);
-    if (error > std::max(least, most)) // one speed, say: then one or the other has the name
-      continue;
-    const double added = square_of_what_it_may_be(size, error, least, most);
-    const Eigen::VectorXd moves = joint.covariance.col(n).head(n) / (error * error);
-    if (!std::isfinite(added) || !moves.allFinite())
-      continue;
-    for (const auto &[k, effect] : places) {
-      double wider = added * moves[k] * moves[k];
-      // Where the other could stand for all of it, it is the one or the other: between all and
-      // nothing, each as likely, lies half of the value to either side.
-      const double value = x[static_cast<std::size_t>(k)];
-      if (std::abs(value) < kSigmas * error * std::abs(moves[k])) {
-        out.push_back({effect, other});
-        wider = std::min(wider, 0.25 * value * value);
-        result.covariance(k, k) += wider;
+    const std::vector<double> sizes = coordinates_of(joint.model);
+    for (Eigen::Index of = n; of < joint.covariance.cols(); ++of) {
+      const double size = sizes[static_cast<std::size_t>(of)];
+      const double error = std::sqrt(joint.covariance(of, of));
+      if (error > std::max(least, most)) // one speed, say: then one or the other has the name
         continue;
+      const double added = square_of_what_it_may_be(size, error, least, most);
+      const Eigen::VectorXd moves = joint.covariance.col(of).head(n) / (error * error);
+      if (!std::isfinite(added) || !moves.allFinite())
+        continue;
+      for (const auto &[k, effect] : places) {
+        double wider = added * moves[k] * moves[k];
+        // Where the other could stand for all of it, it is the one or the other: between all and
+        // nothing, each as likely, lies half of the value to either side.
+        const double value = x[static_cast<std::size_t>(k)];
+        if (std::abs(value) < kSigmas * error * std::abs(moves[k])) {
+          out.push_back({effect, other});
+          wider = std::min(wider, 0.25 * value * value);
+          result.covariance(k, k) += wider;
+          continue;
+        }
+        if (wider > criteria::kClear * before(k, k))
+          out.push_back({effect, other});
+        result.covariance(k, k) += wider;
       }
-      if (wider > criteria::kClear * before(k, k))
-        out.push_back({effect, other});
-      result.covariance(k, k) += wider;
     }
   }
   return out;

@@ -10,9 +10,14 @@ namespace {
 
 constexpr std::array<ParameterInfo, 1> kParameters{ParameterInfo{"rms_v", "V", 0.001, 0.0, 5.0}};
 
-constexpr std::array<Separation, 1> kSeparations{
-    {{"impulse-noise",
-      "capture for longer: spikes stay rare and large, noise is in every sample"}}};
+constexpr std::array<Separation, 3> kSeparations{
+    {{"impulse-noise", "capture for longer: spikes stay rare and large, noise is in every sample"},
+     {"amplitude-noise", "capture at another amplitude (gap, gain control): a noise of the gain "
+                         "goes with it, this one "
+                         "stays as many volts"},
+     {"angle-noise", "capture at another amplitude (gap, gain control): a noise of the angle goes "
+                     "with it, this one "
+                     "stays as many volts"}}};
 
 constexpr EffectInfo kInfo{.id = "excess-noise",
                            .cause = "There is more white noise than the model states.",
