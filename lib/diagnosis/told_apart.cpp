@@ -19,23 +19,24 @@ namespace ada {
 
 namespace {
 
-/// A cause whose first coordinate is this, and any other nothing.
-EffectInstance of_size(const Effect &effect, double x) {
+/// A cause of which one coordinate is this, and any other nothing.
+EffectInstance of_size(const Effect &effect, double x, std::size_t coordinate = 0) {
   const std::vector<double> absent(effect.info().parameters.size(), 0.0);
   std::vector<double> coordinates = effect.to_coordinates(absent);
-  coordinates[0] = x;
+  coordinates[coordinate] = x;
   return {&effect, effect.from_coordinates(absent, coordinates), {}};
 }
 
 /// The largest size of this sign that physics does not rule out.
-double largest(const Effect &effect, double sign, const Observations &data) {
+double largest(const Effect &effect, double sign, std::size_t coordinate,
+               const Observations &data) {
   Residual facts;
   facts.sample_period_s = data.frame_period_s;
   double possible = 0.0, beyond = 2.0 * effect.info().parameters[0].maximum;
   constexpr int kHalvings = 50;
   for (int k = 0; k < kHalvings; ++k) {
     const double middle = 0.5 * (possible + beyond);
-    const EffectInstance e = of_size(effect, sign * middle);
+    const EffectInstance e = of_size(effect, sign * middle, coordinate);
     (in_range(e) && !effect.refuted(e.values, facts) ? possible : beyond) = middle;
   }
   return possible;
@@ -137,32 +138,39 @@ std::vector<Untold> widen_by_what_is_not_told_apart(const Observations &all, Fit
     const FitResult joint = fit(all, both, 3);
     if (!joint.determined)
       continue;
-    const double least = largest(*other, -1.0, all), most = largest(*other, 1.0, all);
     const std::vector<double> sizes = coordinates_of(joint.model);
+    // Of each of what every pair has: by how much the other may move it, in variance, and by how
+    // much a size of two errors does.
+    std::vector<double> wider(places.size(), 0.0), moved(places.size(), 0.0);
     for (Eigen::Index of = n; of < joint.covariance.cols(); ++of) {
       const double size = sizes[static_cast<std::size_t>(of)];
       const double error = std::sqrt(joint.covariance(of, of));
+      const auto coordinate = static_cast<std::size_t>(of - n);
+      const double least = largest(*other, -1.0, coordinate, all),
+                   most = largest(*other, 1.0, coordinate, all);
       if (error > std::max(least, most)) // one speed, say: then one or the other has the name
         continue;
       const double added = square_of_what_it_may_be(size, error, least, most);
       const Eigen::VectorXd moves = joint.covariance.col(of).head(n) / (error * error);
       if (!std::isfinite(added) || !moves.allFinite())
         continue;
-      for (const auto &[k, effect] : places) {
-        double wider = added * moves[k] * moves[k];
-        // Where the other could stand for all of it, it is the one or the other: between all and
-        // nothing, each as likely, lies half of the value to either side.
-        const double value = x[static_cast<std::size_t>(k)];
-        if (std::abs(value) < kSigmas * error * std::abs(moves[k])) {
-          out.push_back({effect, other});
-          wider = std::min(wider, 0.25 * value * value);
-          result.covariance(k, k) += wider;
-          continue;
-        }
-        if (wider > criteria::kClear * before(k, k))
-          out.push_back({effect, other});
-        result.covariance(k, k) += wider;
+      for (std::size_t p = 0; p < places.size(); ++p) {
+        const double move = moves[places[p].first];
+        wider[p] += added * move * move;
+        moved[p] += std::pow(kSigmas * error * move, 2);
       }
+    }
+    for (std::size_t p = 0; p < places.size(); ++p) {
+      const auto [k, effect] = places[p];
+      // Where the other could stand for all of it, it is the one or the other: between all and
+      // nothing, each as likely, lies half of the value to either side.
+      const double value = x[static_cast<std::size_t>(k)];
+      const bool all_of_it = value * value < moved[p];
+      if (all_of_it)
+        wider[p] = std::min(wider[p], 0.25 * value * value);
+      if (all_of_it || wider[p] > criteria::kClear * before(k, k))
+        out.push_back({effect, other});
+      result.covariance(k, k) += wider[p];
     }
   }
   return out;

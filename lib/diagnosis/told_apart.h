@@ -17,9 +17,9 @@ struct Untold {
 };
 
 /// Adds to the covariance how far what every pair has moves if a cause that is as likely before any
-/// data and shows beyond the angle is there beside it: the variance between models of Hoeting and
-/// others 1999. Where nothing is known of the two but their sum, as at one speed, one of them has
-/// the name and the other is its alternative.
+/// data is there beside it, one that shows beyond the angle or a field error on an arc: the
+/// variance between models of Hoeting and others 1999. Where nothing is known of the two but their
+/// sum, as at one speed, one of them has the name and the other is its alternative.
 std::vector<Untold> widen_by_what_is_not_told_apart(const Observations &data, FitResult &result);
 
 /// The same for the choices of an effect, such as where a transfer is straight: where another does

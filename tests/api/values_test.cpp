@@ -177,6 +177,43 @@ TEST(Values, a_reference_that_is_set_aside_is_told_with_the_sentence_of_the_json
   ada4571_diagnosis_free(radians);
 }
 
+TEST(Values, a_model_comes_to_the_supply_of_a_source_and_to_no_other_sensors) {
+  auto baseline = initialised(ada4571_baseline_init);
+  baseline.supply_v = 4.0;
+  baseline.amplitude_v = 1.16;
+  auto *at_4v = make<ada4571_model>(ada4571_model_new, &baseline);
+  auto options = initialised(ada4571_simulation_options_init);
+  options.duration_s = 0.1;
+  options.has_vtemp = 0;
+  const ada4571_simulation_options *given = &options;
+  auto *simulation = make<ada4571_simulation>(
+      ada4571_simulation_new, static_cast<const ada4571_model *>(nullptr), given, 4571u);
+  auto *source = make<ada4571_source>(ada4571_source_open_simulation, simulation, 0);
+  auto info = initialised(ada4571_source_info_init);
+  ASSERT_EQ(ada4571_source_get_info(source, &info), ADA4571_OK);
+  const ada4571_source *const of = source;
+  auto *here = make<ada4571_model>(ada4571_model_for_source, at_4v, of);
+  ASSERT_EQ(ada4571_model_get_baseline(here, &baseline), ADA4571_OK);
+  EXPECT_DOUBLE_EQ(baseline.supply_v, info.supply_v);
+  EXPECT_NEAR(baseline.amplitude_v, 1.16 * info.supply_v / 4.0, 1e-12);
+
+  ada4571_model *none = nullptr;
+  baseline.periods_per_turn = 5;
+  auto *of_five = make<ada4571_model>(ada4571_model_new, &baseline);
+  EXPECT_EQ(ada4571_model_for_source(of_five, source, &none), ADA4571_ERROR_UNUSABLE_DATA);
+  EXPECT_STREQ(ada4571_last_error(),
+               "the calibration is for periods_per_turn = 5, the source says 2");
+  baseline.periods_per_turn = 2;
+  auto *of_heat = make<ada4571_model>(ada4571_model_new, &baseline);
+  ASSERT_EQ(ada4571_model_add_effect(of_heat, "offset-temperature-drift:tc_sin=0.01"), ADA4571_OK);
+  EXPECT_EQ(ada4571_model_for_source(of_heat, source, &none), ADA4571_ERROR_UNUSABLE_DATA);
+  EXPECT_EQ(none, nullptr);
+  for (ada4571_model *model : {at_4v, here, of_five, of_heat})
+    ada4571_model_free(model);
+  ada4571_source_free(source);
+  ada4571_simulation_free(simulation);
+}
+
 /// NAME:parameter=value.
 bool accepted(const ada4571_effect_info &effect, const ada4571_parameter &p, double value) {
   char text[200];

@@ -378,5 +378,30 @@ KIND(no_cause_leaves_more_than_before_where_the_angle_is_the_pairs_own) {
     EXPECT_LE(f.after.heldout.residual_rms_v, 1.02 * f.before.heldout.residual_rms_v) << names(d);
 }
 
+/// On a sixth of a turn a magnet that a field turns aside is told from no ellipse. What is said of
+/// the pair holds it all the same within its errors.
+KIND(on_a_short_arc_the_errors_of_the_pair_hold_what_a_stray_field_does) {
+  Bench bench;
+  bench.pair.noise_v = bench.within(0.001, 0.003);
+  const double aside = bench.within(0.003, 0.009), towards = bench.within(0.0, kTwoPi),
+               span = bench.within(0.14, 0.2), start = bench.within(0.0, kTwoPi);
+  const auto shaft = [&](double t) {
+    return start + kTwoPi * span * (0.5 - 0.5 * std::cos(kTwoPi * 0.3 * t));
+  };
+  Capture c = bench.capture(
+      1500, 100.0, 2, [&](double t) { return shaft(t) - aside * std::sin(shaft(t) - towards); });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  constexpr double kErrors = 3.0;
+  if (const Finding *k = named(d, "amplitude-mismatch")) {
+    EXPECT_NEAR(k->values[0], bench.pair.k, kErrors * k->std_errors[0]) << left_of(d);
+  }
+  if (const Finding *delta = named(d, "quadrature-error")) {
+    EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, kErrors * delta->std_errors[0])
+        << left_of(d);
+  }
+}
+
 } // namespace
 } // namespace ada::test
