@@ -277,7 +277,10 @@ Diagnosis diagnose_rows(const Capture &capture, const DiagnosisOptions &given) {
 
 Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &options) {
   Diagnosis out = diagnose_rows(capture, options);
-  out.next_experiments = next_experiments(out, capture);
+  out.next_experiments = next_experiments(out, capture, [&] {
+    if (options.progress)
+      options.progress(1.0, "what to record next");
+  });
   return out;
 }
 

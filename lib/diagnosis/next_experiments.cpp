@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <numeric>
@@ -13,7 +14,6 @@
 #include <utility>
 
 #include "base/angle.h"
-#include "base/error.h"
 #include "base/robust.h"
 #include "diagnosis/admission.h"
 #include "diagnosis/candidates.h"
@@ -29,38 +29,61 @@ namespace {
 
 /// Whether the simulation can show it again: what happened once, or at random, it cannot.
 bool comes_again(const EffectInfo &info) {
-  return info.evidence == Evidence::signal && info.character != Character::event &&
-         info.character != Character::process;
+  return info.evidence == Evidence::signal &&
+         (is_tone(info) ||
+          (info.character != Character::event && info.character != Character::process));
 }
 
 /// Two digits: nobody sets a motor to more.
-double two_digits(double x) {
-  const double unit = std::pow(10.0, std::floor(std::log10(x)) - 1.0);
-  return std::round(x / unit) * unit;
+double two_digits(
+    double x, double (*whole)(double) = [](double y) { return std::round(y); }) {
+  const double place = 1.0 - std::floor(std::log10(x)), unit = std::pow(10.0, std::abs(place));
+  return place > 0.0 ? whole(x * unit) / unit : whole(x / unit) * unit;
 }
+
+/// Rows in which an electrical period must be seen to be followed.
+constexpr double kRowsAPeriod = 16.0;
 
 /// What the bench of a capture can do.
 struct Bench {
-  double rate_hz, top_rpm, noise_v;
+  double rate_hz, top_rpm, noise_v, deg_c;
   bool vtemp, vdd, reference;
 };
 
+/// Of readings, not of rows that repeat them; a pause is none.
+double rate_of(const Diagnosis &d, const Capture &capture) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < capture.size(); ++i)
+    steps.push_back(capture.time_s[i] - capture.time_s[i - 1]);
+  const double step = steps.empty() ? 0.0 : quantile(std::move(steps), 0.5);
+  return step > 0.0 ? 1.0 / (step * d.rows_a_reading * d.readings_a_stop) : 0.0;
+}
+
+/// Temperature of a capture as the simulated VTEMP would have it.
+double degrees_of(const Capture &capture) {
+  constexpr double kRoom = 25.0, kColdest = -40.0, kHottest = 125.0; // of the simulated part
+  if (!capture.has_vtemp())
+    return kRoom;
+  const double fraction = quantile(capture.vtemp_v, 0.5) / capture.meta.supply_v;
+  const double deg_c = (fraction - kVtempFractionAtZero) / kVtempFractionPerDegree;
+  return std::isfinite(deg_c) ? std::clamp(std::round(deg_c), kColdest, kHottest) : kRoom;
+}
+
 std::optional<Bench> bench_of(const Diagnosis &d, const Capture &capture) {
-  constexpr double kSlowest = 1.0;        // rpm
-  constexpr double kASample = 1.0 / 16.0; // of an electrical period
-  const std::size_t n = capture.size();
-  const double span_s = n > 1 ? capture.time_s.back() - capture.time_s.front() : 0.0;
-  if (!(span_s > 0.0) || !(d.fastest_rad_s > 0.0))
+  constexpr double kSlowest = 1.0; // rpm
+  const double rate_hz = rate_of(d, capture);
+  if (!(rate_hz > 0.0) || !(d.fastest_rad_s > 0.0))
     return {};
-  Bench out{static_cast<double>(n - 1) / span_s,
-            0.0,
-            d.extended_quality.heldout.residual_rms_v,
-            capture.has_vtemp(),
-            capture.has_vdd(),
-            d.by_reference()};
   const double seen = 60.0 * d.fastest_rad_s / kTwoPi,
-               followed = 60.0 * out.rate_hz * kASample / d.periods_per_turn;
-  out.top_rpm = two_digits(std::min(seen, followed));
+               followed = 60.0 * rate_hz / kRowsAPeriod / d.periods_per_turn,
+               most = std::min(seen, followed);
+  const Bench out{rate_hz,
+                  two_digits(most, [](double x) { return std::floor(x); }),
+                  d.extended_quality.heldout.residual_rms_v,
+                  degrees_of(capture),
+                  capture.has_vtemp(),
+                  capture.has_vdd(),
+                  d.by_reference()};
   if (!(out.noise_v > 0.0) || !(out.top_rpm >= kSlowest))
     return {};
   return out;
@@ -69,36 +92,47 @@ std::optional<Bench> bench_of(const Diagnosis &d, const Capture &capture) {
 struct Program {
   std::string motion, temperature;
   double duration_s;
+  double top_rpm;
+  bool one_speed;
   std::string words; ///< what one does to the shaft
 };
 
 /// The simplest first.
-std::vector<Program> programs_for(double top_rpm, int periods, bool heat) {
-  constexpr double kSlower = 3.0; // speeds that are told apart, and that the same drive makes
-  constexpr double kPeriods = 12.0, kShortest_s = 2.0, kLongest_s = 120.0;
-  constexpr double kSteadyTurns = 60.0; // of which even time tells the ripples of a reference
-  const double v = top_rpm, u = two_digits(v / kSlower);
-  // Each leg at the slower speed shows a turn, and some periods.
-  const double leg_s = 60.0 / u * std::max(1.0, kPeriods / periods);
-  const auto program = [&](double legs, std::string motion, std::string words) {
-    const double s = std::clamp(std::ceil(leg_s * legs), kShortest_s, kLongest_s);
-    return Program{std::move(motion), "constant:deg_c=25", s, std::move(words)};
+std::vector<Program> programs_for(const Bench &bench, int periods, bool heat) {
+  constexpr double kSlower = 3.0;  // speeds that are told apart, and that the same drive makes
+  constexpr double kWarmer = 40.0; // degrees
+  constexpr double kShortest_s = 0.1, kLongest_s = 120.0;
+  // Electrical periods of a leg at the slower speed: a turn, unless that holds many. And of a
+  // steady spin, whose even time tells the ripples of a reference.
+  const double of_leg = std::max(12.0, std::min(1.0 * periods, 40.0)),
+               of_spin = std::min(60.0 * periods, 600.0);
+  const double v = bench.top_rpm, u = two_digits(v / kSlower);
+  const auto seconds = [&](double electrical, double rpm) {
+    const double s = 60.0 * electrical / periods / rpm;
+    return std::clamp(two_digits(s, [](double x) { return std::ceil(x); }), kShortest_s,
+                      kLongest_s);
   };
-  const double steady_legs = std::max(2.0, kSteadyTurns * 60.0 / v / leg_s);
+  const std::string at = fmt::format("constant:deg_c={:g}", bench.deg_c);
+  const auto program = [&](double duration_s, std::string motion, std::string words) {
+    const bool one_speed = motion.starts_with("constant");
+    return Program{std::move(motion), at, duration_s, v, one_speed, std::move(words)};
+  };
   std::vector<Program> out = {
-      program(steady_legs, fmt::format("constant:rpm={:g}", v),
+      program(seconds(of_spin, v), fmt::format("constant:rpm={:g}", v),
               fmt::format("steadily at {:g} rpm", v)),
-      program(2, fmt::format("steps:rpm={:g}/{:g}", v, -v),
-              fmt::format("at {:g} rpm in one direction, then in the other", v)),
-      program(2, fmt::format("steps:rpm={:g}/{:g}", u, v),
+      program(seconds(2.0 * of_leg, u), fmt::format("steps:rpm={:g}/{:g}", u, v),
               fmt::format("at {:g} rpm, then at {:g} rpm", u, v)),
-      program(4, fmt::format("steps:rpm={0:g}/{1:g}/{3:g}/{2:g}", u, v, -u, -v),
+      program(seconds(2.0 * of_leg, u), fmt::format("steps:rpm={:g}/{:g}", v, -v),
+              fmt::format("at {:g} rpm in one direction, then in the other", v)),
+      program(seconds(4.0 * of_leg, u),
+              fmt::format("steps:rpm={0:g}/{1:g}/{3:g}/{2:g}", u, v, -u, -v),
               fmt::format("at {:g} rpm and at {:g} rpm in both directions", u, v)),
   };
   if (heat) {
     out.push_back(out.back());
-    out.back().temperature = "ramp:from=0,to=60";
-    out.back().words += ", while it warms by tens of degrees";
+    out.back().temperature =
+        fmt::format("ramp:from={:g},to={:g}", bench.deg_c, bench.deg_c + kWarmer);
+    out.back().words += fmt::format(", while it warms by {:g} degrees", kWarmer);
   }
   return out;
 }
@@ -111,9 +145,14 @@ struct Imagined {
 
 Imagined imagine(const Program &program, const Bench &bench, const Model &truth) {
   constexpr double kRows = 2400.0; // shapes are known by fewer than sizes are
+  // No whole number of rows a turn, which would show the same places only.
+  constexpr double kUneven = 1.0137;
+  const double enough =
+      kUneven * std::max(kRows / program.duration_s,
+                         kRowsAPeriod * truth.periods_per_turn * program.top_rpm / 60.0);
   SimulationOptions o;
   o.duration_s = program.duration_s;
-  o.sample_rate_hz = std::min(bench.rate_hz, kRows / program.duration_s);
+  o.sample_rate_hz = std::min(bench.rate_hz, enough);
   o.noise_rms_v = bench.noise_v;
   o.adc_bits = 0;
   o.motion = program.motion;
@@ -127,8 +166,8 @@ Imagined imagine(const Program &program, const Bench &bench, const Model &truth)
 
 /// Nats by which such a capture speaks for the cause at `place` of the truth rather than for each
 /// of its rivals; nothing: it would not tell anything.
-std::vector<double> nats_against(const Imagined &imagined, const Model &truth, std::size_t place,
-                                 const std::vector<const Effect *> &rivals) {
+std::vector<double> nats_against(const Imagined &imagined, bool one_speed, const Model &truth,
+                                 std::size_t place, const std::vector<const Effect *> &rivals) {
   const Scene scene = prepare(imagined.capture, false);
   if (!scene.insufficient.empty())
     return {};
@@ -146,25 +185,43 @@ std::vector<double> nats_against(const Imagined &imagined, const Model &truth, s
   const Blur blur(scene, scene.all, self.model, place);
   std::vector<double> out;
   for (const Effect *rival : rivals) {
-    double least = rows * imagined.rows_each * std::log(less.rss / self.rss) + beside_self -
-                   side_evidence(aside, less.model);
+    const EffectInfo &one = truth.effects[place].effect->info(), &other = rival->info();
+    // What holds a part of another reading does so by the time between two; and at one speed a tone
+    // and an order are one, whatever tone that was at the speed of the capture.
+    const bool told = (imagined.rows_each <= 1.0 || !(one.remembers || other.remembers)) &&
+                      !(one_speed && is_tone(one) != is_tone(other));
+    std::optional<double> least;
     const auto take = [&](const Model &start) {
-      const FitResult other = fit(scene.all, start);
-      if (!other.determined || !in_range(other.model))
+      const FitResult fitted = fit(scene.all, start);
+      if (!fitted.determined)
         return;
-      const bool blurred =
-          apart_v(other.rss) <= blur.left_by(other.model.effects.back(), apart_v(less.rss));
-      const double by_pair =
-          blurred ? 0.0 : rows * imagined.rows_each * std::log(other.rss / self.rss);
-      least = std::min(least, by_pair + beside_self - side_evidence(aside, other.model));
-    };
-    for (const Candidate &c : list)
-      if (c.effect == rival) {
-        take(c.start);
-        for (const auto &[gain, start] : c.others)
-          take(start);
+      double nats = rows * imagined.rows_each * std::log(less.rss / self.rss) + beside_self -
+                    side_evidence(aside, less.model);
+      if (in_range(fitted.model)) {
+        const bool blurred =
+            apart_v(fitted.rss) <= blur.left_by(fitted.model.effects.back(), apart_v(less.rss));
+        const double by_pair =
+            blurred ? 0.0 : rows * imagined.rows_each * std::log(fitted.rss / self.rss);
+        nats = std::min(nats, by_pair + beside_self - side_evidence(aside, fitted.model));
       }
-    out.push_back(least);
+      least = std::min(nats, least.value_or(nats));
+    };
+    for (const Candidate &c : list) {
+      if (c.effect != rival || !told)
+        continue;
+      std::vector<Model> starts{c.start};
+      for (const auto &[gain, start] : c.others)
+        starts.push_back(start);
+      const EffectInstance &first = c.start.effects.back();
+      for (auto &values : rival->choices(first.values)) {
+        starts.push_back(c.start);
+        starts.back().effects.back().values = std::move(values);
+      }
+      for (const Model &start : starts)
+        take(start);
+    }
+    // Of one that the motion does not tell from what the model holds nothing is known.
+    out.push_back(least.value_or(0.0));
   }
   return out;
 }
@@ -179,35 +236,41 @@ Model shown_again(const Model &extended) {
 }
 
 std::string in_words(const Experiment &e, const std::string &what_to_do) {
+  constexpr double kPlain = 1000.0; // above it what the model lacks counts, and not the noise
   return fmt::format(
-      "turn the shaft {} for {:g} s{}: if it is {}, {} will describe that capture worse by some "
-      "{:.0f} nats",
+      "turn the shaft {}, for {:g} s in all{}: if it is {}, {} will describe that capture worse by "
+      "{}",
       what_to_do, e.duration_s,
       e.record.empty() ? "" : fmt::format(", and record {} as well", fmt::join(e.record, " and ")),
       e.separates.front(), fmt::join(e.separates.begin() + 1, e.separates.end(), " or "),
-      two_digits(e.expected_nats));
+      e.expected_nats > kPlain ? fmt::format("more than {:g} nats", kPlain)
+                               : fmt::format("some {:g} nats", two_digits(e.expected_nats)));
 }
+
+using GoesOn = std::function<void()>;
 
 /// Which program tells most rivals apart; of those, the first that does it half as clearly as the
 /// best. Takes them out of `rivals`.
 std::optional<Experiment> best_of(const std::vector<Program> &programs, const Bench &bench,
                                   const std::vector<std::string> &record, const Model &truth,
-                                  std::size_t place, std::vector<const Effect *> &rivals) {
+                                  std::size_t place, std::vector<const Effect *> &rivals,
+                                  const GoesOn &goes_on) {
   constexpr double kAsClear = 0.5;
   // As much again as what is rejected: the next capture has a noise of its own.
   constexpr double kTellsApart = 2.0 * criteria::kRivalNats;
-  struct Told {
+  struct Separated {
     const Program *by = nullptr;
     std::vector<std::size_t> which;
     double least = 0.0;
   };
-  std::vector<Told> all;
+  std::vector<Separated> all;
   for (const Program &p : programs) {
-    Told told{&p, {}, 0.0};
+    goes_on();
+    Separated told{&p, {}, 0.0};
     std::vector<double> nats;
     try {
-      nats = nats_against(imagine(p, bench, truth), truth, place, rivals);
-    } catch (const Error &) { // a model that says nothing of such a motion
+      nats = nats_against(imagine(p, bench, truth), p.one_speed, truth, place, rivals);
+    } catch (const std::exception &) { // a model that says nothing of such a motion
       continue;
     }
     for (std::size_t k = 0; k < nats.size(); ++k)
@@ -217,19 +280,23 @@ std::optional<Experiment> best_of(const std::vector<Program> &programs, const Be
       }
     all.push_back(std::move(told));
   }
-  Told best;
-  for (const Told &told : all)
+  Separated best;
+  for (const Separated &told : all)
     if (std::pair(told.which.size(), told.least) > std::pair(best.which.size(), best.least))
       best = told;
   if (best.which.empty())
     return {};
-  for (const Told &told : all)
+  for (const Separated &told : all)
     if (told.which.size() == best.which.size() && told.least >= kAsClear * best.least) {
       best = told;
       break;
     }
-  Experiment out{
-      best.by->motion, best.by->temperature, best.by->duration_s, record, {}, best.least, {}};
+  Experiment out;
+  out.motion = best.by->motion;
+  out.temperature = best.by->temperature;
+  out.duration_s = best.by->duration_s;
+  out.record = record;
+  out.expected_nats = best.least;
   out.separates.emplace_back(truth.effects[place].effect->info().id);
   for (std::size_t k : best.which)
     out.separates.emplace_back(rivals[k]->info().id);
@@ -241,14 +308,16 @@ std::optional<Experiment> best_of(const std::vector<Program> &programs, const Be
 
 } // namespace
 
-std::vector<Experiment> next_experiments(const Diagnosis &d, const Capture &capture) {
+std::vector<Experiment> next_experiments(const Diagnosis &d, const Capture &capture,
+                                         const std::function<void()> &goes_on) {
   constexpr std::size_t kMost = 3;
   std::vector<Experiment> out;
   const std::optional<Bench> bench = bench_of(d, capture);
   if (!bench)
     return out;
   const Model truth = shown_again(d.extended);
-  for (const Finding &f : d.findings) {
+  for (std::size_t k = 0; k < d.findings.size() && out.size() < kMost; ++k) {
+    const Finding &f = d.findings[k];
     const auto self =
         std::find_if(truth.effects.begin(), truth.effects.end(), [&](const EffectInstance &e) {
           return e.effect == f.effect && e.values == f.values;
@@ -257,33 +326,34 @@ std::vector<Experiment> next_experiments(const Diagnosis &d, const Capture &capt
     for (const std::string &id : f.alternatives)
       if (const Effect *rival = find_effect(id); rival && comes_again(rival->info()))
         rivals.push_back(rival);
-    if (self == truth.effects.end() || rivals.empty() || out.size() >= kMost)
+    if (self == truth.effects.end() || rivals.empty())
       continue;
     const auto place = static_cast<std::size_t>(self - truth.effects.begin());
     const bool heat =
         f.effect->info().axis == "temperature" || std::ranges::any_of(rivals, [](const Effect *e) {
           return e->info().axis == "temperature";
         });
-    const std::vector<Program> programs = programs_for(bench->top_rpm, d.periods_per_turn, heat);
-    const auto add = [&](std::optional<Experiment> e) {
-      if (e)
+    const std::vector<Program> programs = programs_for(*bench, d.periods_per_turn, heat);
+    const auto add = [&](const std::vector<Program> &of, const Bench &with,
+                         const std::vector<std::string> &record) {
+      if (rivals.empty() || out.size() >= kMost)
+        return;
+      if (auto e = best_of(of, with, record, truth, place, rivals, goes_on)) {
+        e->finding = k;
         out.push_back(std::move(*e));
+      }
     };
-    add(best_of(programs, *bench, {}, truth, place, rivals));
-    if (rivals.empty() || out.size() >= kMost)
-      continue;
-    Bench full = *bench;
-    std::vector<std::string> record;
-    const auto have = [&](bool &channel, const char *column) {
-      if (!channel)
-        record.emplace_back(column);
-      channel = true;
-    };
-    have(full.reference, "reference_deg");
-    have(full.vtemp, "vtemp_v");
-    have(full.vdd, "vdd_v");
-    if (!record.empty())
-      add(best_of({programs.back()}, full, record, truth, place, rivals));
+    add(programs, *bench, {});
+    // Of the channels that are missing one by one, beside the simplest motion and the richest.
+    for (const auto &[channel, column] :
+         {std::pair(&Bench::vtemp, "vtemp_v"), std::pair(&Bench::vdd, "vdd_v"),
+          std::pair(&Bench::reference, "reference_deg")}) {
+      Bench more = *bench;
+      if (more.*channel || (channel == &Bench::reference && capture.has_reference()))
+        continue;
+      more.*channel = true;
+      add({programs.front(), programs.back()}, more, {column});
+    }
   }
   return out;
 }

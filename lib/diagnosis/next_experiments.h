@@ -5,6 +5,7 @@
 // from, by how much, and in the words of the simulation, which is asked.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "diagnosis/result.h"
@@ -12,9 +13,11 @@
 
 namespace ada {
 
-/// Of the motions that the shaft of `capture` can make, for each finding with alternatives, the
-/// simplest that tells most of them apart; with channels that this capture has not where without
-/// them none does. At most a few, in the order of the findings; none where nothing would help.
-std::vector<Experiment> next_experiments(const Diagnosis &diagnosis, const Capture &capture);
+/// Of motions up to the speed that the shaft of `capture` has shown, for each finding with
+/// alternatives, the simplest that tells most of them apart; with a channel that this capture has
+/// not where without it none does. At most a few, in the order of the findings; none where nothing
+/// would help. `goes_on` is called again and again, and may throw to end it.
+std::vector<Experiment> next_experiments(const Diagnosis &diagnosis, const Capture &capture,
+                                         const std::function<void()> &goes_on);
 
 } // namespace ada

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <tuple>
 
 #include "base/angle.h"
 #include "base/pick.h"
@@ -203,6 +204,22 @@ std::vector<double> speed_of_periods(const Observations &all, int periods) {
 }
 
 } // namespace
+
+double fastest_over_periods(const Scene &scene) {
+  constexpr double kAll = 0.98; // but what a wild reading makes
+  const double period = kTwoPi / scene.periods;
+  const auto &[time, alpha] = std::tie(scene.all.time, scene.all.alpha);
+  std::vector<double> whole;
+  for (std::size_t i = 0, j = 0; i < alpha.size(); ++i) {
+    while (j < alpha.size() && std::abs(alpha[j] - alpha[i]) < period)
+      ++j;
+    if (j == alpha.size())
+      break;
+    if (const double took = time[j] - time[i]; took > 0.0)
+      whole.push_back(period / took);
+  }
+  return whole.empty() ? scene.fastest_omega : quantile(std::move(whole), kAll);
+}
 
 void describe_motion(Scene &scene) {
   const Observations &all = scene.all;

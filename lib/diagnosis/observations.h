@@ -177,6 +177,9 @@ struct Scene {
 inline constexpr double kWeightOfOwnAngle = 0.02;
 /// Leaves the radius to be judged, and describes the motion as far as it is known then.
 void judge_radius_only(Scene &scene);
+/// Speed that the shaft reached over whole electrical periods, rad/s: from sample to sample noise
+/// adds its own. Where none was whole, from sample to sample.
+double fastest_over_periods(const Scene &scene);
 /// What the motion of the usable samples can show, and the temperature of the whole capture.
 void describe_motion(Scene &scene);
 void describe_temperature(const Capture &capture, Scene &scene);

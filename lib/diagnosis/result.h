@@ -57,6 +57,7 @@ struct Experiment {
   std::string motion, temperature; ///< as the simulation takes them (simulation/profile.h)
   double duration_s = 0.0;
   std::vector<std::string> record; ///< columns that the present capture has not
+  std::size_t finding = 0;         ///< its place among the findings
   /// The cause, and those that it would be told from.
   std::vector<std::string> separates;
   double expected_nats = 0.0; ///< for the cause, against the likeliest of them

@@ -485,7 +485,7 @@ void Work::note_invisible(const Effect &effect) {
 
 void Work::conclude() {
   out_.radius_only = scene_.radius_only;
-  out_.fastest_rad_s = scene_.fastest_omega;
+  out_.fastest_rad_s = fastest_over_periods(scene_);
   report_moved_offsets();
   out_.baseline = ladder_.baseline;
   const auto given = with_given_remainder(ladder_.baseline);

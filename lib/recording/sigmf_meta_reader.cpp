@@ -89,7 +89,7 @@ private:
       return;
     const auto before = std::count(keys.begin(), keys.end() - 1, keys.back());
     fail_at(place_of_offset(text_, place_of_key(keys.back(), before)),
-            "the key \"" + reason(keys.back()) + "\" is there twice");
+            "the key \"" + printable(keys.back()) + "\" is there twice");
   }
 
   /// Where a key stands for the first time after so many times; of one that is written in escapes,

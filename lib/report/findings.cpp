@@ -95,12 +95,13 @@ std::string gain_table(const Finding &f) {
          rows + "</tbody></table>";
 }
 
-std::string rivals(const Diagnosis &d, const Finding &f) {
+std::string rivals(const Diagnosis &d, std::size_t i) {
+  const Finding &f = d.findings[i];
   if (f.alternatives.empty())
     return {};
   std::string next;
   for (const Experiment &e : d.next_experiments)
-    if (e.separates.front() == f.effect->info().id)
+    if (e.finding == i)
       next += " To record next: " + html_escape(e.sentence) + ".";
   return fmt::format(
       "<p class=\"rivals\"><b>This capture cannot tell it from {}.</b> What would: {}.{}"
@@ -208,7 +209,7 @@ std::string finding(const Diagnosis &d, const View &view, std::size_t i, Gallery
   else
     out += "</div><div>" + gain_table(f) + instead(f, view, gallery);
   out += "</div></div>";
-  return out + rivals(d, f) + "</section>\n";
+  return out + rivals(d, i) + "</section>\n";
 }
 
 } // namespace

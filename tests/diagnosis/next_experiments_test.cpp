@@ -63,5 +63,32 @@ KIND(the_capture_that_is_proposed_tells_quadrature_from_skew) {
     EXPECT_FALSE(holds(more.separates, wrong)) << more.sentence;
 }
 
+/// At one speed a line of the angle is one of the time. No capture at one speed is proposed, and
+/// none at a speed that the shaft has not shown, however noisy it is.
+KIND(a_harmonic_and_a_tone_ask_for_another_speed) {
+  Bench bench;
+  const double hz = bench.within(4.0, 10.0), order = 3.0,
+               volts = bench.pair.amplitude_v * bench.within(0.02, 0.05);
+  bench.pair.noise_v = bench.within(0.002, 0.01);
+  Capture c = bench.capture(6000, 2000.0, 2, [&](double t) { return kTwoPi * hz * t; });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.vsin_v[i] += volts * std::sin(order * 2.0 * kTwoPi * hz * c.time_s[i]);
+  const Diagnosis d = diagnose(c, {});
+  const auto f = std::find_if(d.findings.begin(), d.findings.end(), [](const Finding &x) {
+    return holds(x.alternatives, "periodic-interference");
+  });
+  ASSERT_NE(f, d.findings.end()) << left_of(d);
+  const auto e =
+      std::find_if(d.next_experiments.begin(), d.next_experiments.end(), [&](const Experiment &x) {
+        return x.finding == static_cast<std::size_t>(f - d.findings.begin()) &&
+               holds(x.separates, "periodic-interference");
+      });
+  ASSERT_NE(e, d.next_experiments.end()) << left_of(d);
+  EXPECT_EQ(e->motion.find("constant"), std::string::npos) << e->sentence;
+  const PiecewiseLinear motion = parse_motion(e->motion, e->duration_s);
+  for (double t = 0.0; t < e->duration_s; t += 0.01 * e->duration_s)
+    EXPECT_LE(std::abs(motion.value(t)), 1.02 * kTwoPi * hz) << e->sentence;
+}
+
 } // namespace
 } // namespace ada::test

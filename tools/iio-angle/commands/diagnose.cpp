@@ -86,7 +86,7 @@ int run(const DiagnoseOptions &options) {
     roles.reads_once(options.captures[k], captures.own[k]);
   for (std::size_t k = 0; k < heldout.own.size(); ++k)
     roles.reads_once(options.heldout[k], heldout.own[k]);
-  roles.reads(options.model).writes(options.extend).writes(options.report);
+  roles.reads(options.model).writes("-").writes(options.extend).writes(options.report);
   const Diagnosis diagnosis = diagnose(options, captures, heldout);
   const bool told = ada4571_diagnosis_verdict(diagnosis.get()) != ADA4571_INSUFFICIENT_DATA;
   const auto extend = [&] {

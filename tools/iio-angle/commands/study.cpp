@@ -263,7 +263,7 @@ struct ReportOptions {
 };
 
 int report(const ReportOptions &options) {
-  FileRoles().reads(options.study).writes(options.page);
+  FileRoles().reads(options.study).writes("-").writes(options.page);
   const auto study = make<Study>(ada4571_study_open, options.study.c_str(),
                                  static_cast<const ada4571_study_options *>(nullptr));
   const char *result = "";
