@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <numeric>
 #include <vector>
 
+#include "base/angle.h"
 #include "diagnosis/admission.h"
 #include "diagnosis/along_and_across.h"
 #include "diagnosis/beside_anonymous.h"
@@ -22,11 +26,12 @@ namespace {
 /// Mean square without a name, V^2, of a kind that a cause could be the nearest shape of: on its
 /// own axis, and half of what lies on those along which the shaft goes as fast as it turns. Of a
 /// structure that had more of its power on the cause's axis than there, more would be left here.
-/// What goes on in time is another thing in each turn, of which a function of the angle takes a
-/// part that falls with their number; what repeats with the angle is the same at the same place,
-/// where a cause beyond the angle is not.
+/// What goes on in time is another thing in each turn, of which a function of the angle or of the
+/// speed takes a part that falls with their number; what repeats with the angle is the same at the
+/// same place, where a cause beyond the angle is not.
 double could_be_v2(const Anonymous &left, const Effect &cause, double in_time_v2, double rounds) {
-  double sum = of_the_angle(cause) ? in_time_v2 / std::max(1.0, rounds) : 0.0;
+  const bool of_motion = of_the_angle(cause) || cause.info().axis == axis_name(Axis::speed);
+  double sum = of_motion ? in_time_v2 / std::max(1.0, rounds) : 0.0;
   for (std::size_t k = 0; k < kAxes; ++k) {
     const auto axis = static_cast<Axis>(k);
     const bool own = axis_name(axis) == cause.info().axis;
@@ -53,12 +58,76 @@ double across_v2(const Parts &parts, const Model &model) {
   return mean_square(across);
 }
 
+/// Amplitudes of the half waves over the record, from none on, of what is seen in order: their
+/// squares add to the mean square of its means over as many parts.
+std::vector<double> half_waves(const std::vector<double> &x) {
+  constexpr std::size_t kMost = 128, kRows = 8; // half waves, and rows that each of them is told by
+  const std::size_t n = std::min(kMost, x.size() / kRows);
+  std::vector<double> out(n);
+  for (std::size_t bin = 0; bin < n; ++bin) {
+    const std::size_t from = bin * x.size() / n, to = (bin + 1) * x.size() / n;
+    const double mean = std::accumulate(x.begin() + static_cast<std::ptrdiff_t>(from),
+                                        x.begin() + static_cast<std::ptrdiff_t>(to), 0.0) /
+                        static_cast<double>(to - from);
+    for (std::size_t k = 0; k < n; ++k)
+      out[k] += (k == 0 ? 1.0 : std::numbers::sqrt2) * mean / static_cast<double>(n) *
+                std::cos(0.5 * kTwoPi * static_cast<double>(k) * (static_cast<double>(bin) + 0.5) /
+                         static_cast<double>(n));
+  }
+  return out;
+}
+
+/// Mean square that a walk which leaves `rest` would have, by chance, of the course in time that
+/// `shape` has: of a walk the power of the k-th half wave falls with its square, so that those
+/// which are left tell what those had that the shape took.
+double walked_v2(const std::vector<double> &shape, const std::vector<double> &rest) {
+  const std::vector<double> of = half_waves(shape), left = half_waves(rest);
+  const std::size_t n = left.size();
+  constexpr std::size_t kFirst = 3; // the slowest go with what was fitted
+  if (n < 8 * kFirst)
+    return 0.0;
+  double white = 0.0, walk = 0.0, whole = 0.0, course = 0.0, squares = 0.0;
+  for (std::size_t k = n / 2; k < n; ++k)
+    white += left[k] * left[k] / static_cast<double>(n - n / 2);
+  for (std::size_t k = kFirst; k < n / 4; ++k) {
+    walk += left[k] * left[k] - white;
+    whole += 1.0 / static_cast<double>(k * k);
+  }
+  for (std::size_t k = 1; k < n; ++k) {
+    course += of[k] * of[k] / static_cast<double>(k * k);
+    squares += of[k] * of[k];
+  }
+  return squares > 0.0 ? std::max(0.0, walk) / whole * course / squares : 0.0;
+}
+
+/// The same of what a model without one cause leaves, in V^2 of a channel, beside all that has an
+/// axis: a zero that creeps walks across the vector, an offset that drifts in a channel.
+double walked_v2(const Observations &some, const Anonymous &left, const Model &with,
+                 const Model &without) {
+  ResidualColumns rest = residual_columns(some, with), shape = residual_columns(some, without);
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    shape.sin[i] -= rest.sin[i];
+    shape.cos[i] -= rest.cos[i];
+  }
+  subtract(left.basis, left.selection, some, rest);
+  std::vector<double> along, across, shape_along, shape_across;
+  split(some, rest, along, across);
+  split(some, shape, shape_along, shape_across);
+  return 0.5 * std::max(walked_v2(shape_along, along) + walked_v2(shape_across, across),
+                        walked_v2(shape.sin, rest.sin) + walked_v2(shape.cos, rest.cos));
+}
+
 } // namespace
 
 void drop_what_chance_would_take(const Scene &scene, Parts parts, SearchResult &found) {
+  constexpr std::size_t kEnough = 4000;
+  constexpr double kSigmas = 3.0; // by which each cause differs from none
   parts.weigh(found.disturbed, found.weight_along);
   parts.train = thinned(parts.train);
   parts.train.coloured.reset();
+  std::vector<std::uint32_t> indices(scene.all.size());
+  std::iota(indices.begin(), indices.end(), 0u);
+  const Observations some = scene.all.select(thin(indices, kEnough, 100));
   for (;;) {
     const Model model = fit(parts.train, with_expected(found.fit.model), kRefit).model;
     const Anonymous left = anonymous_of(scene, parts, model);
@@ -73,11 +142,19 @@ void drop_what_chance_would_take(const Scene &scene, Parts parts, SearchResult &
         continue;
       const double unnamed_v2 =
           could_be_v2(left, *model.effects[at].effect, slow_v2, scene.rounds(1.0));
-      if (unnamed_v2 <= std::pow(criteria::kOfUnknown, 2) * left.selection.noise_v2)
+      if (std::max(unnamed_v2, slow_v2) <=
+          std::pow(criteria::kOfUnknown, 2) * left.selection.noise_v2)
         continue;
       const Model less = fit(parts.train, model.without(at), kRefit).model;
       const double takes_v2 = std::max(0.0, left_v2(parts, less) - with_v2),
                    part = takes_v2 / (takes_v2 + unnamed_v2);
+      const double walk_v2 = kSigmas * kSigmas * walked_v2(some, left, model, less),
+                   of_walk = takes_v2 / (takes_v2 + walk_v2);
+      if (of_walk < least && info.character != Character::event &&
+          with_v2 > criteria::kNextToNothing * (with_v2 + takes_v2)) {
+        least = of_walk;
+        least_place = place;
+      }
       if (part < least && (!parts.has_reference ||
                            across_v2(parts, model) > criteria::kOfRival * across_v2(parts, less))) {
         least = part;

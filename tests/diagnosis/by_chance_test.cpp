@@ -205,5 +205,29 @@ KIND(a_ground_that_a_motor_lifts_is_no_cause_of_the_angle) {
                   "propagation-delay", "hysteresis"});
 }
 
+/// A mount creeps while an arc is swept to and fro once or twice: the zero angle walks at random.
+KIND(a_zero_that_creeps_on_an_arc_has_no_cause_in_the_field_or_in_the_motion) {
+  Bench bench;
+  const double span = bench.within(0.3, 0.7), sweeps = bench.within(2.0, 3.5),
+               start = bench.within(0.0, kTwoPi), creeps = bench.within(0.05, 0.2) * kRadPerDeg;
+  constexpr double kRows = 2400.0, kRate = 60.0;
+  const auto shaft = [&](double t) {
+    return start +
+           kTwoPi * span * (0.5 - 0.5 * std::cos(0.5 * kTwoPi * sweeps * t * kRate / kRows));
+  };
+  std::vector<double> walk{0.0};
+  for (double k = 1.0; k < kRows; ++k)
+    walk.push_back(walk.back() + bench.normal(2.0 * creeps / std::sqrt(kRows)));
+  Capture c = bench.capture(static_cast<std::size_t>(kRows), kRate, 2, [&](double t) {
+    return shaft(t) + walk[static_cast<std::size_t>(std::lround(t * kRate))];
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_none(d, {"stray-field", "sensor-off-axis", "field-direction-error", "propagation-delay",
+                  "hysteresis", "channel-skew", "reference-delay", "reference-eccentricity",
+                  "low-pass-rolloff", "cubic-nonlinearity", "quadratic-nonlinearity"});
+}
+
 } // namespace
 } // namespace ada::test
