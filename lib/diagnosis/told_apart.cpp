@@ -4,7 +4,6 @@
 #include "diagnosis/told_apart.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <numeric>

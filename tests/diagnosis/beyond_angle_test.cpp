@@ -497,8 +497,9 @@ KIND(a_sensor_that_vibrates_is_not_explained_by_flicker_noise) {
 KIND(what_repeats_with_the_angle_is_counted_there_and_not_as_steps_in_time) {
   Bench bench;
   bench.pair.k = bench.within(0.01, 0.03);
-  const double turns = bench.within(1.0, 6.0), teeth = std::round(bench.within(3.0, 9.0)),
-               saw = bench.within(0.03, 0.1) * kRadPerDeg;
+  bench.pair.delta_rad = 0.0;
+  const double turns = bench.within(3.0, 6.0), teeth = std::round(bench.within(3.0, 9.0)),
+               saw = bench.within(0.1, 0.3) * kRadPerDeg;
   constexpr double kRows = 1500.0, kRate = 5000.0;
   Capture c = bench.capture(static_cast<std::size_t>(kRows), kRate, 2, [&](double t) {
     const double turn = turns * t * kRate / kRows;

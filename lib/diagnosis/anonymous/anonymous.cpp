@@ -8,6 +8,7 @@
 #include <complex>
 #include <map>
 #include <numeric>
+#include <optional>
 
 #include "base/angle.h"
 #include "diagnosis/along_and_across.h"
@@ -206,18 +207,21 @@ Anonymous compute(const Scene &scene, const Halves &halves, const Model &model, 
   Anonymous out = with(std::max(criteria::kMostOrders, criteria::kMostPeriods * unit), {});
   if (!asked.over_time)
     return out;
-  const Anonymous without = out;
+  std::optional<Anonymous> without; // any step, where there are some
   // A step that was not known has bent what else was fitted: with it known look once more.
   for (int look = 0; look < 2; ++look) {
     std::vector<double> seen = steps_of(scene, halves, out, model);
     if (seen.size() <= steps.size())
       break;
     steps = std::move(seen);
-    out = with(std::max(2, out.selection.orders[0]), {});
+    Anonymous more = with(std::max(2, out.selection.orders[0]), {});
+    if (!without)
+      without = std::move(out);
+    out = std::move(more);
   }
-  if (!steps.empty() && !needs_its_steps(out, without)) {
+  if (without && !needs_its_steps(out, *without)) {
     steps.clear();
-    out = without;
+    out = *std::move(without);
   }
   if (!asked.speed || halves.train.size() < criteria::kFewestForLines)
     return out;

@@ -35,7 +35,8 @@ public:
   /// further evidence, and none at all where they are to judge what was fitted to them.
   FileRoles &reads_once(const std::string &path, const Recording &recording);
   /// Throws Failure(kWrongUsage) when that would write over a file that is read or written already,
-  /// Failure(kUnusable) when no file can be written there: before the work, not after it.
+  /// or to standard output a second time; Failure(kUnusable) when no file can be written there:
+  /// before the work, not after it.
   FileRoles &writes(const std::string &path);
 
 private:
