@@ -867,7 +867,9 @@ ADA4571_API void ada4571_study_row_free(ada4571_study_row *row);
  * returns. */
 ADA4571_API ada4571_status ada4571_study_put(ada4571_study *study, const char *row_text);
 /* Makes one study of several, whole or not at all. The file is the same, byte for byte, whatever the
- * order of the parts, however the captures were dealt out, and if some are given twice. */
+ * order of the parts, however the captures were dealt out, and if some are given twice. A shard whose
+ * captures were never listed (its process was killed) is missing in it; a study of all captures in
+ * that state is INVALID_ARGUMENT, as nothing would show what it lacks. */
 ADA4571_API ada4571_status ada4571_study_merge(const char *const *parts, size_t count,
                                                const char *path);
 /* What is missing: shards that are not there and captures that wait, a line each. Empty: nothing. */

@@ -72,6 +72,10 @@ int shard_of(const std::string &capture, int shards) {
   return 1 + static_cast<int>(hash % static_cast<std::uint64_t>(shards));
 }
 
+bool Database::is_empty(const std::string &path) {
+  return Sqlite(path, Sqlite::Mode::read).is_empty();
+}
+
 Database::Database(const std::string &path) : path_(path), sqlite_(path, Sqlite::Mode::read) {
   read_setup();
 }
@@ -86,6 +90,8 @@ Database::Database(const std::string &path, const Setup &setup, bool shared)
     make_tables();
   if (!made_)
     check_setup(setup);
+  if (!shared) // made in one go, by one process, and nowhere before it is whole
+    hold_shard();
 }
 
 Database::~Database() {
@@ -102,7 +108,7 @@ void Database::make_tables() {
   Transaction all(sqlite_);
   if (sqlite_.has_table("study"))
     return; // by another process that was asked for the same shard, between the first look and this
-  if (sqlite_.has_table("sqlite_sequence") || sqlite_.has_table("captures"))
+  if (!sqlite_.is_empty())
     throw Error(ADA4571_ERROR_FORMAT, path_ + ": this is a database, but no study");
   sqlite_.run(kTables);
   Statement put(sqlite_, "INSERT INTO study VALUES(?, ?)");
@@ -112,15 +118,34 @@ void Database::make_tables() {
   set("schema", kSchema);
   set("diagnose", setup_.diagnose ? "yes" : "no");
   set("shards", std::to_string(setup_.shards));
-  if (setup_.shard > 0)
-    Statement(sqlite_, "INSERT INTO shards VALUES(?)").bind(1, std::int64_t{setup_.shard}).run();
   all.commit();
   made_ = true;
 }
 
+/// Together with what the shard holds: a part whose captures were never listed does not pass for
+/// one that has them.
+void Database::hold_shard() {
+  if (held_ || setup_.shard == 0)
+    return;
+  const std::vector<int> of = shards();
+  if (of.empty())
+    add_shards({setup_.shard});
+  else if (of != std::vector<int>{setup_.shard}) // another process was first
+    refuse_shard(of.size() == 1 ? of.front() : 0, setup_);
+  held_ = true;
+}
+
+void Database::refuse_shard(int held, const Setup &wanted) const {
+  throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
+              fmt::format("{}: this study holds shard {} of {}, not {} of {}", path_, held,
+                          setup_.shards, wanted.shard, wanted.shards));
+}
+
 void Database::read_setup() {
   if (!sqlite_.has_table("study"))
-    throw Error(ADA4571_ERROR_FORMAT, path_ + ": this is a database, but no study");
+    throw Error(ADA4571_ERROR_FORMAT,
+                path_ + (sqlite_.is_empty() ? ": a database with nothing in it yet"
+                                            : ": this is a database, but no study"));
   Statement get(sqlite_, "SELECT key, value FROM study");
   std::string schema;
   while (get.step()) {
@@ -146,10 +171,10 @@ void Database::check_setup(const Setup &wanted) {
     throw Error(ADA4571_ERROR_INVALID_ARGUMENT, path_ + ": this study was made " +
                                                     (setup_.diagnose ? "with" : "without") +
                                                     " the diagnosis; its rows would not compare");
+  if (setup_.shards == wanted.shards && shards().empty())
+    setup_.shard = wanted.shard; // begun, and nothing was listed yet
   if (setup_ != wanted)
-    throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
-                fmt::format("{}: this study holds shard {} of {}, not {} of {}", path_,
-                            setup_.shard, setup_.shards, wanted.shard, wanted.shards));
+    refuse_shard(setup_.shard, wanted);
 }
 
 std::vector<int> Database::shards() const {
@@ -175,6 +200,7 @@ void Database::list(const std::vector<std::string> &captures) {
                       ": a study keeps names as text, and this one is not UTF-8: rename the file");
     }
   Transaction all(sqlite_);
+  hold_shard();
   Statement put(sqlite_, "INSERT OR IGNORE INTO captures(capture, state) VALUES(?, 'waiting')");
   for (const std::string &capture : captures)
     if (shard_of(capture, setup_.shards) == setup_.shard)
@@ -201,6 +227,7 @@ std::vector<std::string> Database::waiting(bool again) const {
 void Database::put(const Row &row) {
   std::int64_t id = 0;
   Transaction all(sqlite_);
+  hold_shard();
   {
     Statement old(sqlite_, "SELECT id FROM captures WHERE capture = ?");
     if (old.bind(1, std::string_view(row.capture)).step())

@@ -36,9 +36,13 @@ public:
   Database &operator=(const Database &) = delete;
   ~Database();
 
+  /// Whether the process that began this file was killed before it had made a study of it.
+  static bool is_empty(const std::string &path);
+
   const std::string &path() const { return path_; }
   const Setup &setup() const { return setup_; }
-  /// Shards of `setup().shards` that this study was merged from; for a part its own.
+  /// Shards of `setup().shards` that this study was merged from; for a part its own, once its
+  /// captures are listed.
   std::vector<int> shards() const;
   void add_shards(const std::vector<int> &shards);
 
@@ -56,6 +60,8 @@ public:
 
 private:
   void make_tables();
+  void hold_shard();
+  [[noreturn]] void refuse_shard(int held, const Setup &wanted) const;
   void check_setup(const Setup &wanted);
   void read_setup();
 
@@ -63,7 +69,7 @@ private:
   mutable Sqlite sqlite_;
   Setup setup_;
   bool shared_ = false;
-  bool made_ = false, unwanted_ = false;
+  bool made_ = false, unwanted_ = false, held_ = false;
 };
 
 /// Rows of a study one by one, by name.

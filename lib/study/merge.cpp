@@ -39,10 +39,16 @@ struct Dealt {
                               part.path(), its.shards, setup->shards));
     if (!setup || its.shards > 1)
       setup = its;
-    if (its.shards == 1)
-      return;
     const std::vector<int> of = part.shards();
-    shards.insert(of.begin(), of.end());
+    if (its.shards > 1)
+      shards.insert(of.begin(), of.end());
+    else if (of.empty())
+      refuse_unlisted(part.path());
+  }
+  /// Where the captures that it was begun for are missed nowhere else.
+  [[noreturn]] static void refuse_unlisted(const std::string &part) {
+    throw Error(ADA4571_ERROR_INVALID_ARGUMENT,
+                part + ": begun, and no capture is listed in it yet: run it again");
   }
   bool complete() const {
     return setup->shards == 1 || shards.size() == static_cast<std::size_t>(setup->shards);
@@ -129,11 +135,17 @@ void merge_rows(std::span<const std::string> parts, const std::string &beside, D
 
 void merge(const std::vector<std::string> &parts, const std::string &path) {
   Dealt dealt;
+  std::vector<std::string> held, empty;
   for (const std::string &part : parts) {
     if (file_id(part) == file_id(path) && file_id(path))
       throw Error(ADA4571_ERROR_INVALID_ARGUMENT, path + ": a part cannot be the result, too");
-    dealt.add(Database(part));
+    (Database::is_empty(part) ? empty : held).push_back(part);
   }
+  for (const std::string &part : held)
+    dealt.add(Database(part));
+  // Of a shard among others it shows that it is missing.
+  if (!empty.empty() && (!dealt.setup || dealt.setup->shards == 1))
+    Dealt::refuse_unlisted(empty.front());
   // However it was dealt out: once all is there, that no longer shows.
   Setup whole{dealt.setup->diagnose, 1, 1};
   if (!dealt.complete())
@@ -143,7 +155,7 @@ void merge(const std::vector<std::string> &parts, const std::string &path) {
     Database out(draft.path(), whole, false);
     if (!dealt.complete())
       out.add_shards({dealt.shards.begin(), dealt.shards.end()});
-    merge_rows(parts, draft.path(), out);
+    merge_rows(held, draft.path(), out);
   }
   draft.commit();
 }

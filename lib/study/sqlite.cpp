@@ -55,10 +55,19 @@ void Statement::Finalize::operator()(sqlite3_stmt *s) const noexcept {
 Sqlite::Sqlite(const std::string &path, Mode mode) : path_(path) {
   if (mode == Mode::read && ::access(path.c_str(), F_OK) != 0)
     throw Error(ADA4571_ERROR_NOT_FOUND, path + ": there is no such study");
+  constexpr const char *kLook = "SELECT 1 FROM sqlite_master";
+  open(mode == Mode::read ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
+  if (mode == Mode::write ||
+      sqlite3_exec(database_.get(), kLook, nullptr, nullptr, nullptr) != SQLITE_READONLY_ROLLBACK)
+    return; // any other failure comes again, where it is handled
+  open(SQLITE_OPEN_READWRITE);
+  run(kLook);
+  run("PRAGMA query_only = 1");
+}
+
+void Sqlite::open(int flags) {
   sqlite3 *raw = nullptr;
-  const int flags =
-      mode == Mode::read ? SQLITE_OPEN_READONLY : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
-  const int code = sqlite3_open_v2(path.c_str(), &raw, flags, nullptr);
+  const int code = sqlite3_open_v2(path_.c_str(), &raw, flags, nullptr);
   database_.reset(raw);
   if (raw == nullptr)
     throw Error(ADA4571_ERROR_NO_MEMORY, "out of memory");
@@ -91,6 +100,10 @@ void Sqlite::share() {
     std::this_thread::sleep_for(kPause);
   }
   run("PRAGMA synchronous = NORMAL");
+}
+
+bool Sqlite::is_empty() {
+  return !Statement(*this, "SELECT 1 FROM sqlite_master").step();
 }
 
 bool Sqlite::has_table(const std::string &name) {

@@ -53,14 +53,17 @@ private:
 class Sqlite {
 public:
   enum class Mode { read, write };
-  /// Write: made where it is not there. Throws Error as every method here does, with the file's
-  /// name.
+  /// Write: made where it is not there. Read: what a process that was killed had half written is
+  /// rolled back first, for which SQLite asks to write. Throws Error as every method here does,
+  /// with the file's name.
   Sqlite(const std::string &path, Mode mode);
   void run(const std::string &sql);
   /// For several processes at once: they read while one writes. To change over needs the file for
   /// oneself, for which SQLite does not wait when another changes it over at the same moment or gives
   /// it back: that is waited for here.
   void share();
+  /// Whether there is no table at all: a process that was killed had got no further.
+  bool is_empty();
   /// Whether there is a table of this name.
   bool has_table(const std::string &name);
   std::int64_t last_id() const;
@@ -71,6 +74,8 @@ private:
   struct Close {
     void operator()(sqlite3 *d) const noexcept;
   };
+  void open(int flags);
+
   std::string path_;
   std::unique_ptr<sqlite3, Close> database_;
 };

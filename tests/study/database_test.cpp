@@ -11,6 +11,8 @@
 
 #include <malloc.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
@@ -165,6 +167,112 @@ TEST_F(DatabaseTest, WhatIsMissingIsNamed) {
   EXPECT_EQ(missing(Database(folder / "whole.db")).find("shard"), std::string::npos);
 }
 
+/// Runs it in a process of its own, which ends without a word: at once, or within `patience_s`.
+template <class Work> void in_a_process_that_dies(Work work, double patience_s) {
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    work();
+    ::_exit(0);
+  }
+  std::this_thread::sleep_for(std::chrono::duration<double>(patience_s));
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+}
+
+TEST_F(DatabaseTest, WhateverMomentATaskIsKilledAtTheMergeIsMadeAndNamesWhatIsLost) {
+  const std::vector<Row> rows = draw(24);
+  const std::vector<std::string> all = parts(rows, 4, "part");
+  const std::string killed = folder / "killed.db";
+  const auto begin = std::chrono::steady_clock::now();
+  parts(rows, 1, "timed");
+  const double whole_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  int empty = 0, partial = 0;
+  for (int k = 0; k < 60; ++k) {
+    for (const char *end : {"", "-wal", "-shm", "-journal"})
+      std::filesystem::remove(killed + end);
+    // Half of them while the file is begun.
+    const double at_s = whole_s * std::uniform_real_distribution(0.0, k % 2 == 0 ? 1.0 : 0.1)(rng);
+    in_a_process_that_dies(
+        [&] {
+          Database part(killed, {true, 1, 4});
+          part.list(names(rows));
+          for (const Row &row : rows)
+            if (shard_of(row.capture, 4) == 1)
+              part.put(row);
+        },
+        at_s);
+    if (!std::filesystem::exists(killed))
+      continue;
+    const std::string merged = folder / "merged.db";
+    ASSERT_NO_THROW(merge({killed, all[1], all[2], all[3]}, merged)) << "killed after " << at_s;
+    const std::string lost = missing(Database(merged));
+    std::size_t there = 0;
+    Database(merged).each([&](const Row &row) { there += row.state != RowState::waiting; });
+    if (lost.find("shard 1 of 4 is missing") != std::string::npos) {
+      ++empty;
+      continue;
+    }
+    partial += !lost.empty();
+    EXPECT_EQ(there + static_cast<std::size_t>(std::count(lost.begin(), lost.end(), '\n')),
+              rows.size())
+        << lost;
+  }
+  RecordProperty("nothing_listed", empty);
+  RecordProperty("some_done", partial);
+}
+
+TEST_F(DatabaseTest, WhatAKilledWriterLeftIsRolledBackByWhoReads) {
+  const std::string path = folder / "s.db";
+  std::vector<Row> rows = draw(40);
+  {
+    Database study(path, {true, 1, 1});
+    study.list(names(rows));
+    for (const Row &row : rows)
+      study.put(row);
+  }
+  const std::string before = test::read_file(path);
+  in_a_process_that_dies(
+      [&] { // no room to keep the change in memory: half of it stands in the file
+        Sqlite half(path, Sqlite::Mode::write);
+        half.run("PRAGMA cache_size = 1; BEGIN; UPDATE captures SET report = hex(zeroblob(9000))");
+        ::_exit(0);
+      },
+      1.0);
+  ASSERT_TRUE(std::filesystem::exists(path + "-journal"));
+  ASSERT_NE(test::read_file(path), before);
+  std::size_t count = 0;
+  Database(path).each([&](const Row &row) {
+    ++count;
+    EXPECT_NE(row.report.size(), 18000u);
+  });
+  EXPECT_EQ(count, rows.size());
+}
+
+TEST_F(DatabaseTest, AFileThatWasOnlyBegunIsAPartWithoutCaptures) {
+  const std::vector<Row> rows = draw(24);
+  const std::vector<std::string> all = parts(rows, 3, "part");
+  const std::string bare = folder / "bare.db", tables = folder / "tables.db";
+  Sqlite(bare, Sqlite::Mode::write).share();
+  { Database(tables, {true, 2, 3}); }
+  for (const std::string &begun : {bare, tables}) {
+    merge({all[0], begun, all[2]}, folder / "merged.db");
+    EXPECT_EQ(missing(Database(folder / "merged.db")), "shard 2 of 3 is missing\n");
+    { // and it goes on from there
+      Database part(begun, {true, 2, 3});
+      part.list(names(rows));
+    }
+    EXPECT_EQ(Database(begun).shards(), std::vector<int>{2});
+  }
+  // Where nothing else would show it.
+  const std::string whole = folder / "whole.db";
+  { Database(whole, {true, 1, 1}); }
+  EXPECT_THROW(merge({parts(rows, 1, "one")[0], whole}, folder / "none.db"), Error);
+  EXPECT_THROW(merge({whole}, folder / "none.db"), Error);
+}
+
 TEST_F(DatabaseTest, AStudyOfAllItsCapturesGoesWithPartsOfAnyDeal) {
   const std::vector<Row> rows = draw(40);
   const std::vector<Row> monday(rows.begin(), rows.begin() + 25),
@@ -278,6 +386,8 @@ TEST_F(DatabaseTest, RefusesWhatItIsNot) {
   { Sqlite(folder / "other.db", Sqlite::Mode::write).run("CREATE TABLE captures(x)"); }
   EXPECT_THROW(Database(folder / "other.db"), Error);
   EXPECT_THROW(Database(folder / "other.db", {}), Error);
+  { Sqlite(folder / "people.db", Sqlite::Mode::write).run("CREATE TABLE people(x)"); }
+  EXPECT_THROW(Database(folder / "people.db", {}), Error);
   { Database(folder / "whole.db", {}); }
   EXPECT_THROW(Database(folder / "whole.db", {true, 1, 2}), Error);
   EXPECT_THROW(Database(folder / "whole.db", {false, 1, 1}), Error);
