@@ -253,6 +253,96 @@ bool one_sided(const Residual &r, const MostlyAt &at, double frequency) {
   return out;
 }
 
+/// Along the radius alone a tone is two lines, one on either side of the pair's frequency, which
+/// follow the pair's speed; a gain that swings is one that stands still, and two in the channels. A
+/// tone that turns, seen from a pair of one speed, is such a gain.
+class AlongRadius {
+public:
+  explicit AlongRadius(const Residual &r) : r_(r) {
+    for (std::size_t i = 0; i < r.time.size(); ++i) {
+      const double c = r.model_cos_v[i] - r.centre_cos_v, s = r.model_sin_v[i] - r.centre_sin_v;
+      const double inverse = 1.0 / std::max(std::hypot(c, s), 1e-9);
+      cos_.push_back(inverse * c);
+      sin_.push_back(inverse * s);
+      along_.push_back(r.cos_v[i] * cos_.back() + r.sin_v[i] * sin_.back());
+      along_v2_ += along_.back() * along_.back();
+      across_v2_ += std::pow(r.sin_v[i] * cos_.back() - r.cos_v[i] * sin_.back(), 2);
+      fastest_hz_ = std::max(fastest_hz_, std::abs(double{r.omega[i]}) * r.periods / kTwoPi);
+    }
+    add_power_over_time(
+        r.time, r.sample_period_s, [&](std::size_t i) { return along_[i]; }, spectrum_);
+  }
+
+  /// Whether the residual says little across the vector: nothing is left there where the angle is
+  /// the pair's own, and not much where the motion is hardly known.
+  bool is_most() const {
+    constexpr double kLittle = 0.25; // of power
+    return across_v2_ < kLittle * along_v2_;
+  }
+
+  bool is_gain(double frequency) const {
+    // What a tone takes beyond one line: of that, as no ellipse of the pair gives to a gain; and
+    // so that chance gives it to its two more columns in no case that anybody meets.
+    constexpr double kMore = 0.02, kNats = 10.0;
+    const double wide = spectrum_.bin_hz; // the lines beside it, however slow the pair is
+    double strongest = 0.0;
+    for (const double side : {-1.0, 1.0}) {
+      const double reach = side * (fastest_hz_ + wide);
+      strongest = std::max(strongest, strongest_of_gain(std::min(frequency, frequency + reach),
+                                                        std::max(frequency, frequency + reach)));
+    }
+    const double tone = of_tone(frequency), left = along_v2_ - tone;
+    const double nats = 0.5 * static_cast<double>(along_.size()) *
+                        std::log1p((tone - strongest) / std::max(left, 1e-30));
+    return tone < (1.0 + kMore) * strongest || nats < kNats;
+  }
+
+private:
+  /// What the columns take of the radius, V^2. `columns`: of sample i with the sine and cosine of
+  /// the phase there.
+  template <int N, class Columns> double taken(double frequency, Columns columns) const {
+    Eigen::Matrix<double, N, N> normal = Eigen::Matrix<double, N, N>::Zero();
+    Eigen::Matrix<double, N, 1> onto = Eigen::Matrix<double, N, 1>::Zero();
+    for_each_sincos(
+        along_.size(), [&](std::size_t i) { return kTwoPi * frequency * r_.time[i]; },
+        [&](std::size_t i, double s, double c) {
+          const Eigen::Matrix<double, N, 1> row = columns(i, s, c);
+          normal += row * row.transpose();
+          onto += along_[i] * row;
+        });
+    return onto.cwiseProduct(solved(normal, onto)).sum();
+  }
+  /// The most about a frequency that is known to half a line of the spectrum.
+  template <int N, class Columns> double most_taken(double frequency, Columns columns) const {
+    constexpr int kSteps = 5; // on either side; half of one loses less than a hundredth
+    double best = 0.0;
+    for (int step = -kSteps; step <= kSteps; ++step)
+      best = std::max(best, taken<N>(frequency + 0.5 * step / kSteps * spectrum_.bin_hz, columns));
+    return best;
+  }
+  double of_tone(double frequency) const {
+    return most_taken<4>(frequency, [this](std::size_t i, double s, double c) {
+      return Eigen::Vector4d(sin_[i] * s, sin_[i] * c, cos_[i] * s, cos_[i] * c);
+    });
+  }
+  double strongest_of_gain(double from_hz, double to_hz) const {
+    const auto &power = spectrum_.power;
+    const auto bin = [&](double hz) {
+      return std::clamp<std::size_t>(static_cast<std::size_t>(std::max(0.0, hz) / spectrum_.bin_hz),
+                                     1, power.size() - 1);
+    };
+    const auto peak = std::max_element(power.begin() + static_cast<std::ptrdiff_t>(bin(from_hz)),
+                                       power.begin() + static_cast<std::ptrdiff_t>(bin(to_hz)) + 1);
+    return most_taken<2>(static_cast<double>(peak - power.begin()) * spectrum_.bin_hz,
+                         [](std::size_t, double s, double c) { return Eigen::Vector2d(s, c); });
+  }
+
+  const Residual &r_;
+  std::vector<double> cos_, sin_, along_;
+  double fastest_hz_ = 0.0, along_v2_ = 0.0, across_v2_ = 0.0;
+  PowerOverTime spectrum_;
+};
+
 /// Whether a line has a fellow on the other side of the pair's own frequency: something then
 /// modulates the pair, and neither is a tone.
 bool has_fellow(const Residual &r, const MostlyAt &at, double frequency) {
@@ -290,10 +380,11 @@ bool slow_beside_pair(const Residual &r, double frequency) {
   return static_cast<double>(near) > kMost * static_cast<double>(r.omega.size());
 }
 
-/// Whether a line is more than an order of the turn beside it, which may grow and fall over the
+/// Whether a line is more than an order of the turn beside it, or than something else whose `phase`
+/// in rad is given, which may grow and fall over the
 /// record, as with the temperature: that leaves more than half of what both take. Where the record
 /// is too short to tell the two apart, either takes all.
-bool told_from_order(const Residual &r, int order, double frequency) {
+template <class Phase> bool told_from(const Residual &r, Phase phase, double frequency) {
   constexpr int kOfOrder = 6; // a parabola over the record of either phase
   using Row = Eigen::Matrix<double, kOfOrder + 2, 1>;
   Eigen::Matrix<double, kOfOrder + 2, kOfOrder + 2> normal;
@@ -301,11 +392,9 @@ bool told_from_order(const Residual &r, int order, double frequency) {
   normal.setZero();
   onto.setZero();
   std::vector<std::array<double, 2>> of_order(r.time.size());
-  for_each_sincos(
-      r.time.size(), [&](std::size_t i) { return order * r.alpha[i]; },
-      [&](std::size_t i, double s, double c) {
-        of_order[i] = {s, c};
-      });
+  for_each_sincos(r.time.size(), phase, [&](std::size_t i, double s, double c) {
+    of_order[i] = {s, c};
+  });
   const double middle = 0.5 * (r.time.front() + r.time.back()),
                half = std::max(0.5 * (r.time.back() - r.time.front()), 1e-12);
   for_each_sincos(
@@ -326,6 +415,92 @@ bool told_from_order(const Residual &r, int order, double frequency) {
   return both - taken(kOfOrder) > 0.5 * both;
 }
 
+bool told_from_order(const Residual &r, int order, double frequency) {
+  return told_from(
+      r, [&](std::size_t i) { return order * r.alpha[i]; }, frequency);
+}
+
+/// Hz at which a shaft that goes to and fro evenly comes back: whatever repeats with its angle is
+/// then a sum of lines at the multiples. 0: it moves otherwise, over whole turns, or too seldom for
+/// the multiples to lie apart.
+double comes_back(const Residual &r) {
+  constexpr double kEven = 0.8;   // of the mean square of the motion in one line
+  constexpr double kFewest = 8.0; // times
+  if (r.arc_turns() > 1.0)
+    return 0.0;
+  const double n = static_cast<double>(r.time.size());
+  const double mean = std::accumulate(r.alpha.begin(), r.alpha.end(), 0.0) / std::max(1.0, n);
+  PowerOverTime motion;
+  add_power_over_time(
+      r.time, r.sample_period_s, [&](std::size_t i) { return r.alpha[i] - mean; }, motion);
+  if (motion.power.size() < 4)
+    return 0.0;
+  const auto peak = std::max_element(motion.power.begin() + 2, motion.power.end() - 1);
+  const auto share = [&](double hz) { // of the motion
+    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d onto = Eigen::Vector2d::Zero();
+    double all = 0.0;
+    for_each_sincos(
+        r.time.size(), [&](std::size_t i) { return kTwoPi * hz * r.time[i]; },
+        [&](std::size_t i, double s, double c) {
+          const Eigen::Vector2d row(s, c);
+          normal += row * row.transpose();
+          onto += (r.alpha[i] - mean) * row;
+          all += (r.alpha[i] - mean) * (r.alpha[i] - mean);
+        });
+    return onto.cwiseProduct(solved(normal, onto)).sum() / std::max(all, 1e-30);
+  };
+  double best = 0.0, at = 0.0;
+  for (double beside = -0.6; beside < 0.65; beside += 0.1) {
+    const double hz = (static_cast<double>(peak - motion.power.begin()) + beside) * motion.bin_hz;
+    if (const double of = share(hz); of > best) {
+      best = of;
+      at = hz;
+    }
+  }
+  const double span = r.time.back() - r.time.front();
+  return best > kEven && at * span > kFewest ? at : 0.0;
+}
+
+/// Whether a line swings while the record goes on, and not from one stretch of it to the next: what
+/// lies between two stretches nobody saw, and levels of a few stretches are on a tone of some
+/// frequency by chance. It then keeps most of its power where each stretch has a mean of its own.
+bool swings_within_stretches(const Residual &r, double frequency) {
+  constexpr double kGap = 0.5;  // of a period
+  constexpr double kMost = 0.5; // of power
+  Eigen::Matrix4d all = Eigen::Matrix4d::Zero(), within = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d mean = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d products = Eigen::Matrix4d::Zero();
+  double n = 0.0;
+  std::size_t stretches = 0;
+  const auto end_stretch = [&] {
+    within += products - mean * mean.transpose() / std::max(1.0, n);
+    all += products;
+    mean.setZero();
+    products.setZero();
+    n = 0.0;
+    ++stretches;
+  };
+  for (std::size_t i = 0; i < r.time.size(); ++i) {
+    if (i > 0 && (r.time[i] - r.time[i - 1]) * frequency > kGap)
+      end_stretch();
+    double s, c;
+    sincos(kTwoPi * frequency * r.time[i], &s, &c);
+    const Eigen::Vector4d row(s, c, r.sin_v[i], r.cos_v[i]);
+    mean += row;
+    products += row * row.transpose();
+    n += 1.0;
+  }
+  end_stretch();
+  if (stretches == 1)
+    return true;
+  const auto taken = [](const Eigen::Matrix4d &m) {
+    const Eigen::MatrixXd a = m.topLeftCorner<2, 2>(), b = m.topRightCorner<2, 2>();
+    return (b.array() * solved(a, b).array()).sum();
+  };
+  return taken(within) > kMost * taken(all);
+}
+
 /// A line at an order of a steady rotation is no tone when the residual follows the angle as well.
 bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
   return order != 0 &&
@@ -335,6 +510,22 @@ bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
 /// Highest order of the turn that a named cause may have.
 double highest_named(const Residual &r) {
   return (criteria::kNamedPeriods + 1) * r.periods;
+}
+
+/// Whether what repeats with the angle may make a line of this frequency while the shaft goes to
+/// and fro: of an order n over a way of amplitude A it makes such up to n A, and little beyond (the
+/// Bessel functions of a frequency modulation).
+bool of_way_there_and_back(const Residual &r, double back_hz, double frequency) {
+  constexpr double kBeyond = 2.0, kWidth = 1.0; // of the resolution: the line's main lobe
+  if (!(back_hz > 0.0))
+    return false;
+  const double multiple = std::round(frequency / back_hz);
+  const double span = r.time.back() - r.time.front();
+  const double highest = highest_named(r) * 0.5 * kTwoPi * r.arc_turns() + kBeyond;
+  return multiple >= 1.0 && multiple <= highest &&
+         std::abs(frequency - multiple * back_hz) < kWidth / span &&
+         !told_from(
+             r, [&](std::size_t i) { return kTwoPi * multiple * back_hz * r.time[i]; }, frequency);
 }
 
 /// Whether a line at a multiple of the period stands out of those at the multiples beside it: what
@@ -586,7 +777,7 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
   Rounded rounded(residual);
   const Residual &r = rounded.view;
   const double span = r.time.empty() ? 0.0 : r.time.back() - r.time.front();
-  const double round = comes_round(r);
+  const double round = comes_round(r), back = comes_back(r);
   const bool few = too_few_rounds_for_lines(r);
   // Of a long record in few rounds, tones of up to so many half periods in all: there is one line
   // to look for, and many spectra to do it.
@@ -594,10 +785,13 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
   if (few)
     rounded.view.sample_period_s = std::max(r.sample_period_s, span / kMostHalfPeriods);
   std::optional<MostlyAt> most;
+  std::optional<AlongRadius> along;
   std::vector<std::vector<double>> tones;
   const auto no_tone = [&](double frequency, const Line &line) {
     if (!most)
       most = mostly_at(r);
+    if (!along)
+      along.emplace(r);
     const auto of_round = static_cast<int>(round > 0.0 ? std::round(frequency / round) : 0.0);
     const int of_speed = order_near(r, frequency, 1.0 / span);
     const bool near_round =
@@ -609,9 +803,12 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
     return ((at_round || at_speed) &&
             may_be_of_the_angle(r, *most, near_round || !at_speed ? of_round : of_speed, frequency,
                                 line, few)) ||
-           slow_beside_pair(r, frequency) ||
-           (rotates_with_pair(r, *most, frequency, line) &&
-            (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)));
+           of_way_there_and_back(r, back, frequency) || slow_beside_pair(r, frequency) ||
+           !swings_within_stretches(r, frequency) ||
+           ((along->is_most() ||
+             (rotates_with_pair(r, *most, frequency, line) &&
+              (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)))) &&
+            along->is_gain(frequency));
   };
   double fastest = 0.0;
   if (few)

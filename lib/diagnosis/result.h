@@ -41,6 +41,7 @@ struct Structure {
   std::string along; ///< angle, time, temperature, speed or frequency
   std::string description;
   double rms_v = 0.0;
+  bool comes_again = false; ///< a mean that was seen again at the same places of the angle
 };
 
 struct Invisible {

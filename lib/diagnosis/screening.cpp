@@ -630,8 +630,7 @@ Screened first_look(const Capture &capture, std::vector<char> usable) {
   Screened look{.capture = capture, .usable = std::move(usable)};
   // A dead channel would spoil every other look, spikes those for jumps: they go first.
   the_effect_that_spoils(Spoils::channel).screen(look);
-  if (!capture.has_reference()) // which says where in its peak a reading is
-    the_effect_that_spoils(Spoils::peaks).screen(look);
+  the_effect_that_spoils(Spoils::peaks).screen(look);
   rough_angle(look);
   look.white_noise_v = white_noise(look);
   const bool part = look.turns() < criteria::kFewestUnits ||

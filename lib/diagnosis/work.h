@@ -284,6 +284,13 @@ private:
   /// `turning`: of what turns the vector alone, as no gain does.
   double random_v(bool in_time = true, bool turning = false) const;
 
+  /// Mean square of a channel, V^2, that the rounding of a reference which counts in steps leaves
+  /// over; and of it what does not come again at the same place, as at a steady speed much of it
+  /// does and at others little: of the pair's own angle, rounded to the same steps. Only what comes
+  /// again can pass for structure along the angle.
+  double rounding_v2() const;
+  double rounding_that_does_not_come_again_v2() const;
+
   static bool is_white(const EffectInfo &info);
   static bool is_coloured_noise(const EffectInfo &info);
   static bool is_white_noise(const EffectInstance &e) { return is_white(e.effect->info()); }
@@ -319,6 +326,8 @@ private:
     ResidualColumns rest;
   };
   NotNamed not_named() const;
+  /// How much of a residual comes again at the places of the highest order that was found.
+  std::optional<Repeated> repeats(const Observations &data, const ResidualColumns &rest) const;
   /// Of what was found to go with the angle, V rms of a channel: whether it is there in the
   /// residual each time that the shaft passes a place.
   Recurrence recurrence(const NotNamed &left, double rms_v) const;
@@ -372,6 +381,7 @@ private:
   double noise_ = 0.0, explained_noise_ = 0.0;
   bool noise_stated_ = false, free_lag_ = false;
   std::set<const Effect *> named_last_; ///< moved there once: no order of two may go round
+  mutable std::optional<double> rounding_that_does_not_come_again_v2_;
   int slow_waves_ = 0; ///< half waves by which the course of a slow process was taken out
   std::vector<double> lengthening_; ///< orders at which the length changes as the angle does
   bool in_bursts_ = false;          ///< samples in a row are left over

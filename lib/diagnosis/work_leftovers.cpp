@@ -44,7 +44,9 @@ void Work::look_at_leftovers() {
 }
 
 void Work::note_what_the_anonymous_model_does_better() {
-  const double named2 = std::pow(last_.heldout.residual_rms_v, 2) - std::pow(random_v(), 2);
+  // Of a rounding the anonymous model has what comes again.
+  const double named2 = std::pow(last_.heldout.residual_rms_v, 2) - std::pow(random_v(), 2) +
+                        rounding_that_does_not_come_again_v2();
   const double anonymous2 = std::pow(out_.anonymous.residual_rms_v, 2);
   // Where the motion is read off the pair the anonymous model takes a part of it.
   const bool of_motion = !scene_.has_reference && !scene_.radius_only;
@@ -88,7 +90,7 @@ double Work::random_v(bool in_time, bool turning) const {
     else if (info.evidence != Evidence::noise) // white noise has no structure of its own
       sum += beyond_course_v2(info, e.values) * alike;
   }
-  sum += std::pow(reference_step_rad() * scene_.periods * channel_rms_v(), 2) / 12.0;
+  sum += rounding_v2();
   // Steps that no noise blurs err by the place, and so with whatever the place goes with.
   sum += std::pow(scene_.coarse_step_v, 2) / 12.0;
   // A supply that is only inferred is weighed down to the noise along one of two directions, and
@@ -96,6 +98,30 @@ double Work::random_v(bool in_time, bool turning) const {
   if (found_.disturbed == Direction::supply)
     sum += 0.5 * unnamed_.selection.noise_v2;
   return std::sqrt(sum);
+}
+
+double Work::rounding_v2() const {
+  return std::pow(reference_step_rad() * scene_.periods * channel_rms_v(), 2) / 12.0;
+}
+
+double Work::rounding_that_does_not_come_again_v2() const {
+  const double step = reference_step_rad();
+  if (!(step > 0.0))
+    return 0.0;
+  if (rounding_that_does_not_come_again_v2_)
+    return *rounding_that_does_not_come_again_v2_;
+  const NotNamed left = not_named();
+  const Observations data = at_own_angle(left.data, out_.extended);
+  ResidualColumns rest = residual_columns(data, out_.extended);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const double rounding = step * std::round(data.alpha[i] / step) - data.alpha[i];
+    rest.sin[i] = scene_.periods * rounding * (rest.model_cos[i] - data.centre_cos_v);
+    rest.cos[i] = -scene_.periods * rounding * (rest.model_sin[i] - data.centre_sin_v);
+  }
+  const auto again = repeats(left.data, rest);
+  const double v2 = again ? rounding_v2() - std::clamp(again->v2, 0.0, rounding_v2()) : 0.0;
+  rounding_that_does_not_come_again_v2_ = v2;
+  return v2;
 }
 
 bool Work::is_coloured_noise(const EffectInfo &info) {
@@ -140,7 +166,9 @@ void Work::drop_what_is_random() {
   const std::optional<Structure> turns = what_turns_the_vector();
   std::erase_if(out_.structure, [&](const Structure &s) {
     const bool in_time = s.along == axis_name(Axis::time) || s.along == axis_name(Axis::frequency);
-    return s.rms_v < criteria::kOfProcess * random_v(in_time);
+    const double rounding_v2 = s.comes_again ? rounding_that_does_not_come_again_v2() : 0.0;
+    return s.rms_v < criteria::kOfProcess *
+                         std::sqrt(std::max(0.0, std::pow(random_v(in_time), 2) - rounding_v2));
   });
   if (turns && out_.structure.empty())
     out_.structure.push_back(*turns);
@@ -239,11 +267,16 @@ Work::NotNamed Work::not_named() const {
   return out;
 }
 
-Recurrence Work::recurrence(const NotNamed &left, double rms_v) const {
-  constexpr double kErrors = 2.0, kSure = 2.5, kCellsOfWave = 4.0;
+std::optional<Repeated> Work::repeats(const Observations &data, const ResidualColumns &rest) const {
+  constexpr double kCellsOfWave = 4.0;
   const double turn = in_turns(scene_) ? kTwoPi : kTwoPi / scene_.periods;
   const int highest = std::max(1, unnamed_.selection.orders[static_cast<std::size_t>(Axis::angle)]);
-  const auto seen = repeated_v2(left.data, left.rest, turn, turn / (kCellsOfWave * highest));
+  return repeated_v2(data, rest, turn, turn / (kCellsOfWave * highest));
+}
+
+Recurrence Work::recurrence(const NotNamed &left, double rms_v) const {
+  constexpr double kErrors = 2.0, kSure = 2.5;
+  const auto seen = repeats(left.data, left.rest);
   if (!seen)
     return Recurrence::once;
   if (seen->v2 > kSure * seen->error_v2)
@@ -286,7 +319,8 @@ void Work::note_unnamed() {
     if (line.axis != Axis::noise && line.unnamed_rms_v > least)
       out_.structure.push_back({std::string(axis_name(line.axis)),
                                 unnamed_sentence(line, unnamed_.selection, scene_, again),
-                                line.unnamed_rms_v});
+                                line.unnamed_rms_v,
+                                line.axis == Axis::angle && again == Recurrence::seen});
   }
 }
 

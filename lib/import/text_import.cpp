@@ -11,6 +11,7 @@
 #include "import/table.h"
 #include "import/units.h"
 #include "recording/line_reader.h"
+#include "recording/metadata.h"
 
 namespace ada {
 
@@ -164,13 +165,29 @@ private:
     return times;
   }
 
+  /// What would be metadata of a capture, in a file that does not begin as one.
+  std::string unread_metadata() const {
+    std::size_t first = 0, count = 0;
+    for (std::size_t i = 0; i < table_.first_row; ++i)
+      if (const std::string_view line = trim(head_[i]); line.starts_with('#'))
+        if (const auto sign = line.find('=');
+            sign != line.npos && is_known_metadata(trim(line.substr(1, sign - 1))))
+          first = count++ == 0 ? i : first;
+    if (count == 0)
+      return {};
+    return "not read: " + excerpt(trim(head_[first])) + " of line " + std::to_string(first + 1) +
+           (count > 1 ? " and " + std::to_string(count - 1) + " more" : "") +
+           "; metadata are read where the first line is '# ada4571-capture/1'\n";
+  }
+
   void describe(const ImportOptions &options) {
     meta_.supply_v = options.supply_v;
     meta_.periods_per_turn = options.periods_per_turn;
     if (rate_hz_ > 0.0)
       meta_.sample_rate_hz = rate_hz_;
     text_ = "rows from line " + std::to_string(table_.first_row + 1) + ", separator " +
-            quoted(table_.separator) + ", decimal mark '" + table_.decimal + "'\n" + columns_.text;
+            quoted(table_.separator) + ", decimal mark '" + table_.decimal + "'\n" + columns_.text +
+            unread_metadata();
     if (rate_hz_ > 0.0)
       text_ += "sample rate: " + shortest(rate_hz_) + " Hz, " + rate_from_ + "\n";
     else

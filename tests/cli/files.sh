@@ -269,6 +269,13 @@ check_unusable_files_end_with_1_name_the_place_and_leave_nothing() {
   same "files left" "$(find . -type f -name '*.??????' | wc -l)" 0
 }
 
+check_a_seed_is_any_number_of_64_bits() {
+  status 0 iio-angle simulate --seed 18446744073709551615 --rate 100 --duration 1 -o a.csv
+  says a.csv '^# origin = simulation, seed 18446744073709551615$'
+  status 2 iio-angle simulate --seed 18446744073709551616 --rate 100 --duration 1 -o b.csv
+  says err "'18446744073709551616' is above 18446744073709551615"
+}
+
 check_simulate_is_the_same_for_a_seed_and_another_for_another() {
   capture a.csv
   capture b.csv

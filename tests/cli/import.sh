@@ -36,6 +36,16 @@ check_a_scope_file_gives_the_capture_that_it_was_made_of() {
   status 0 iio-angle calibrate single b.csv -o b.toml
 }
 
+check_metadata_of_a_capture_without_its_first_line_are_said_to_be_unread() {
+  simulate
+  tail -n +2 a.csv >headless.csv
+  status 0 iio-angle import headless.csv -o b.csv
+  says err "^not read: '# supply_v = 5' of line 1 and [0-9]+ more; metadata are read where the first line is '# ada4571-capture/1'$"
+  grep -v '^#' a.csv >bare.csv
+  status 0 iio-angle import bare.csv -o b.csv
+  ! grep -q 'not read' err || fail "nothing was there to read: $(cat err)"
+}
+
 check_what_is_ambiguous_is_asked_for_and_nothing_is_written() {
   simulate
   as_scope scope.csv

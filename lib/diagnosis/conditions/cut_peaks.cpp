@@ -13,6 +13,7 @@
 
 #include <Eigen/Dense>
 
+#include "base/angle.h"
 #include "base/robust.h"
 #include "diagnosis/criteria.h"
 #include "model/effect.h"
@@ -215,6 +216,29 @@ Roundness roundness_on(const Residual &r, bool of_sin, double sense) {
   return {-parabola[2], std::sqrt(variance * solver.solve(Eigen::Vector3d::UnitZ())[2])};
 }
 
+/// Periods of the pair that a reference goes through.
+double periods_of_reference(const Capture &capture, std::span<const char> usable) {
+  double turns = 0.0, last = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < capture.size(); ++i) {
+    if (!usable[i])
+      continue;
+    if (!std::isnan(last))
+      turns += std::abs(wrap_centred(capture.reference_deg[i] - last, 360.0)) / 360.0;
+    last = capture.reference_deg[i];
+  }
+  return turns * capture.meta.periods_per_turn;
+}
+
+/// Whether an end is cut off in some periods and not in others, as where the amplitude changes: of
+/// that the mean peak, which a reference tells, is no measure, and the readings alone say it.
+bool cuts_some(const Screened &look, std::size_t peaks) {
+  if (!look.capture.has_reference())
+    return false;
+  constexpr double kAll = 0.9;
+  const double periods = periods_of_reference(look.capture, look.usable);
+  return static_cast<double>(peaks) < kAll * std::floor(periods);
+}
+
 } // namespace
 
 bool lie_on_levels(const Residual &residual, std::span<const double> levels) {
@@ -256,19 +280,21 @@ bool screen_cut_peaks(Screened &look, const Effect &effect) {
           level_of({channels[k], channels[1 - k], look.usable, high ? 1.0 : -1.0, bands[k],
                     ranges[k].half, ranges[1 - k].half, ranges[1 - k].middle});
   std::size_t on_levels = 0, peaks = 0, usable = 0;
+  bool some = false;
   for (const auto &channel : ends)
     for (const auto &end : channel)
       if (end) {
+        some = some || cuts_some(look, end->peaks);
         on_levels += end->rows.size();
         peaks += end->peaks;
       }
-  if (peaks < criteria::kFewestCutPeaks)
+  if (peaks < criteria::kFewestCutPeaks || (capture.has_reference() && !some))
     return false;
   for (char u : look.usable)
     usable += u != 0;
   if (2 * on_levels > usable) // the rest shows no pair: levels are left to the fit
     return false;
-  // A level is that of both channels unless the other one comes as far and has none.
+  // A level is that of both channels unless the other one goes beyond it.
   const auto of_both = [&](std::size_t k, std::size_t high) {
     const double sense = high ? 1.0 : -1.0;
     const double level = ends[k][high]->value_v;
@@ -276,7 +302,7 @@ bool screen_cut_peaks(Screened &look, const Effect &effect) {
       return std::abs(other->value_v - level) < band;
     std::size_t beyond = 0;
     for (std::size_t i = 0; i < capture.size(); ++i)
-      beyond += look.usable[i] && sense * (channels[1 - k][i] - level) > -band;
+      beyond += look.usable[i] && sense * (channels[1 - k][i] - level) > band;
     return static_cast<double>(beyond) <=
            criteria::kSpikesAboveLevel * static_cast<double>(capture.size());
   };

@@ -3,6 +3,7 @@
 #include "common/option_checks.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 
@@ -76,15 +77,17 @@ CLI::Validator whole(std::uint64_t low, std::uint64_t high) {
                                      : fmt::format("a whole number, {} or above", low);
   return {[=](std::string &text) -> std::string {
             // As digits first: a double does not hold all of 64 bits.
-            const bool digits =
-                !text.empty() && text.size() < 20 &&
-                std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+            std::uint64_t number = 0;
+            const char *end = text.data() + text.size();
+            const auto [stop, error] = std::from_chars(text.data(), end, number);
+            const bool digits = !text.empty() && stop == end;
+            if (digits && error == std::errc::result_out_of_range)
+              return fmt::format("'{}' is above {}", text, high);
             const double value = parse_quantity(text, "1").value_or(-1.0);
             constexpr double kExact = 9007199254740992.0; // 2^53
             if (!digits && !(value >= 0 && value == std::floor(value) && value <= kExact))
               return fmt::format("'{}' is not {}", text, limits);
-            const std::uint64_t number =
-                digits ? std::stoull(text) : static_cast<std::uint64_t>(value);
+            number = digits ? number : static_cast<std::uint64_t>(value);
             if (number < low || number > high)
               return fmt::format("'{}' is not {}", text, limits);
             text = std::to_string(number);
