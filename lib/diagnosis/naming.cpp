@@ -523,7 +523,14 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
   if (take_back_what_explains_most(start.scene, parts, first, found))
     colour(start.scene, parts, found.fit.model);
   drop_what_has_no_name(start.scene, parts, found);
+  const std::size_t named = found.order.size();
   drop_what_chance_would_take(start.scene, parts, found);
+  // It may have stood in the place of what explains most.
+  if (found.order.size() < named &&
+      take_back_what_explains_most(start.scene, parts, first, found)) {
+    colour(start.scene, parts, found.fit.model);
+    drop_what_chance_would_take(start.scene, parts, found);
+  }
   prefer_what_every_pair_has(start.scene, start.judge, parts, found);
   drop_what_turns_back(parts, found);
   colour(start.scene, parts, found.fit.model);
