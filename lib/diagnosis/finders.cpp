@@ -206,11 +206,15 @@ MostlyAt mostly_at(const Residual &r) {
   return out;
 }
 
+bool goes_to_and_fro(const Residual &r) {
+  const auto [low, high] = std::minmax_element(r.omega.begin(), r.omega.end());
+  return *low < 0.0 && *high > 0.0;
+}
+
 /// Whether a line rotates with the pair. Of a shaft that goes to and fro it does so one way and
 /// then the other, which together is a line that stands: it is asked in one sense.
 bool rotates_with_pair(const Residual &r, const MostlyAt &at, double frequency, const Line &line) {
-  const auto [low, high] = std::minmax_element(r.omega.begin(), r.omega.end());
-  if (!(*low < 0.0 && *high > 0.0))
+  if (!goes_to_and_fro(r))
     return rotates(line);
   Residual one = r;
   std::array<std::vector<double>, 3> column;
@@ -280,10 +284,12 @@ public:
     return across_v2_ < kLittle * along_v2_;
   }
 
-  bool is_gain(double frequency) const {
-    // What a tone takes beyond one line: of that, as no ellipse of the pair gives to a gain; and
-    // so that chance gives it to its two more columns in no case that anybody meets.
-    constexpr double kMore = 0.02, kNats = 10.0;
+  /// `slow`: from the pair one of a tone's two lines lies where whatever changes slowly does.
+  bool is_gain(double frequency, bool slow) const {
+    // What a tone takes beyond one line: of that, as no ellipse of the pair gives to a gain; of one
+    // that is no line, as its fellow has by itself; and so that chance gives it to its two more
+    // columns in no case that anybody meets.
+    constexpr double kOfLine = 0.02, kOfSlow = 0.25, kNats = 10.0;
     const double wide = spectrum_.bin_hz; // the lines beside it, however slow the pair is
     double strongest = 0.0;
     for (const double side : {-1.0, 1.0}) {
@@ -294,7 +300,7 @@ public:
     const double tone = of_tone(frequency), left = along_v2_ - tone;
     const double nats = 0.5 * static_cast<double>(along_.size()) *
                         std::log1p((tone - strongest) / std::max(left, 1e-30));
-    return tone < (1.0 + kMore) * strongest || nats < kNats;
+    return tone < (1.0 + (slow ? kOfSlow : kOfLine)) * strongest || nats < kNats;
   }
 
 private:
@@ -800,15 +806,22 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
     const bool at_speed = turns_with_shaft(r, of_speed, line) ||
                           (of_speed != 0 && !(near_round && of_speed == of_round) &&
                            !told_from_order(r, of_speed, frequency));
+    // Near the pair's own frequency a gain, an angle or a mismatch that changes slowly is a line as
+    // well, and of a shaft that turns on never one of a single channel without a fellow.
+    const bool slow = slow_beside_pair(r, frequency);
+    const bool of_gain = (along->is_most() ||
+                          (rotates_with_pair(r, *most, frequency, line) &&
+                           (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)))) &&
+                         along->is_gain(frequency, slow);
+    const bool of_mismatch =
+        slow && (few || goes_to_and_fro(r) ||
+                 (!along->is_most() && (rotates_with_pair(r, *most, frequency, line) ||
+                                        has_fellow(r, *most, frequency))));
     return ((at_round || at_speed) &&
             may_be_of_the_angle(r, *most, near_round || !at_speed ? of_round : of_speed, frequency,
                                 line, few)) ||
-           of_way_there_and_back(r, back, frequency) || slow_beside_pair(r, frequency) ||
-           !swings_within_stretches(r, frequency) ||
-           ((along->is_most() ||
-             (rotates_with_pair(r, *most, frequency, line) &&
-              (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)))) &&
-            along->is_gain(frequency));
+           of_way_there_and_back(r, back, frequency) || !swings_within_stretches(r, frequency) ||
+           of_gain || of_mismatch;
   };
   double fastest = 0.0;
   if (few)

@@ -42,6 +42,31 @@ KIND(a_tone_on_a_pair_that_is_its_own_reference_has_its_name) {
   expect_pair(d, bench.pair);
 }
 
+/// Beside the pair's own frequency one of a tone's two lines is slow, seen from the pair.
+KIND(a_tone_beside_the_frequency_of_the_pair_has_its_name) {
+  Bench bench;
+  constexpr double kRate = 1000.0;
+  constexpr std::size_t kRows = 4100;
+  const double speed = bench.within(15.0, 40.0), uneven = bench.within(0.002, 0.01),
+               slow = bench.within(0.5, 1.5), at = bench.within(0.0, kTwoPi);
+  Capture c = bench.capture(kRows, kRate, 1, [&](double t) {
+    return kTwoPi * speed * (t + uneven * std::sin(kTwoPi * slow * t + at) / slow / kTwoPi);
+  });
+  c.reference_deg.clear();
+  const double hz = speed + std::copysign(bench.within(0.4, 3.0), bench.within(-1.0, 1.0)),
+               in_cos = bench.within(4.0, 8.0) * bench.pair.noise_v,
+               in_sin = in_cos * bench.within(0.05, 0.3), phase = bench.within(0.0, kTwoPi);
+  for (std::size_t i = 0; i < kRows; ++i) {
+    c.vsin_v[i] += in_sin * std::sin(kTwoPi * hz * c.time_s[i] + phase);
+    c.vcos_v[i] += in_cos * std::sin(kTwoPi * hz * c.time_s[i] + phase);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *tone = named(d, "periodic-interference");
+  ASSERT_TRUE(tone) << left_of(d);
+  EXPECT_NEAR(tone->values[0], hz, 0.02) << left_of(d);
+  EXPECT_NEAR(tone->values[2], in_cos, 0.4 * in_cos) << left_of(d);
+}
+
 /// A gain that swings at one frequency on the same motion.
 KIND(a_gain_that_swings_on_a_pair_that_is_its_own_reference_is_no_tone) {
   Bench bench;
