@@ -572,6 +572,8 @@ bool too_few_rounds_for_lines(const Residual &r) {
   return rounds_of(r) < (r.several_speeds ? kFewestRounds : criteria::kFewestUnits);
 }
 
+constexpr std::size_t kFewestForTones = 256; // samples, of a spectrum that shows a line
+
 /// The two strongest lines of the spectrum above a frequency in Hz that `skip` lets pass, with
 /// their frequencies.
 template <class Skip>
@@ -579,7 +581,7 @@ std::vector<std::pair<double, Line>> strongest_lines(const Residual &r, double a
                                                      Skip skip) {
   const std::size_t n = r.time.size();
   const double span = n > 1 ? r.time.back() - r.time.front() : 0.0;
-  if (n < 256 || !(r.sample_period_s > 0.0) || span <= 0.0)
+  if (n < kFewestForTones || !(r.sample_period_s > 0.0) || span <= 0.0)
     return {};
   const double resolution = 1.0 / span;
   PowerOverTime spectrum;
@@ -780,9 +782,11 @@ std::vector<StepGuess> find_steps(const Residual &r, StepIn where) {
 }
 
 std::vector<std::vector<double>> find_tones(const Residual &residual) {
+  if (residual.time.size() < kFewestForTones)
+    return {};
   Rounded rounded(residual);
   const Residual &r = rounded.view;
-  const double span = r.time.empty() ? 0.0 : r.time.back() - r.time.front();
+  const double span = r.time.back() - r.time.front();
   const double round = comes_round(r), back = comes_back(r);
   const bool few = too_few_rounds_for_lines(r);
   // Of a long record in few rounds, tones of up to so many half periods in all: there is one line

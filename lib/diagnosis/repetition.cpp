@@ -81,10 +81,16 @@ std::optional<Repeated> repeated_v2(const Observations &data, const ResidualColu
   const auto cells = static_cast<std::size_t>(std::ceil(turn_rad / cell_rad));
   const std::vector<OnTheWay> way = way_of(data, kFarInCells * cell_rad, cell_rad);
   const std::vector<double> sin = without_spikes(rest.sin), cos = without_spikes(rest.cos);
-  const double thinned = std::min(1.0, kMostTurns * turn_rad / (way.back().way_rad + turn_rad));
+  // Of those that there are samples in: of a shaft that leaps most are none.
+  const auto turn_of = [&](std::size_t i) { return std::floor(way[i].way_rad / turn_rad); };
+  double turns = 1.0;
+  for (std::size_t i = 1; i < data.size(); ++i)
+    turns += turn_of(i) != turn_of(i - 1);
+  const double thinned = std::min(1.0, kMostTurns / turns);
   std::vector<std::map<std::uint32_t, Visit>> visits(cells);
+  double turn = 0.0;
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const double turn = std::floor(way[i].way_rad / turn_rad);
+    turn += i > 0 && turn_of(i) != turn_of(i - 1);
     if (std::floor((turn + 1.0) * thinned) == std::floor(turn * thinned))
       continue;
     const double place = data.alpha[i] / turn_rad;

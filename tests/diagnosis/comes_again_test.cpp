@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "diagnosis/bench.h"
+#include "diagnosis/repetition.h"
 
 namespace ada::test {
 namespace {
@@ -25,6 +26,24 @@ std::string all_of(const Diagnosis &d) {
   for (const Structure &s : d.structure)
     out += "\n  " + s.description;
   return out + "\n  " + names(d);
+}
+
+/// Rows in hardly any of the turns that went by: of those that there are some are asked.
+TEST(ComesAgain, a_shaft_that_leaps_over_turns_is_asked_where_it_was_read) {
+  Bench bench;
+  for (const double leap : {20.3, 1000.1, 1e6}) {
+    Observations data;
+    ResidualColumns rest;
+    for (std::size_t i = 0; i < 200; ++i) {
+      data.time.push_back(static_cast<double>(i));
+      data.alpha.push_back(kTwoPi * leap * static_cast<double>(i / 2) + 0.01);
+      rest.sin.push_back(0.5 + bench.normal(0.01));
+      rest.cos.push_back(bench.normal(0.01));
+    }
+    const auto seen = repeated_v2(data, rest, kTwoPi, kTwoPi / 10.0);
+    ASSERT_TRUE(seen) << leap;
+    EXPECT_NEAR(seen->v2, 0.125, 0.05) << leap;
+  }
 }
 
 /// A few turns by hand, with noise that goes on for some readings as that of a filter does: for one
