@@ -379,6 +379,36 @@ double Search::against_unnamed(const State &with, const State &less, std::size_t
   return 0.5 * (freedom + static_cast<double>(n)) * std::log1p(2.0 * nats / freedom);
 }
 
+/// An event acts along the vector and across it as it says, and takes away in each what it acts
+/// there. What takes less than half of that in one of the two, by more than its noise, bends what
+/// is in the other: an angle that errs for a while is no offset.
+bool Search::helps_in_each_direction(const State &with, const State &less) const {
+  if (!data_.scene->has_reference)
+    return true; // the angle is the pair's own, or the motion's
+  const Observations &data = data_.heldout;
+  const ResidualColumns a = residual_columns(data, with.judged),
+                        b = residual_columns(data, less.judged);
+  ResidualColumns moved = a;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    moved.sin[i] = b.sin[i] - a.sin[i];
+    moved.cos[i] = b.cos[i] - a.cos[i];
+  }
+  std::array<std::vector<double>, 2> left, by;
+  split(data, a, left[0], left[1]);
+  split(data, moved, by[0], by[1]);
+  for (const std::size_t k : {0u, 1u}) {
+    double acts = 0.0, takes = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      acts += by[k][i] * by[k][i];
+      takes += by[k][i] * (by[k][i] + 2.0 * left[k][i]); // of the sum of squares
+      squares += std::pow(by[k][i] * left[k][i], 2);
+    }
+    if (takes + criteria::kClearErrors * 2.0 * std::sqrt(squares) < 0.5 * acts)
+      return false;
+  }
+  return true;
+}
+
 /// A true cause makes no part of the record worse: one that helps here at the cost of there stands
 /// for something that comes and goes. Judged in stretches that each are worth so much that chance
 /// makes none of them worse, and hold whole turns.

@@ -187,7 +187,8 @@ bool Search::forward(State &now) {
     if (c.effect->info().signature && !dominates(size, last, state.fit.model))
       continue;
     if (size < least_of_noise(*c.effect) * noise_v_ ||
-        !beyond_doubt(size, state.fit.model, last, allowance) || !helps_everywhere(state, now))
+        !beyond_doubt(size, state.fit.model, last, allowance) || !helps_everywhere(state, now) ||
+        (has_moment(*c.effect) && !helps_in_each_direction(state, now)))
       continue;
     accepted = std::max(accepted, c.gain);
     options.push_back({std::move(state), c.effect, worth});
@@ -232,7 +233,7 @@ bool Search::backward(State &now) {
         (effect.info().prior_rank == 0 || // expected, and not the likeliest of many
          is_measured_aside(data_.train, now.fit.model, k) ||
          stands_out(now, k, std::min(size, own_v))) &&
-        helps_everywhere(now, less);
+        helps_everywhere(now, less) && (!has_moment(effect) || helps_in_each_direction(now, less));
     if (worth_it)
       continue;
     now = std::move(less);

@@ -101,6 +101,7 @@ private:
   bool worth_keeping(double worth, const Effect &effect) const;
   double against_unnamed(const State &with, const State &less, std::size_t effect) const;
   bool helps_everywhere(const State &with, const State &less) const;
+  bool helps_in_each_direction(const State &with, const State &less) const;
   double unknown_v(const State &now) const;
   double moved_off_angle_v(const Model &model, std::size_t effect) const;
   bool stands_out(const State &now, std::size_t effect, double size_v) const;

@@ -41,11 +41,6 @@ public:
     for (Tap &tap : taps.cos)
       tap.delay_s -= v[0];
   }
-  std::string invisible(const Residual &r) const override {
-    return r.several_speeds || r.both_directions
-               ? ""
-               : "one speed in one direction: a skew is a quadrature error";
-  }
 };
 
 } // namespace
