@@ -127,14 +127,20 @@ Kinematics at_rest(std::vector<double> alpha, const Stops &stops) {
   return out;
 }
 
-/// Rows in which the reference alone errs are not used, and do not count as motion.
+/// Rows in which the reference alone errs are not used, and do not count as motion. Beside rows in
+/// which the pair is wrong, as where a channel dies, nothing says that it is right.
 void leave_out_wrong_rows(std::vector<double> &reference, Screened &look, Scene &scene) {
   const double step = converter_step(look.capture.reference_deg) * kRadPerDeg;
   const RowsApart apart = mend_rows(reference, look.angle, step);
+  const std::vector<char> pair_is_right = look.usable;
   for (std::size_t k = 0; k < apart.rows.size(); ++k) {
-    if (!look.usable[apart.rows[k]])
+    const std::size_t row = apart.rows[k];
+    if (!pair_is_right[row])
       continue;
-    look.usable[apart.rows[k]] = 0;
+    look.usable[row] = 0;
+    if ((row > 0 && !pair_is_right[row - 1]) ||
+        (row + 1 < pair_is_right.size() && !pair_is_right[row + 1]))
+      continue;
     const double by = apart.by_rad[k];
     scene.wrong_rows += {1, by, by * by};
   }

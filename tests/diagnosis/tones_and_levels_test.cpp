@@ -164,6 +164,33 @@ KIND(a_level_that_cuts_off_some_of_the_peaks_is_read_off) {
   expect_pair(d, bench.pair);
 }
 
+/// A mount that swings once a period while the speed meets its resonance: an angle that errs so is
+/// an offset and a second harmonic, and leaves the length of the vector alone.
+KIND(an_angle_that_errs_for_a_while_is_no_pair_of_offset_steps) {
+  Bench bench;
+  constexpr double kRate = 5000.0;
+  constexpr std::size_t kRows = 8000;
+  const double speed = bench.within(30.0, 45.0), faster = bench.within(0.2, 0.4);
+  const double span = kRows / kRate;
+  const auto angle = [&](double t) { return kTwoPi * speed * t * (1.0 + faster * t / span); };
+  Capture c = bench.capture(kRows, kRate, 2, angle);
+  const double from_s = bench.within(0.25, 0.4) * span, to_s = bench.within(0.6, 0.75) * span,
+               swing = bench.within(1.5, 3.0) * bench.pair.noise_v / bench.pair.amplitude_v,
+               phase = bench.within(0.0, kTwoPi);
+  for (std::size_t i = 0; i < kRows; ++i) {
+    const double t = c.time_s[i];
+    if (t < from_s || t > to_s)
+      continue;
+    const double by = swing * std::cos(2.0 * angle(t) + phase);
+    const double s = c.vsin_v[i] - kMiddleV, k = c.vcos_v[i] - kMiddleV;
+    c.vsin_v[i] = kMiddleV + s * std::cos(by) + k * std::sin(by);
+    c.vcos_v[i] = kMiddleV + k * std::cos(by) - s * std::sin(by);
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_none(d, {"offset-step"});
+  expect_pair(d, bench.pair);
+}
+
 /// An encoder of few counts, of which one is lost over each turn and put right at its index: a ramp
 /// once a turn, of which the rms is that of the rounding.
 KIND(what_comes_again_beside_the_counts_of_a_reference_is_left_over) {
