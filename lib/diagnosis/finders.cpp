@@ -800,8 +800,6 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
   const auto no_tone = [&](double frequency, const Line &line) {
     if (!most)
       most = mostly_at(r);
-    if (!along)
-      along.emplace(r);
     const auto of_round = static_cast<int>(round > 0.0 ? std::round(frequency / round) : 0.0);
     const int of_speed = order_near(r, frequency, 1.0 / span);
     const bool near_round =
@@ -810,22 +808,24 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
     const bool at_speed = turns_with_shaft(r, of_speed, line) ||
                           (of_speed != 0 && !(near_round && of_speed == of_round) &&
                            !told_from_order(r, of_speed, frequency));
+    if (((at_round || at_speed) &&
+         may_be_of_the_angle(r, *most, near_round || !at_speed ? of_round : of_speed, frequency,
+                             line, few)) ||
+        of_way_there_and_back(r, back, frequency) || !swings_within_stretches(r, frequency))
+      return true;
     // Near the pair's own frequency a gain, an angle or a mismatch that changes slowly is a line as
     // well, and of a shaft that turns on never one of a single channel without a fellow.
     const bool slow = slow_beside_pair(r, frequency);
-    const bool of_gain = (along->is_most() ||
-                          (rotates_with_pair(r, *most, frequency, line) &&
-                           (one_sided(r, *most, frequency) || has_fellow(r, *most, frequency)))) &&
-                         along->is_gain(frequency, slow);
-    const bool of_mismatch =
-        slow && (few || goes_to_and_fro(r) ||
-                 (!along->is_most() && (rotates_with_pair(r, *most, frequency, line) ||
-                                        has_fellow(r, *most, frequency))));
-    return ((at_round || at_speed) &&
-            may_be_of_the_angle(r, *most, near_round || !at_speed ? of_round : of_speed, frequency,
-                                line, few)) ||
-           of_way_there_and_back(r, back, frequency) || !swings_within_stretches(r, frequency) ||
-           of_gain || of_mismatch;
+    if (slow && (few || goes_to_and_fro(r)))
+      return true;
+    if (!along)
+      along.emplace(r);
+    if (along->is_most())
+      return along->is_gain(frequency, slow);
+    const bool turns = rotates_with_pair(r, *most, frequency, line),
+               fellow = (turns || slow) && has_fellow(r, *most, frequency);
+    return (slow && (turns || fellow)) ||
+           (turns && (fellow || one_sided(r, *most, frequency)) && along->is_gain(frequency, slow));
   };
   double fastest = 0.0;
   if (few)

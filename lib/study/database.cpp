@@ -125,14 +125,13 @@ void Database::make_tables() {
 /// Together with what the shard holds: a part whose captures were never listed does not pass for
 /// one that has them.
 void Database::hold_shard() {
-  if (held_ || setup_.shard == 0)
+  if (setup_.shard == 0)
     return;
   const std::vector<int> of = shards();
   if (of.empty())
     add_shards({setup_.shard});
   else if (of != std::vector<int>{setup_.shard}) // another process was first
     refuse_shard(of.size() == 1 ? of.front() : 0, setup_);
-  held_ = true;
 }
 
 void Database::refuse_shard(int held, const Setup &wanted) const {

@@ -69,7 +69,7 @@ private:
   mutable Sqlite sqlite_;
   Setup setup_;
   bool shared_ = false;
-  bool made_ = false, unwanted_ = false, held_ = false;
+  bool made_ = false, unwanted_ = false;
 };
 
 /// Rows of a study one by one, by name.

@@ -14,22 +14,28 @@
 namespace ada::test {
 namespace {
 
-/// Without a reference, turned unevenly so that the angle is the pair's own: along the radius a
-/// tone is two lines, of which one that turns has hardly the second.
-KIND(a_tone_on_a_pair_that_is_its_own_reference_has_its_name) {
-  Bench bench;
-  constexpr double kRate = 90.0;
+/// Rows of a shaft without a reference, so uneven that the angle is the pair's own.
+Capture turned_unevenly(Bench &bench) {
+  constexpr double kHz = 90.0;
   constexpr std::size_t kRows = 1800;
   const double speed = bench.within(0.35, 0.8), uneven = bench.within(0.08, 0.15),
                slow = bench.within(0.15, 0.4), at = bench.within(0.0, kTwoPi);
-  Capture c = bench.capture(kRows, kRate, 2, [&](double t) {
+  Capture c = bench.capture(kRows, kHz, 2, [&](double t) {
     return kTwoPi * speed * (t + uneven * std::sin(kTwoPi * slow * t + at) / slow / kTwoPi * 4.0);
   });
   c.reference_deg.clear();
+  return c;
+}
+
+/// Where the angle is the pair's own only the radius is seen, and along it a tone is two lines, of
+/// which one that turns has hardly the second.
+KIND(a_tone_on_a_pair_that_is_its_own_reference_has_its_name) {
+  Bench bench;
+  Capture c = turned_unevenly(bench);
   const double hz = bench.within(30.0, 44.0), in_sin = bench.within(4.0, 9.0) * bench.pair.noise_v,
                in_cos = in_sin * bench.within(0.8, 1.25), phase = bench.within(0.0, kTwoPi),
                apart = std::copysign(bench.within(1.2, 1.9), bench.within(-1.0, 1.0));
-  for (std::size_t i = 0; i < kRows; ++i) {
+  for (std::size_t i = 0; i < c.size(); ++i) {
     c.vsin_v[i] += in_sin * std::sin(kTwoPi * hz * c.time_s[i] + phase);
     c.vcos_v[i] += in_cos * std::sin(kTwoPi * hz * c.time_s[i] + phase + apart);
   }
@@ -70,18 +76,11 @@ KIND(a_tone_beside_the_frequency_of_the_pair_has_its_name) {
 /// A gain that swings at one frequency on the same motion.
 KIND(a_gain_that_swings_on_a_pair_that_is_its_own_reference_is_no_tone) {
   Bench bench;
-  constexpr double kRate = 90.0;
-  constexpr std::size_t kRows = 1800;
-  const double speed = bench.within(0.35, 0.8), uneven = bench.within(0.08, 0.15),
-               slow = bench.within(0.15, 0.4), at = bench.within(0.0, kTwoPi);
-  Capture c = bench.capture(kRows, kRate, 2, [&](double t) {
-    return kTwoPi * speed * (t + uneven * std::sin(kTwoPi * slow * t + at) / slow / kTwoPi * 4.0);
-  });
-  c.reference_deg.clear();
+  Capture c = turned_unevenly(bench);
   const double hz = bench.within(5.0, 40.0),
                part = bench.within(4.0, 9.0) * bench.pair.noise_v / bench.pair.amplitude_v,
                phase = bench.within(0.0, kTwoPi);
-  for (std::size_t i = 0; i < kRows; ++i) {
+  for (std::size_t i = 0; i < c.size(); ++i) {
     const double gain = 1.0 + part * std::sin(kTwoPi * hz * c.time_s[i] + phase);
     c.vsin_v[i] = kMiddleV + gain * (c.vsin_v[i] - kMiddleV);
     c.vcos_v[i] = kMiddleV + gain * (c.vcos_v[i] - kMiddleV);
@@ -161,33 +160,6 @@ KIND(a_level_that_cuts_off_some_of_the_peaks_is_read_off) {
   EXPECT_NEAR(stop->values[1], level, 1e-3) << left_of(d);
   EXPECT_TRUE(std::isnan(stop->values[0])) << left_of(d);
   EXPECT_TRUE(std::isnan(stop->values[2])) << left_of(d);
-  expect_pair(d, bench.pair);
-}
-
-/// A mount that swings once a period while the speed meets its resonance: an angle that errs so is
-/// an offset and a second harmonic, and leaves the length of the vector alone.
-KIND(an_angle_that_errs_for_a_while_is_no_pair_of_offset_steps) {
-  Bench bench;
-  constexpr double kRate = 5000.0;
-  constexpr std::size_t kRows = 8000;
-  const double speed = bench.within(30.0, 45.0), faster = bench.within(0.2, 0.4);
-  const double span = kRows / kRate;
-  const auto angle = [&](double t) { return kTwoPi * speed * t * (1.0 + faster * t / span); };
-  Capture c = bench.capture(kRows, kRate, 2, angle);
-  const double from_s = bench.within(0.25, 0.4) * span, to_s = bench.within(0.6, 0.75) * span,
-               swing = bench.within(1.5, 3.0) * bench.pair.noise_v / bench.pair.amplitude_v,
-               phase = bench.within(0.0, kTwoPi);
-  for (std::size_t i = 0; i < kRows; ++i) {
-    const double t = c.time_s[i];
-    if (t < from_s || t > to_s)
-      continue;
-    const double by = swing * std::cos(2.0 * angle(t) + phase);
-    const double s = c.vsin_v[i] - kMiddleV, k = c.vcos_v[i] - kMiddleV;
-    c.vsin_v[i] = kMiddleV + s * std::cos(by) + k * std::sin(by);
-    c.vcos_v[i] = kMiddleV + k * std::cos(by) - s * std::sin(by);
-  }
-  const Diagnosis d = diagnose(c, {});
-  expect_none(d, {"offset-step"});
   expect_pair(d, bench.pair);
 }
 

@@ -232,8 +232,6 @@ double periods_of_reference(const Capture &capture, std::span<const char> usable
 /// Whether an end is cut off in some periods and not in others, as where the amplitude changes: of
 /// that the mean peak, which a reference tells, is no measure, and the readings alone say it.
 bool cuts_some(const Screened &look, std::size_t peaks) {
-  if (!look.capture.has_reference())
-    return false;
   constexpr double kAll = 0.9;
   const double periods = periods_of_reference(look.capture, look.usable);
   return static_cast<double>(peaks) < kAll * std::floor(periods);
@@ -280,15 +278,15 @@ bool screen_cut_peaks(Screened &look, const Effect &effect) {
           level_of({channels[k], channels[1 - k], look.usable, high ? 1.0 : -1.0, bands[k],
                     ranges[k].half, ranges[1 - k].half, ranges[1 - k].middle});
   std::size_t on_levels = 0, peaks = 0, usable = 0;
-  bool some = false;
+  std::size_t fewest = std::numeric_limits<std::size_t>::max(); // of the ends with a level
   for (const auto &channel : ends)
     for (const auto &end : channel)
       if (end) {
-        some = some || cuts_some(look, end->peaks);
+        fewest = std::min(fewest, end->peaks);
         on_levels += end->rows.size();
         peaks += end->peaks;
       }
-  if (peaks < criteria::kFewestCutPeaks || (capture.has_reference() && !some))
+  if (peaks < criteria::kFewestCutPeaks || (capture.has_reference() && !cuts_some(look, fewest)))
     return false;
   for (char u : look.usable)
     usable += u != 0;
