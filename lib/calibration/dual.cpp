@@ -115,6 +115,9 @@ Model calibrate_dual(const Recording &cold, const Recording &hot, CalibrationMet
   both.noise_rms_v = std::sqrt(0.5 * (std::pow(a.noise_rms_v, 2) + std::pow(b.noise_rms_v, 2)));
   both.residual_rms_v =
       std::sqrt(0.5 * (std::pow(a.residual_rms_v, 2) + std::pow(b.residual_rms_v, 2)));
+  if (a.heldout_rms_v > 0 && b.heldout_rms_v > 0)
+    both.heldout_rms_v =
+        std::sqrt(0.5 * (std::pow(a.heldout_rms_v, 2) + std::pow(b.heldout_rms_v, 2)));
   both.vtemp_mean_v = 0.5 * (*a.vtemp_mean_v + *b.vtemp_mean_v);
   both.vtemp_min_v = std::min(*a.vtemp_min_v, *b.vtemp_min_v);
   both.vtemp_max_v = std::max(*a.vtemp_max_v, *b.vtemp_max_v);

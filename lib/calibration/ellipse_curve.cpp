@@ -66,6 +66,33 @@ Vector5 solve(const Matrix5 &information, const Vector5 &gradient, double dampin
   return scale.cwiseProduct(x);
 }
 
+double heldout_rms(const Shares &shares, double amplitude_v, bool circle) {
+  constexpr double kFewest = 3 * 5; // of a part, as a fit needs them
+  // Of the amplitude: what is left out is of second order in it. An arc that one part alone shows
+  // makes the other two no curve, and this no step.
+  constexpr double kFarthest = 0.05;
+  Share all;
+  for (const Share &s : shares) {
+    all.weighed_information += s.weighed_information;
+    all.weighed_gradient += s.weighed_gradient;
+    all.count += s.count;
+  }
+  double square = 0;
+  for (const Share &s : shares) {
+    if (s.count < kFewest)
+      return 0;
+    const Vector5 step = solve(all.weighed_information - s.weighed_information,
+                               all.weighed_gradient - s.weighed_gradient, 0, circle);
+    Vector5 relative = step;
+    for (const auto volts : {kAmplitude, kCentreSin, kCentreCos})
+      relative[volts] /= amplitude_v;
+    if (!(relative.cwiseAbs().maxCoeff() < kFarthest)) // no number either
+      return 0;
+    square += s.square - 2 * step.dot(s.gradient) + step.dot(s.information * step);
+  }
+  return square > 0 ? std::sqrt(square / all.count) : 0;
+}
+
 EllipseParameters moved(const EllipseParameters &e, const Vector5 &step) {
   EllipseParameters m = e;
   m.amplitude_v += step[kAmplitude];

@@ -91,6 +91,29 @@ Vector5 solve(const Matrix5 &information, const Vector5 &gradient, double dampin
 EllipseParameters moved(const EllipseParameters &e, const Vector5 &step);
 bool valid(const EllipseParameters &e);
 
+/// What one part of the samples gives to a fit of all: normal equations under the weights of the
+/// fit, and the same without weights with the sum of squares, about one curve.
+struct Share {
+  Matrix5 weighed_information = Matrix5::Zero(), information = Matrix5::Zero();
+  Vector5 weighed_gradient = Vector5::Zero(), gradient = Vector5::Zero();
+  double square = 0, count = 0;
+};
+inline constexpr std::size_t kParts = 3;      ///< of the samples, for a fit without each in turn
+inline constexpr std::size_t kStretches = 30; ///< of the record, every third of which is one part
+/// Which of them a sample lies in, of more samples than stretches.
+inline std::size_t stretch_of(std::size_t sample, std::size_t samples) {
+  return sample * kStretches / samples;
+}
+inline std::size_t stretch_begin(std::size_t stretch, std::size_t samples) {
+  return (stretch * samples + kStretches - 1) / kStretches;
+}
+using Shares = std::array<Share, kParts>;
+
+/// Rms distance of all samples, each from the curve that is fitted to the other parts: from the
+/// normal equations, exact to first order in how far the curve moves. 0: too few to say it, or a
+/// part holds what the others do not know.
+double heldout_rms(const Shares &shares, double amplitude_v, bool circle);
+
 /// Fills value, covariance and residual of a fit that is done: from its curve, the information of
 /// the samples under their weights, and their residual.
 void describe(EllipseFit &fit, const EllipseParameters &curve, Matrix5 information,

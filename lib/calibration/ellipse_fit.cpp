@@ -57,6 +57,7 @@ private:
   double scale(const std::vector<double> &distance, const std::vector<std::size_t> &bin) const;
   bool reject();
   Structure structure() const;
+  Shares shares() const;
   void weigh_angles(EllipseFit &fit);
   void report(EllipseFit &fit) const;
   std::array<bool, kCoverageBins> seen() const;
@@ -276,6 +277,26 @@ void Fitter::weigh_angles(EllipseFit &fit) {
   }
 }
 
+Shares Fitter::shares() const {
+  const Curve curve(value_);
+  Shares out;
+  for (std::size_t i = 0; i < vsin_.size(); ++i) {
+    if (!use_[i])
+      continue;
+    const FootPoint p = curve.foot(vsin_[i], vcos_[i]);
+    const double w = weighted_ ? bin_weight_[bin_of(p, kBins)] : 1.0;
+    Share &s = out[stretch_of(i, vsin_.size()) % kParts];
+    const Matrix5 product = p.normal * p.normal.transpose();
+    s.information += product;
+    s.weighed_information += w * product;
+    s.gradient += p.distance * p.normal;
+    s.weighed_gradient += w * p.distance * p.normal;
+    s.square += p.distance * p.distance;
+    s.count += 1;
+  }
+  return out;
+}
+
 std::array<bool, kCoverageBins> Fitter::seen() const {
   const Curve curve(value_);
   std::array<bool, kCoverageBins> seen{};
@@ -290,6 +311,7 @@ void Fitter::report(EllipseFit &fit) const {
   fit.rejected = vsin_.size() - fit.used;
   fit.limit_v = limit_v_;
   describe(fit, value_, accumulate(value_).information, structure(), options_.circle);
+  fit.heldout_rms_v = heldout_rms(shares(), value_.amplitude_v, options_.circle);
   describe_coverage(fit, seen());
 }
 

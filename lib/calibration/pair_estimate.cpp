@@ -170,6 +170,7 @@ PairEstimate estimate_pair(const RecordingToFit &what, CalibrationMethod method)
   switch (method) {
   case CalibrationMethod::fit:
     refuse_uncertain(fit, capture.meta.periods_per_turn);
+    estimate.heldout_rms_v = fit.heldout_rms_v;
     estimate.value = fit.value;
     for (std::size_t i = 0; i < kEllipseSize; ++i)
       estimate.std_error[i] = fit.std_error(static_cast<EllipseIndex>(i));

@@ -27,6 +27,8 @@ struct PairEstimate {
   bool has_mismatch = false, has_quadrature = false;
   double noise_rms_v = 0;    ///< of one channel, as far as it is not a function of the angle
   double residual_rms_v = 0; ///< distance from the ellipse
+  /// The same of samples that the fit did not see; 0 where that is not known (EllipseFit).
+  double heldout_rms_v = 0;
   std::optional<double> vtemp_mean_v, vtemp_min_v, vtemp_max_v;
 };
 

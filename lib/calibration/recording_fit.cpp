@@ -39,24 +39,32 @@ struct Bin {
   double placed = 0; ///< sum of distance x place, which is -0.5 to 0.5 within the bin
 };
 
+void add_bins(const std::vector<Bin> &from, std::vector<Bin> &to) {
+  for (std::size_t b = 0; b < kFineBins; ++b) {
+    to[b].count += from[b].count;
+    to[b].sum += from[b].sum;
+    to[b].square += from[b].square;
+    to[b].placed += from[b].placed;
+  }
+}
+
 /// What one pass over the samples adds up.
 struct BlockSums {
-  std::vector<Bin> bins = std::vector<Bin>(kFineBins);
+  /// Of each part of the recording.
+  std::array<std::vector<Bin>, kParts> bins{
+      std::vector<Bin>(kFineBins), std::vector<Bin>(kFineBins), std::vector<Bin>(kFineBins)};
   std::vector<std::uint32_t> cells = std::vector<std::uint32_t>(kBins * kCells);
   std::size_t used = 0, rejected = 0, near_limit = 0;
 
   void clear() {
-    std::fill(bins.begin(), bins.end(), Bin());
+    for (std::vector<Bin> &part : bins)
+      std::fill(part.begin(), part.end(), Bin());
     std::fill(cells.begin(), cells.end(), 0u);
     used = rejected = near_limit = 0;
   }
   void add(const BlockSums &other) {
-    for (std::size_t b = 0; b < kFineBins; ++b) {
-      bins[b].count += other.bins[b].count;
-      bins[b].sum += other.bins[b].sum;
-      bins[b].square += other.bins[b].square;
-      bins[b].placed += other.bins[b].placed;
-    }
+    for (std::size_t part = 0; part < kParts; ++part)
+      add_bins(other.bins[part], bins[part]);
     for (std::size_t c = 0; c < cells.size(); ++c)
       cells[c] += other.cells[c];
     used += other.used;
@@ -99,6 +107,7 @@ private:
   void add(Run &run) const;
   void linearise();
   Structure structure(const Vector5 &step) const;
+  Share share_of(const std::vector<Bin> &bins) const;
   double scale() const;
   double greatest_move_v(const Vector5 &step) const;
   bool is_small(const Vector5 &step, const EllipseFit &fit) const;
@@ -109,6 +118,7 @@ private:
   EllipseParameters value_; ///< the curve of the pass
   double limit_v_, cell_v_; ///< greatest distance, and that of a cell
   BlockSums sums_;
+  std::vector<Bin> bins_;       ///< of the whole recording
   std::vector<Vector5> normal_; ///< of the fine bins
   std::vector<double> weight_ = std::vector<double>(kBins, 1.0);
 };
@@ -128,6 +138,9 @@ void RecordingFitter::pass() {
                   }
                 },
                 [&](std::size_t, const Run &run) { sums_.add(run.sums); });
+  bins_.assign(kFineBins, Bin());
+  for (const std::vector<Bin> &part : sums_.bins)
+    add_bins(part, bins_);
 }
 
 void RecordingFitter::linearise() {
@@ -145,12 +158,18 @@ void RecordingFitter::add(Run &run) const {
   run.radius.resize(in.count);
   convert_planar_f64(in.vsin_v.data(), in.vcos_v.data(), in.count, about_ellipse(invert(value_)),
                      run.psi.data(), run.radius.data());
-  Bin *const bins = run.sums.bins.data();
   std::uint32_t *const cells = run.sums.cells.data();
   constexpr double per_radian = kFineBins / kTwoPi;
   const double near_v = kNear * limit_v_;
   std::size_t used = 0, near_limit = 0;
+  Bin *bins = nullptr;
+  std::size_t end = 0; // of the stretch that is one part
   for (std::size_t i = 0; i < in.count; ++i) {
+    if (i == end) {
+      const std::size_t stretch = stretch_of(in.first + i, recording_.size());
+      bins = run.sums.bins[stretch % kParts].data();
+      end = stretch_begin(stretch + 1, recording_.size()) - in.first;
+    }
     // A sample at the centre has no angle; it is far off whatever that is.
     const double psi = run.psi[i] >= 0 ? run.psi[i] : 0.0;
     const std::size_t b = std::min(static_cast<std::size_t>(psi * per_radian), kFineBins - 1);
@@ -174,11 +193,31 @@ void RecordingFitter::add(Run &run) const {
   run.sums.near_limit += near_limit;
 }
 
+/// Normal equations about value_ from the sums of some samples, under weight_.
+Share RecordingFitter::share_of(const std::vector<Bin> &bins) const {
+  Share s;
+  for (std::size_t b = 0; b < kFineBins; ++b) {
+    const Bin &bin = bins[b];
+    const double w = weight_[b / kFine];
+    const Vector5 &after = normal_[(b + 1) % kFineBins];
+    const Vector5 &before = normal_[(b + kFineBins - 1) % kFineBins];
+    const Matrix5 product = bin.count * normal_[b] * normal_[b].transpose();
+    const Vector5 onto = bin.sum * normal_[b] + 0.5 * bin.placed * (after - before);
+    s.information += product;
+    s.weighed_information += w * product;
+    s.gradient += onto;
+    s.weighed_gradient += w * onto;
+    s.square += bin.square;
+    s.count += bin.count;
+  }
+  return s;
+}
+
 /// The structure of the residual after a step from value_, to first order.
 Structure RecordingFitter::structure(const Vector5 &step) const {
   Structure s;
   for (std::size_t b = 0; b < kFineBins; ++b) {
-    const Bin &bin = sums_.bins[b];
+    const Bin &bin = bins_[b];
     const double moved = normal_[b].dot(step);
     s.count[b / kFine] += bin.count;
     s.sum[b / kFine] += bin.sum - bin.count * moved;
@@ -241,17 +280,9 @@ bool RecordingFitter::is_small(const Vector5 &step, const EllipseFit &fit) const
 bool RecordingFitter::refine(EllipseFit &fit) {
   Matrix5 information;
   const auto step_by_weights = [&] {
-    Vector5 gradient = Vector5::Zero();
-    information.setZero();
-    for (std::size_t b = 0; b < kFineBins; ++b) {
-      const double w = weight_[b / kFine];
-      information += w * sums_.bins[b].count * normal_[b] * normal_[b].transpose();
-      const Vector5 &after = normal_[(b + 1) % kFineBins];
-      const Vector5 &before = normal_[(b + kFineBins - 1) % kFineBins];
-      gradient +=
-          w * (sums_.bins[b].sum * normal_[b] + 0.5 * sums_.bins[b].placed * (after - before));
-    }
-    return solve(information, gradient, 0, circle_);
+    const Share all = share_of(bins_);
+    information = all.weighed_information;
+    return solve(information, all.weighed_gradient, 0, circle_);
   };
   weight_.assign(kBins, 1.0);
   fit.structure_rms_v = 0;
@@ -270,6 +301,10 @@ bool RecordingFitter::refine(EllipseFit &fit) {
   fit.used = sums_.used;
   fit.rejected = sums_.rejected;
   describe(fit, next, information, found, circle_);
+  Shares shares;
+  for (std::size_t k = 0; k < kParts; ++k)
+    shares[k] = share_of(sums_.bins[k]);
+  fit.heldout_rms_v = heldout_rms(shares, next.amplitude_v, circle_);
   const double limit_v = kOutlierSigmas * scale();
   const double change_v = std::abs(limit_v - limit_v_), move_v = greatest_move_v(step);
   const bool same_samples = change_v < kSmallChange * limit_v_ ||
@@ -288,7 +323,7 @@ void RecordingFitter::run(EllipseFit &fit) {
   while (refine(fit) && ++passes < kMostPasses);
   std::array<bool, kCoverageBins> seen{};
   for (std::size_t b = 0; b < kFineBins; ++b)
-    if (sums_.bins[b].count > 0)
+    if (bins_[b].count > 0)
       seen[b / (kFineBins / kCoverageBins)] = true;
   describe_coverage(fit, seen);
 }

@@ -80,6 +80,8 @@ Model model_of(const PairEstimate &estimate, const CaptureMetadata &meta,
   from.vtemp_max_v = estimate.vtemp_max_v;
   from.gain_control = meta.gain_control;
   from.fit_residual_rms_v = estimate.residual_rms_v;
+  if (estimate.heldout_rms_v > 0)
+    from.heldout_residual_rms_v = estimate.heldout_rms_v;
   return model;
 }
 

@@ -282,5 +282,52 @@ TEST(EllipseFit, refuses_numbers_that_are_none) {
   EXPECT_THROW(fit_ellipse({}, {}), Error);
 }
 
+/// Distances from fits that really leave out their third of the samples, each of thirty stretches
+/// in turn.
+double left_out(const Capture &c) {
+  double square = 0;
+  for (std::size_t part = 0; part < 3; ++part) {
+    std::array<std::vector<double>, 2> sin, cos; // of the fit, and left out of it
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      const std::size_t out = i * 30 / c.size() % 3 == part;
+      sin[out].push_back(c.vsin_v[i]);
+      cos[out].push_back(c.vcos_v[i]);
+    }
+    const EllipseParameters e = fit_ellipse(sin[0], cos[0]).value;
+    // To the nearest of many points of the curve.
+    constexpr int kPoints = 4000;
+    for (std::size_t i = 0; i < sin[1].size(); ++i) {
+      double best = 1e9;
+      for (int k = 0; k < kPoints; ++k) {
+        const double psi = kTwoPi * k / kPoints, h = e.delta_rad / 2;
+        best = std::min(
+            best,
+            std::hypot(
+                e.centre_sin_v + e.amplitude_v * (1 + e.k / 2) * std::sin(psi + h) - sin[1][i],
+                e.centre_cos_v + e.amplitude_v * (1 - e.k / 2) * std::cos(psi - h) - cos[1][i]));
+      }
+      square += best * best;
+    }
+  }
+  return std::sqrt(square / static_cast<double>(c.size()));
+}
+
+TEST(ellipse_fit, tells_how_far_samples_are_off_that_no_fit_has_seen) {
+  SensorPair pair = elliptic_pair();
+  pair.noise_rms_v = 0.01;
+  Sampler sampler(pair, fresh_seed());
+  Capture few = sampler.capture(240, 1.0, constant_speed(3.1));
+  Capture drifting = sampler.capture(300, 1.0, constant_speed(3.1));
+  for (std::size_t i = 0; i < drifting.size(); ++i)
+    drifting.vsin_v[i] += 0.05 * static_cast<double>(i) / static_cast<double>(drifting.size());
+  for (Capture *c : {&few, &drifting}) {
+    const EllipseFit fit = fit_ellipse(c->vsin_v, c->vcos_v);
+    EXPECT_GT(fit.heldout_rms_v,
+              fit.residual_rms_v *
+                  std::sqrt(1 - 5.0 / static_cast<double>(c->size()))); // of the samples of the fit
+    EXPECT_NEAR(fit.heldout_rms_v / left_out(*c), 1, 0.02) << c->size();
+  }
+}
+
 } // namespace
 } // namespace ada::test

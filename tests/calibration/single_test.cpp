@@ -161,6 +161,8 @@ TEST(Single, model_carries_where_it_came_from) {
   EXPECT_EQ(m.provenance.serial, "S7");
   EXPECT_EQ(m.provenance.method, "single fit");
   EXPECT_EQ(m.provenance.capture_identity, "test");
+  EXPECT_NEAR(m.provenance.heldout_residual_rms_v.value(), *m.provenance.fit_residual_rms_v,
+              0.01 * *m.provenance.fit_residual_rms_v);
   EXPECT_EQ(m.provenance.gain_control, true);
   EXPECT_NEAR(*m.provenance.vtemp_min_v, pair.vtemp_of(20), 0.003);
   EXPECT_NEAR(*m.provenance.vtemp_max_v, pair.vtemp_of(30), 0.003);
