@@ -437,6 +437,31 @@ double turned_by_each_v2(const Observations &data, const Model &model) {
   return sum;
 }
 
+/// Causes that turn the vector to and fro and take it back among them stand for something that
+/// turns it hardly at all: of their sum any length is made, as of any other set of shapes. Causes
+/// that are independent turn it together by about as much as each for itself.
+void drop_what_cancels(const Parts &parts, SearchResult &found) {
+  if (!parts.has_reference || found.disturbed != Direction::none)
+    return;
+  SearchResult fewer = found;
+  bool any = false; // beside what every pair has
+  for (std::size_t place = fewer.order.size(); place-- > 0;) {
+    const Effect &effect = *fewer.fit.model.effects[fewer.order[place]].effect;
+    if (!is_static(effect))
+      continue;
+    any = any || effect.info().prior_rank != 0;
+    fewer.forget(place);
+  }
+  constexpr std::size_t kFewest = 2; // that can cancel
+  if (!any || found.order.size() < fewer.order.size() + kFewest)
+    return;
+  fewer.fit.model = fit(parts.train, fewer.fit.model, kRefit).model;
+  std::vector<double> along, across;
+  split(parts.train, residual_columns(parts.train, fewer.fit.model), along, across);
+  if (turned_by_each_v2(parts.train, found.fit.model) > criteria::kCancels * mean_square(across))
+    found = std::move(fewer);
+}
+
 /// A length that goes with the angle for no reason of the pair's, as under a gain control, bends a
 /// fit to both, and further causes of the angle take back what that turned. Where the length is not
 /// explained with them either, and the direction by itself needs none of them beside what every
@@ -496,6 +521,7 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
         found = search().run(true, &known);
       }
       prefer_what_every_pair_has(start.scene, start.judge, parts, found);
+      drop_what_cancels(parts, found);
       drop_what_turns_back(parts, found);
       name_what_the_direction_tells(parts, found);
       return found;
@@ -532,6 +558,7 @@ SearchResult name_against_anonymous(const SearchStart &start, Parts &parts, Sear
     drop_what_chance_would_take(start.scene, parts, found);
   }
   prefer_what_every_pair_has(start.scene, start.judge, parts, found);
+  drop_what_cancels(parts, found);
   drop_what_turns_back(parts, found);
   colour(start.scene, parts, found.fit.model);
   name_what_the_direction_tells(parts, found);

@@ -163,7 +163,7 @@ bool Work::drop_what_harms() {
                       *last.angle_error_rms_deg <= criteria::kNoWorse * *first.angle_error_rms_deg;
   const bool whole_harms = !likelier || !closer;
   // What every pair has is fitted beside what has no name, which takes a part of it back: it may
-  // leave more by itself. Any other cause has to make held-out data likelier.
+  // leave more by itself, if its size is known. Any other cause has to make held-out data likelier.
   std::size_t worst = ladder_.findings.size();
   double most = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < ladder_.findings.size(); ++i) {
@@ -172,7 +172,9 @@ bool Work::drop_what_harms() {
     const double less = before.log_likelihood - after.log_likelihood;
     const bool by_angle = ladder_.by_direction || (whole_harms && likelier);
     const double harm = by_angle ? *after.angle_error_rms_deg - *before.angle_error_rms_deg : less;
-    const bool by_itself = f.effect->info().prior_rank > 0 && makes_worse(before, after) &&
+    const bool may_leave_more =
+        f.effect->info().prior_rank == 0 && ladder_.clearness[i].as_said >= 1.0;
+    const bool by_itself = !may_leave_more && makes_worse(before, after) &&
                            !is_measured_aside(parts_.train, found_.fit.model, found_.order[i]);
     if ((whole_harms || by_itself) && harm > most) {
       most = harm;

@@ -220,5 +220,32 @@ KIND(a_skew_of_several_rows_is_no_quadrature_error) {
   expect_none(d, {"low-pass-rolloff"});
 }
 
+/// A magnet that runs out changes the length several times a turn and turns nothing: of errors of
+/// the direction and harmonics that take back each other's turn any length can be made.
+KIND(a_length_that_goes_with_the_angle_is_no_sum_of_direction_errors) {
+  constexpr int kMagnets = 3;
+  constexpr std::size_t kRows = 6000;
+  for (int magnet = 0; magnet < kMagnets; ++magnet) {
+    Bench bench;
+    bench.pair.k = bench.pair.delta_rad = 0.0; // by which nothing could be hidden
+    bench.pair.noise_v = bench.within(8e-4, 1.2e-3);
+    const double speed = bench.within(2.5, 3.5);
+    Capture c = bench.capture(kRows, 670.0, 1, [&](double t) { return kTwoPi * speed * t; });
+    std::vector<double> gain(kRows, 1.0);
+    for (int order : {3, 5}) {
+      const double part = bench.within(0.005, 0.008), phase = bench.within(0.0, kTwoPi);
+      for (std::size_t i = 0; i < kRows; ++i)
+        gain[i] += part * std::cos(order * c.reference_deg[i] * kRadPerDeg + phase);
+    }
+    for (std::size_t i = 0; i < kRows; ++i) {
+      c.vsin_v[i] = kMiddleV + gain[i] * (c.vsin_v[i] - kMiddleV);
+      c.vcos_v[i] = kMiddleV + gain[i] * (c.vcos_v[i] - kMiddleV);
+    }
+    const Diagnosis d = diagnose(c, {});
+    expect_none(d, {"field-direction-error", "reference-harmonic", "sensor-off-axis", "stray-field",
+                    "harmonic-distortion"});
+  }
+}
+
 } // namespace
 } // namespace ada::test

@@ -134,6 +134,26 @@ KIND(what_goes_with_the_angle_of_a_joint_that_swings_is_no_tone) {
   expect_none(d, {"periodic-interference"});
 }
 
+/// What repeats with the angle so often that the sampling folds it between the lower orders.
+KIND(an_order_of_the_turn_that_the_sampling_folds_is_no_tone) {
+  Bench bench;
+  constexpr double kRate = 11.3;
+  constexpr std::size_t kRows = 6000;
+  const int order = 2 * static_cast<int>(bench.within(5.0, 7.99)); // what a channel makes of itself
+  const double speed = kRate / order * bench.within(0.55, 0.95);
+  Capture c = bench.capture(kRows, kRate, 2, [&](double t) { return kTwoPi * speed * t; });
+  const double in_sin = bench.within(5.0, 12.0) * bench.pair.noise_v,
+               in_cos = in_sin * bench.within(0.3, 0.8), phase = bench.within(0.0, kTwoPi);
+  for (std::size_t i = 0; i < kRows; ++i) {
+    const double at = order * kTwoPi * speed * c.time_s[i] + phase;
+    c.vsin_v[i] += in_sin * std::sin(at);
+    c.vcos_v[i] += in_cos * std::sin(at + 1.0);
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_none(d, {"periodic-interference"});
+  expect_pair(d, bench.pair);
+}
+
 /// An amplitude that drifts by a tenth, and an output stage that is at its end in the part where it
 /// is large: its level stands in the readings.
 KIND(a_level_that_cuts_off_some_of_the_peaks_is_read_off) {

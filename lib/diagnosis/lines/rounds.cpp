@@ -172,6 +172,27 @@ bool of_way_there_and_back(const Residual &r, double back_hz, double frequency) 
              r, [&](std::size_t i) { return kTwoPi * multiple * back_hz * r.time[i]; }, frequency);
 }
 
+double seen_at_hz(const Residual &r, double frequency) {
+  const double rate = r.sample_period_s > 0.0 ? 1.0 / r.sample_period_s : 0.0;
+  return rate > 0.0 ? std::abs(frequency - rate * std::round(frequency / rate)) : frequency;
+}
+
+int order_seen_at(const Residual &r, double round_hz, double frequency) {
+  if (!(round_hz > 0.0))
+    return 0;
+  const auto direct = static_cast<int>(std::round(frequency / round_hz));
+  const double within = kOrderWidth / (r.time.back() - r.time.front());
+  if (std::abs(frequency - direct * round_hz) < within)
+    return direct;
+  // So many orders that a tone lies on one of them by chance in no more than this part of cases.
+  constexpr double kByChance = 0.05;
+  const double highest = kByChance * (0.5 / std::max(r.sample_period_s, 1e-12)) / (2.0 * within);
+  for (int order = 1; order <= std::max(highest, highest_named(r)); ++order)
+    if (std::abs(frequency - seen_at_hz(r, order * round_hz)) < within)
+      return order;
+  return direct;
+}
+
 bool turns_with_shaft(const Residual &r, int order, const Line &tone) {
   return order != 0 &&
          line_along(r, [&](std::size_t i) { return order * r.alpha[i]; }).power > 0.2 * tone.power;

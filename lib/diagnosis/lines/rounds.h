@@ -43,6 +43,12 @@ double comes_back(const Residual &r);
 /// Bessel functions of a frequency modulation).
 bool of_way_there_and_back(const Residual &r, double back_hz, double frequency);
 
+/// Hz at which a frequency is seen in samples at an even rate, and the order of a shaft that comes
+/// round at even intervals which is seen at a frequency: the nearest one, or one that the
+/// sampling folds there.
+double seen_at_hz(const Residual &r, double frequency);
+int order_seen_at(const Residual &r, double round_hz, double frequency);
+
 /// A line at an order of a steady rotation is no tone when the residual follows the angle as well.
 bool turns_with_shaft(const Residual &r, int order, const Line &tone);
 

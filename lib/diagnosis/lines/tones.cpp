@@ -112,10 +112,10 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
   const auto no_tone = [&](double frequency, const Line &line) {
     if (!most)
       most = mostly_at(r);
-    const auto of_round = static_cast<int>(round > 0.0 ? std::round(frequency / round) : 0.0);
+    const int of_round = order_seen_at(r, round, frequency);
     const int of_speed = order_near(r, frequency, 1.0 / span);
     const bool near_round =
-        of_round >= 1 && std::abs(frequency - of_round * round) < kOrderWidth / span;
+        of_round >= 1 && std::abs(frequency - seen_at_hz(r, of_round * round)) < kOrderWidth / span;
     const bool at_round = near_round && !told_from_order(r, of_round, frequency);
     const bool at_speed = turns_with_shaft(r, of_speed, line) ||
                           (of_speed != 0 && !(near_round && of_speed == of_round) &&
