@@ -237,12 +237,15 @@ Model shown_again(const Model &extended) {
 
 std::string in_words(const Experiment &e, const std::string &what_to_do) {
   constexpr double kPlain = 1000.0; // above it what the model lacks counts, and not the noise
+  std::string rivals = e.separates.at(1);
+  for (std::size_t k = 2; k < e.separates.size(); ++k)
+    rivals += (k + 1 == e.separates.size() ? " and " : ", ") + e.separates[k];
   return fmt::format(
-      "turn the shaft {}, for {:g} s in all{}: if it is {}, {} will describe that capture worse by "
-      "{}",
+      "turn the shaft {}, for {:g} s in all{}: if it is {}, {} will {}describe that capture worse "
+      "by {}",
       what_to_do, e.duration_s,
       e.record.empty() ? "" : fmt::format(", and record {} as well", fmt::join(e.record, " and ")),
-      e.separates.front(), fmt::join(e.separates.begin() + 1, e.separates.end(), " or "),
+      e.separates.front(), rivals, e.separates.size() > 2 ? "each " : "",
       e.expected_nats > kPlain ? fmt::format("more than {:g} nats", kPlain)
                                : fmt::format("some {:g} nats", two_digits(e.expected_nats)));
 }

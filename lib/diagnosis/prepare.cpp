@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -311,6 +312,8 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
     scene.insufficient = why_no_angle(pick(capture.vsin_v, some), pick(capture.vcos_v, some));
     if (!scene.insufficient.empty() && level_gap(capture)) // a better reason, which is told later
       scene.insufficient.clear();
+    if (!scene.insufficient.empty()) // and no turns
+      scene.turns = std::numeric_limits<double>::quiet_NaN();
   }
   return scene;
 }

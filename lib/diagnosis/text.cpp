@@ -89,9 +89,11 @@ std::string to_text(const Diagnosis &d) {
                          fmt::join(f.alternatives, ", "), f.separate_by);
   }
   const Quality &rest = d.extended_quality.heldout;
-  out +=
-      fmt::format("\nextended model: residual {:.4g} mV rms on held-out data{}; noise {:.4g} mV\n",
-                  1e3 * rest.residual_rms_v, error_of(rest), 1e3 * d.noise_rms_v);
+  // Where the angle is the pair's own nothing is left across the vector.
+  out += fmt::format(
+      "\nextended model: residual {:.4g} mV rms on held-out data{}{}; noise {:.4g} mV{}\n",
+      1e3 * rest.residual_rms_v, d.radius_only ? ", along the vector alone" : "", error_of(rest),
+      1e3 * d.noise_rms_v, d.radius_only ? " along it and across" : "");
   for (const Structure &s : d.structure)
     out += fmt::format("left over along {}: {}\n", s.along, s.description);
   out += verdict_sentence(d) + "\n";

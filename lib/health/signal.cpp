@@ -111,9 +111,9 @@ HealthCheck check_radius(const Evidence &e) {
   return check_samples(
       e, "radius", e.tally.radius.faults(),
       fmt::format(
-          "the radius leaves its band (median {:.3f}): no magnet, a broken wire, or not the "
-          "sensor of this calibration",
-          median),
+          "the radius leaves its band, with a median of {:.3f} times that of {}: no magnet, a "
+          "broken wire, or another sensor",
+          median, e.yardstick_name),
       fmt::format("median {:.4f}, from {:.4f} to {:.4f}{}", median,
                   any ? e.tally.least_radius : 0.0, any ? e.tally.greatest_radius : 0.0,
                   spikes.empty() ? "" : " but for the spikes"));
