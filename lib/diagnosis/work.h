@@ -236,11 +236,15 @@ private:
   /// slowly goes with it: then that was something else, which the course went along with.
   bool take_out_courses(Anonymous slow, const std::vector<RandomCause> &processes);
 
-  std::array<Observations *, 3> all_data() { return {&scene_.all, &parts_.train, &parts_.heldout}; }
+  /// What a course or a gain is taken out of: what was left out of the fits has it as well.
+  std::array<Observations *, 6> all_data() {
+    return {&scene_.all,    &parts_.train, &parts_.heldout,
+            &scene_.spiked, &scene_.rough, &scene_.bursts};
+  }
 
   /// The outputs before something is taken out of them that may not be there.
   struct Outputs {
-    std::array<std::array<std::vector<float>, 2>, 3> pairs;
+    std::array<std::array<std::vector<float>, 2>, 6> pairs;
     explicit Outputs(Work &of) {
       for (std::size_t k = 0; k < pairs.size(); ++k)
         pairs[k] = {of.all_data()[k]->vsin, of.all_data()[k]->vcos};
