@@ -13,6 +13,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/descriptor.h"
@@ -60,6 +61,10 @@ class Draft {
 public:
   explicit Draft(std::string target)
       : target_(std::move(target)), path_(target_ + "." + std::to_string(::getpid()) + ".tmp") {
+    struct stat is {};
+    if (::stat(target_.c_str(), &is) == 0 && !S_ISREG(is.st_mode)) // it would be gone
+      throw Error(ADA4571_ERROR_INVALID_ARGUMENT, target_ + ": no place for a database: it is no "
+                                                            "regular file");
     std::remove(path_.c_str());
   }
   Draft(const Draft &) = delete;

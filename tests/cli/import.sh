@@ -145,6 +145,25 @@ EOF
   same vsin "$(column c.csv vsin_v | md5sum)" "$(column a.csv vsin_v | md5sum)"
 }
 
+check_a_capture_from_standard_input_keeps_its_metadata() {
+  iio-angle simulate --seed 4571 --duration 0.1 -o a.csv || fail "simulate"
+  sed -i 's/^# periods_per_turn = .*/# periods_per_turn = 100/' a.csv
+  status 0 iio-angle import a.csv -o named.csv
+  status 0 bash -c 'cat a.csv | iio-angle import - -o b.csv'
+  same piped "$(md5sum <b.csv)" "$(md5sum <named.csv)"
+  status 0 bash -c 'iio-angle import - -o c.csv <a.csv'
+  same redirected "$(md5sum <c.csv)" "$(md5sum <named.csv)"
+  grep -v '^#' a.csv >bare.csv
+  status 0 bash -c 'cat bare.csv | iio-angle import --periods 65536 - -o d.csv'
+  same periods "$(grep -c '^# periods_per_turn = 65536$' d.csv)" 1
+  python3 -c 'import numpy; numpy.save("x.npy", numpy.zeros((9, 3)))'
+  status 1 bash -c 'cat x.npy | iio-angle import --time 1 --sin 2 --cos 3 - -o e.csv'
+  same sentence "$(cat err)" \
+    "iio-angle: standard input: numpy's .npy is read from a file that has a name"
+  status 1 bash -c 'sleep 0.2 | iio-angle import - -o f.csv'
+  [[ ! -e e.csv && ! -e f.csv ]] || fail "a file was written"
+}
+
 check_a_million_rows_take_no_more_memory_than_a_thousand() {
   rows() {
     awk -v n="$1" 'BEGIN { print "t,sin,cos"; for (i = 0; i < n; i++) printf "%.6f,%.4f,2.5\n", i * 1e-5, i % 7 }'

@@ -53,6 +53,19 @@ check_a_bad_capture_is_a_row_with_its_sentence_and_the_rest_goes_on() {
   status 0 iio-angle study report --json s.db
   same failed "$(json out "j['captures'], j['failed'], j['sensors']")" "(5, 2, 3)"
   same schema "$(json out "j['schema']")" ada4571-study/1
+  mkdir folder
+  status 0 iio-angle study run --without diagnose -o f.db c1.csv folder c2.csv
+  same folder "$(rows f.db "reason LIKE 'folder%'")" 1
+}
+
+check_a_study_is_a_file_with_a_name() {
+  quick_captures 1
+  status 2 iio-angle study run --without diagnose -o - c1.csv
+  status 0 iio-angle study run --without diagnose -o a.db c1.csv
+  mkfifo pipe
+  status 1 iio-angle study merge -o pipe a.db
+  same sentence "$(cat err)" 'iio-angle: pipe: no place for a database: it is no regular file'
+  [[ -p pipe ]] || fail "the pipe is gone"
 }
 
 check_a_list_without_lines_is_no_list() {

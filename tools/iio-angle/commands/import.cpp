@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -9,6 +12,7 @@
 #include <numbers>
 #include <string>
 #include <string_view>
+#include <unistd.h>
 #include <vector>
 
 #include "common/file_roles.h"
@@ -131,20 +135,46 @@ Import open_import(const CLI::App &verb, const ImportOptions &options) {
   }
 }
 
+/// The first bytes of a file, or of what waits in standard input, which stays there; nothing of
+/// another pipe, for what is taken from it is gone.
+std::string first_bytes(const std::string &path) {
+  constexpr std::size_t kEnough = 32;
+  std::array<char, kEnough> bytes{};
+  ssize_t got = 0;
+  std::error_code error;
+  if (path != "-") {
+    if (!std::filesystem::is_regular_file(path, error))
+      return {};
+    std::ifstream file(path, std::ios::binary);
+    file.read(bytes.data(), kEnough);
+    got = file.gcount();
+  } else if (std::array<int, 2> copy{};
+             (got = ::pread(STDIN_FILENO, bytes.data(), kEnough, 0)) < 0 &&
+             ::pipe2(copy.data(), O_CLOEXEC) == 0) {
+    got = ::tee(STDIN_FILENO, copy[1], kEnough, 0);
+    if (got > 0)
+      got = ::read(copy[0], bytes.data(), kEnough);
+    ::close(copy[0]);
+    ::close(copy[1]);
+  }
+  return {bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(got, 0))};
+}
+
 /// One of this program's own recordings, in either form: only its form is to change.
 bool is_capture(const std::string &path) {
-  constexpr std::string_view kMagic = "# ada4571-capture/";
-  if (path == "-")
-    return false;
+  constexpr std::string_view kMagic = "# ada4571-capture/", kByteOrderMark = "\xEF\xBB\xBF";
   if (path.ends_with(".sigmf-meta") || path.ends_with(".sigmf-data"))
     return true;
-  std::error_code error; // what is taken from a pipe is gone
-  if (!std::filesystem::is_regular_file(path, error))
-    return false;
-  std::string begin(kMagic.size() + 3, '\0'); // a byte order mark may come first
-  std::ifstream file(path, std::ios::binary);
-  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  return begin.starts_with(kMagic) || begin.substr(3).starts_with(kMagic);
+  std::string begin = first_bytes(path);
+  if (begin.starts_with(kByteOrderMark))
+    begin.erase(0, kByteOrderMark.size());
+  return begin.starts_with(kMagic);
+}
+
+/// numpy's form tells its size first, and is read by place.
+void refuse_piped_numpy(const std::string &path) {
+  if (path == "-" && first_bytes(path).starts_with("\x93NUMPY"))
+    throw Failure(kUnusable, "standard input: numpy's .npy is read from a file that has a name");
 }
 
 int change_form(const CLI::App &verb, const ImportOptions &options) {
@@ -178,6 +208,7 @@ int run(const CLI::App &verb, const ImportOptions &options) {
   FileRoles().reads(options.input).writes(options.output);
   if (is_capture(options.input))
     return change_form(verb, options);
+  refuse_piped_numpy(options.input);
   const Import import = open_import(verb, options);
   remark(ada4571_import_text(import.get()));
   if (options.explain)
@@ -242,7 +273,7 @@ void add_value_options(CLI::App &verb, ImportOptions &options) {
   verb.add_option("--periods", options.periods,
                   "electrical periods a turn: 2 for AMR, 1 for GMR, TMR and Hall")
       ->capture_default_str()
-      ->transform(whole(1, 64))
+      ->transform(whole(1, 65536)) // as a capture may have
       ->type_name("N");
   verb.add_option("--serial", options.serial, "serial number of the sensor")->type_name("TEXT");
 }

@@ -110,6 +110,12 @@ std::string captures_words(std::size_t count) {
   return fmt::format("{} capture{}", count, count == 1 ? "" : "s");
 }
 
+/// A database is written at any place of its file.
+void refuse_standard_output(const std::string &output) {
+  if (output == "-")
+    throw Failure(kWrongUsage, "--output: a study is a database, which needs a file with a name");
+}
+
 /// Before the first analysis, whose result would be lost without it.
 void make_folder(const std::string &name) {
   std::error_code failed;
@@ -191,8 +197,14 @@ int run(const RunOptions &options) {
     throw Failure(kWrongUsage, "a new study needs captures, by name or by --list");
   FileRoles roles;
   roles.reads(options.list);
-  for (std::size_t k = 0; k < options.captures.size(); ++k)
-    roles.reads(options.captures[k]);
+  for (const std::string &capture : options.captures)
+    try {
+      roles.reads(capture);
+    } catch (const Failure &failure) {
+      if (failure.exit_status() != kUnusable) // its row will say what is wrong with it
+        throw;
+    }
+  refuse_standard_output(options.output);
   roles.writes(options.output);
   const std::vector<std::string> captures = captures_of(options); // before a study is made for them
   for (const std::string &capture : captures)
@@ -244,6 +256,7 @@ int merge(const MergeOptions &options) {
     roles.reads(part);
     parts.push_back(part.c_str());
   }
+  refuse_standard_output(options.output);
   roles.writes(options.output);
   std::error_code none;
   if (const auto bytes = std::filesystem::file_size(options.output, none); !none && bytes > 0)
