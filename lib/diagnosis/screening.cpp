@@ -219,22 +219,32 @@ Differences beside_reference(const Screened &look) {
   return out;
 }
 
+/// Whether half of the rows come so unevenly that differences over rows hold the motion.
+bool comes_unevenly(const std::vector<double> &time) {
+  constexpr double kUneven = 0.05; // of the usual step
+  const double usual = median_step(time);
+  std::vector<double> off;
+  for (std::size_t i = 1; i < time.size(); ++i)
+    off.push_back(std::abs(time[i] - time[i - 1] - usual));
+  return !off.empty() && quantile(std::move(off), 0.5) > kUneven * usual;
+}
+
 /// The samples in the order of their places in the turn, where the shaft turns so far from one
-/// sample to the next that the pair's differences are signal; empty elsewhere. The place is that of
-/// the reference, or else the pair's own.
-std::vector<std::size_t> by_place_in_turn(const Screened &look) {
+/// sample to the next, or without a reference the rows come so unevenly, that the pair's
+/// differences are signal; empty elsewhere. The place is the pair's own, or that of the reference.
+std::vector<std::size_t> by_place_in_turn(const Screened &look, bool own) {
   constexpr double kFar = 0.35; // rad, electrical: beyond it the differences hold much of a turn
   const Capture &c = look.capture;
   std::vector<double> place_rad(c.size());
   for (std::size_t i = 0; i < c.size(); ++i)
-    place_rad[i] = c.has_reference() ? c.meta.periods_per_turn * kRadPerDeg * c.reference_deg[i]
-                                     : std::atan2(c.vsin_v[i] - look.centre_sin_v,
-                                                  c.vcos_v[i] - look.centre_cos_v);
-  const double round = c.has_reference() ? c.meta.periods_per_turn * kTwoPi : kTwoPi;
+    place_rad[i] =
+        !own ? c.meta.periods_per_turn * kRadPerDeg * c.reference_deg[i]
+             : std::atan2(c.vsin_v[i] - look.centre_sin_v, c.vcos_v[i] - look.centre_cos_v);
+  const double round = !own ? c.meta.periods_per_turn * kTwoPi : kTwoPi;
   std::vector<double> steps;
   for (std::size_t i = 1; i < c.size(); ++i)
     steps.push_back(std::abs(wrap_centred(place_rad[i] - place_rad[i - 1], round)));
-  if (quantile(std::move(steps), 0.5) < kFar)
+  if (quantile(std::move(steps), 0.5) < kFar && !(own && comes_unevenly(c.time_s)))
     return {};
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < c.size(); ++i) {
@@ -291,23 +301,34 @@ double white_noise(const Screened &look) {
         std::vector<double>{1, 0, -5, 0, 10, 0, -10, 0, 5, 0, -1}})
     take({}, weights);
   const std::array in_time = least;
-  const std::vector<std::size_t> order = by_place_in_turn(look);
+  const bool has_reference = look.capture.has_reference();
+  const std::vector<std::size_t> order = by_place_in_turn(look, !has_reference);
   if (!order.empty())
     for (const std::vector<double> &weights : {first, second, third})
       take(order, weights);
   // At neighbouring angles of the pair's own only what lies along the vector differs.
-  const double along_v = least[2];
-  const bool by_own_place = !order.empty() && !look.capture.has_reference();
+  double along_v = least[2];
+  bool by_own_place = !order.empty() && !has_reference;
   if (by_own_place)
     least = in_time;
   // Where the ellipse leaves about as much, differences tell it without what goes slowly.
   constexpr double kFarLess = 0.7;
-  if (look.capture.has_reference())
+  if (has_reference)
     if (const Differences d = beside_reference(look); !d.middle.empty())
       if (const std::array now = scales_of(d);
           std::min(now[0], now[1]) > 0.0 &&
           std::hypot(now[0], now[1]) < kFarLess * std::hypot(least[0], least[1]))
         least = now;
+  // A reference that counts in steps, or errs, leaves more than the noise as well.
+  if (has_reference && comes_unevenly(look.capture.time_s)) {
+    const std::vector<std::size_t> own = by_place_in_turn(look, true);
+    along_v = kInfinite;
+    for (const std::vector<double> &weights : {first, second, third})
+      if (const Differences d = differences(look, own, weights); !own.empty() && !d.middle.empty())
+        if (const double now = scales_of(d)[2]; now > 0.0)
+          along_v = std::min(along_v, now);
+    by_own_place = along_v < kInfinite;
+  }
   // The median of |x y| with x normal and y a sine is 0.745 of what its rms would have it: noise in
   // one direction can look that much less, and where the vector has more it has moved.
   constexpr double kMostHidden = 1.0 / 0.745,

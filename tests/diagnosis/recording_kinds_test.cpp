@@ -252,5 +252,30 @@ KIND(a_tone_on_exchanged_leads_is_a_tone) {
   EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
 }
 
+/// Rows that come when a program gets round to reading them: what the pair moves from one to the
+/// next is not smooth, and no noise.
+KIND(the_noise_of_rows_that_come_unevenly_is_not_the_motion) {
+  for (const bool reference : {false, true}) {
+    Bench bench;
+    constexpr std::size_t kRows = 1800;
+    std::vector<double> when{0.0};
+    for (std::size_t i = 1; i < kRows; ++i)
+      when.push_back(when.back() + 0.004 * bench.within(0.3, 1.9));
+    const double speed = bench.within(1.0, 2.5);
+    // The bench counts rows: the angle is that of the moment at which the row was read.
+    Capture c = bench.capture(kRows, 1.0, 2, [&](double row) {
+      return kTwoPi * speed * when[static_cast<std::size_t>(row)];
+    });
+    c.time_s = when;
+    if (!reference)
+      c.reference_deg.clear();
+    for (double &deg : c.reference_deg)
+      deg = 0.5 * std::round(deg / 0.5);
+    const Diagnosis d = diagnose(c, {});
+    EXPECT_NEAR(d.noise_rms_v, bench.pair.noise_v, 0.15 * bench.pair.noise_v) << left_of(d);
+    expect_pair(d, bench.pair);
+  }
+}
+
 } // namespace
 } // namespace ada::test
