@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "base/frame.h"
+#include "base/robust.h"
 #include "base/text.h"
 #include "health/checks.h"
 #include "health/criteria.h"
@@ -39,6 +41,46 @@ HealthCheck standing_time(const Evidence &e) {
   return gaps_fault(standing, 0, "steps", why);
 }
 
+/// How many stretches between gaps there are where the pair rests in each and moves from one to the
+/// next: a table is read where it stops, and nothing is lost. 0: they are no stops.
+std::size_t stops_between_gaps(const Evidence &e) {
+  constexpr std::size_t kFewest = 5;
+  constexpr double kAtRest = 0.2; // of the way between two stops
+  constexpr double kNearlyAll = 0.9;
+  constexpr double kPause = 1.5; // usual steps, as of a gap
+  if (e.what.is_long || e.tally.steps.gaps + 1 < kFewest)
+    return 0;
+  const Capture &c = e.capture;
+  std::vector<double> moved, within;
+  double last_sin = 0, last_cos = 0;
+  for (std::size_t from = 0, to = 0; from < c.size(); from = to) {
+    double sin = 0, cos = 0, off2 = 0;
+    for (to = from;
+         to < c.size() && (to == from || c.time_s[to] - c.time_s[to - 1] < kPause * e.usual_step_s);
+         ++to) {
+      sin += c.vsin_v[to];
+      cos += c.vcos_v[to];
+    }
+    const double n = static_cast<double>(to - from);
+    sin /= n;
+    cos /= n;
+    for (std::size_t i = from; i < to; ++i)
+      off2 += std::pow(c.vsin_v[i] - sin, 2) + std::pow(c.vcos_v[i] - cos, 2);
+    within.push_back(std::sqrt(off2 / n));
+    if (from > 0)
+      moved.push_back(std::hypot(sin - last_sin, cos - last_cos));
+    last_sin = sin;
+    last_cos = cos;
+  }
+  const std::size_t stops = within.size();
+  if (stops < kFewest)
+    return 0;
+  return quantile(std::move(within), kNearlyAll) <
+                 kAtRest * quantile(std::move(moved), 1 - kNearlyAll)
+             ? stops
+             : 0;
+}
+
 } // namespace
 
 HealthCheck check_gaps(const Evidence &e) {
@@ -60,6 +102,12 @@ HealthCheck check_gaps(const Evidence &e) {
         fmt::format("time grows by {:.3g} s a sample, but sample_rate_hz says {:.3g} s: "
                     "one of them is wrong",
                     e.usual_step_s, 1 / *c.meta().sample_rate_hz));
+  if (const std::size_t stops = stops_between_gaps(e); stops > 0)
+    return verdict(
+        "gaps", true, static_cast<double>(s.gaps), 0, "gaps",
+        fmt::format("the pair is read where it rests, {} times, up to {:.3g} s apart; no "
+                    "sample is missing there",
+                    stops, s.longest_gap_s));
   constexpr double kCountable = 9007199254740992.0; // 2^53: beyond, a number of samples is none
   const std::string missing = s.lost < kCountable
                                   ? fmt::format("about {:.0f} samples are missing", s.lost)

@@ -40,6 +40,22 @@ TEST(Times, of_any_origin_are_fine) {
   }
 }
 
+/// A table that is read ten times where it stops, and the same rows of a shaft that turns on.
+TEST(Times, of_a_table_that_stops_have_no_gaps) {
+  for (const bool stops : {true, false}) {
+    Sampler sampler(SensorPair{}, fresh_seed());
+    const auto place = [=](double row) { return stops ? std::floor(row / 10) : row / 10; };
+    Capture c = sampler.capture(1, 170, [=](double t) { return 0.37 * place(t + 0.5); });
+    for (std::size_t i = 0; i < c.size(); ++i)
+      c.time_s[i] = 0.02 * static_cast<double>(i) + 0.9 * std::floor(static_cast<double>(i) / 10);
+    c.gaps = gaps_in_time(c);
+    const HealthCheck check = gaps(c);
+    EXPECT_EQ(check.state, stops ? HealthState::passed : HealthState::failed) << check.explanation;
+    EXPECT_EQ(check.explanation.find("where it rests, 17 times") != std::string::npos, stops)
+        << check.explanation;
+  }
+}
+
 TEST(Times, in_whole_steps_are_too_coarse) {
   for (const double origin : {0.0, 1.76e9})
     for (const double step : {1e-3, 1.0}) {
