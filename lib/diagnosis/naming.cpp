@@ -3,6 +3,7 @@
 
 #include "diagnosis/naming.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/solve.h"
 #include "diagnosis/admission.h"
 #include "diagnosis/along_and_across.h"
 #include "diagnosis/beside_anonymous.h"
@@ -437,19 +439,55 @@ double turned_by_each_v2(const Observations &data, const Model &model) {
   return sum;
 }
 
+/// Mean square across the vector, V^2, of what an effect of the model does that no offset,
+/// amplitude or zero angle does as well: on a short arc those do most of it.
+double turned_beside_baseline_v2(const Observations &data, const Model &model, std::size_t effect) {
+  const ResidualColumns with = residual_columns(data, model);
+  ResidualColumns shape = residual_columns(data, model.without(effect));
+  using Columns = Eigen::Matrix<double, 2, 4>; // of a sample, VSIN and VCOS
+  const auto columns = [&](std::size_t i) {
+    const double s = with.model_sin[i] - data.centre_sin_v,
+                 c = with.model_cos[i] - data.centre_cos_v;
+    Columns out;
+    out << 1.0, 0.0, s, c, 0.0, 1.0, c, -s;
+    return out;
+  };
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d onto = Eigen::Vector4d::Zero();
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    shape.sin[i] -= with.sin[i];
+    shape.cos[i] -= with.cos[i];
+    const Columns x = columns(i);
+    normal += x.transpose() * x;
+    onto += x.transpose() * Eigen::Vector2d(shape.sin[i], shape.cos[i]);
+  }
+  const Eigen::Vector4d by = solved(normal, onto);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const Eigen::Vector2d baseline = columns(i) * by;
+    shape.sin[i] -= baseline[0];
+    shape.cos[i] -= baseline[1];
+  }
+  std::vector<double> along, across;
+  split(data, shape, along, across);
+  return mean_square(across);
+}
+
 /// Causes that turn the vector to and fro and take it back among them stand for something that
 /// turns it hardly at all: of their sum any length is made, as of any other set of shapes. Causes
 /// that are independent turn it together by about as much as each for itself.
 void drop_what_cancels(const Parts &parts, SearchResult &found) {
   if (!parts.has_reference || found.disturbed != Direction::none)
     return;
+  const Model &model = found.fit.model;
   SearchResult fewer = found;
   bool any = false; // beside what every pair has
+  double each_v2 = 0.0;
   for (std::size_t place = fewer.order.size(); place-- > 0;) {
     const Effect &effect = *fewer.fit.model.effects[fewer.order[place]].effect;
     if (!is_static(effect))
       continue;
     any = any || effect.info().prior_rank != 0;
+    each_v2 += turned_beside_baseline_v2(parts.train, model, found.order[place]);
     fewer.forget(place);
   }
   constexpr std::size_t kFewest = 2; // that can cancel
@@ -458,7 +496,7 @@ void drop_what_cancels(const Parts &parts, SearchResult &found) {
   fewer.fit.model = fit(parts.train, fewer.fit.model, kRefit).model;
   std::vector<double> along, across;
   split(parts.train, residual_columns(parts.train, fewer.fit.model), along, across);
-  if (turned_by_each_v2(parts.train, found.fit.model) > criteria::kCancels * mean_square(across))
+  if (each_v2 > criteria::kCancels * mean_square(across))
     found = std::move(fewer);
 }
 
