@@ -50,8 +50,8 @@ struct EllipseFit {
   std::array<double, kEllipseSize * kEllipseSize> covariance{};
   double residual_rms_v = 0;  ///< of the distances of the samples used, sqrt(sum e^2/(N - q))
   /// Of distances from fits that did not see the sample: of three, each without one of three parts
-  /// of the record, which are spread over it. 0 where a part is too
-  /// small for it, or holds what the others do not know.
+  /// of the record, which are spread over it. 0 where a part is too small for it, or
+  /// holds what the others do not know.
   double heldout_rms_v = 0;
   double structure_rms_v = 0; ///< part of the residual that depends on psi; 0 where not seen
   double coverage_deg = 0;    ///< electrical degrees that hold samples, of 360

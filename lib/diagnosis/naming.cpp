@@ -481,18 +481,21 @@ void drop_what_cancels(const Parts &parts, SearchResult &found) {
   const Model &model = found.fit.model;
   SearchResult fewer = found;
   bool any = false; // beside what every pair has
-  double each_v2 = 0.0;
+  std::vector<std::size_t> at_rest;
   for (std::size_t place = fewer.order.size(); place-- > 0;) {
     const Effect &effect = *fewer.fit.model.effects[fewer.order[place]].effect;
     if (!is_static(effect))
       continue;
     any = any || effect.info().prior_rank != 0;
-    each_v2 += turned_beside_baseline_v2(parts.train, model, found.order[place]);
+    at_rest.push_back(found.order[place]);
     fewer.forget(place);
   }
   constexpr std::size_t kFewest = 2; // that can cancel
-  if (!any || found.order.size() < fewer.order.size() + kFewest)
+  if (!any || at_rest.size() < kFewest)
     return;
+  double each_v2 = 0.0;
+  for (std::size_t at : at_rest)
+    each_v2 += turned_beside_baseline_v2(parts.train, model, at);
   fewer.fit.model = fit(parts.train, fewer.fit.model, kRefit).model;
   std::vector<double> along, across;
   split(parts.train, residual_columns(parts.train, fewer.fit.model), along, across);

@@ -41,15 +41,20 @@ HealthCheck standing_time(const Evidence &e) {
   return gaps_fault(standing, 0, "steps", why);
 }
 
-/// How many stretches between gaps there are where the pair rests in each and moves from one to the
-/// next: a table is read where it stops, and nothing is lost. 0: they are no stops.
-std::size_t stops_between_gaps(const Evidence &e) {
+/// Stretches between gaps where the pair rests in each and moves from one to the next, as of a
+/// table that is read where it stops; `lost`: gaps over which it did not move. No stops: it does
+/// not rest.
+struct Rests {
+  std::size_t stops = 0, lost = 0;
+};
+
+Rests rests_between_gaps(const Evidence &e) {
   constexpr std::size_t kFewest = 5;
   constexpr double kAtRest = 0.2; // of the way between two stops
   constexpr double kNearlyAll = 0.9;
   constexpr double kPause = 1.5; // usual steps, as of a gap
   if (e.what.is_long || e.tally.steps.gaps + 1 < kFewest)
-    return 0;
+    return {};
   const Capture &c = e.capture;
   std::vector<double> moved, within;
   double last_sin = 0, last_cos = 0;
@@ -72,13 +77,14 @@ std::size_t stops_between_gaps(const Evidence &e) {
     last_sin = sin;
     last_cos = cos;
   }
-  const std::size_t stops = within.size();
-  if (stops < kFewest)
-    return 0;
-  return quantile(std::move(within), kNearlyAll) <
-                 kAtRest * quantile(std::move(moved), 1 - kNearlyAll)
-             ? stops
-             : 0;
+  const double usual = quantile(moved, 0.5);
+  const auto lost = static_cast<std::size_t>(
+      std::count_if(moved.begin(), moved.end(), [&](double x) { return x < kAtRest * usual; }));
+  std::erase_if(moved, [&](double x) { return x < kAtRest * usual; });
+  if (moved.size() + 1 < kFewest ||
+      !(quantile(std::move(within), kNearlyAll) < kAtRest * quantile(moved, 1 - kNearlyAll)))
+    return {};
+  return {moved.size() + 1, lost};
 }
 
 } // namespace
@@ -102,12 +108,15 @@ HealthCheck check_gaps(const Evidence &e) {
         fmt::format("time grows by {:.3g} s a sample, but sample_rate_hz says {:.3g} s: "
                     "one of them is wrong",
                     e.usual_step_s, 1 / *c.meta().sample_rate_hz));
-  if (const std::size_t stops = stops_between_gaps(e); stops > 0)
-    return verdict(
-        "gaps", true, static_cast<double>(s.gaps), 0, "gaps",
-        fmt::format("the pair is read where it rests, {} times, up to {:.3g} s apart; no "
-                    "sample is missing there",
-                    stops, s.longest_gap_s));
+  if (const Rests rests = rests_between_gaps(e); rests.stops > 0) {
+    const std::string read =
+        fmt::format("the pair is read where it rests, {} times, up to {:.3g} s apart", rests.stops,
+                    s.longest_gap_s);
+    return verdict("gaps", rests.lost == 0, static_cast<double>(rests.lost), 0, "gaps",
+                   rests.lost == 0 ? read + "; no sample is missing there"
+                                   : fmt::format("{}; within a rest samples are missing {} times",
+                                                 read, rests.lost));
+  }
   constexpr double kCountable = 9007199254740992.0; // 2^53: beyond, a number of samples is none
   const std::string missing = s.lost < kCountable
                                   ? fmt::format("about {:.0f} samples are missing", s.lost)

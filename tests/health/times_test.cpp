@@ -53,6 +53,16 @@ TEST(Times, of_a_table_that_stops_have_no_gaps) {
     EXPECT_EQ(check.state, stops ? HealthState::passed : HealthState::failed) << check.explanation;
     EXPECT_EQ(check.explanation.find("where it rests, 17 times") != std::string::npos, stops)
         << check.explanation;
+    if (!stops)
+      continue;
+    for (const std::size_t row : {63u, 64u}) // within the seventh stop
+      for (std::vector<double> *column : {&c.time_s, &c.vsin_v, &c.vcos_v, &c.reference_deg})
+        column->erase(column->begin() + static_cast<std::ptrdiff_t>(row));
+    c.gaps = gaps_in_time(c);
+    const HealthCheck lost = gaps(c);
+    EXPECT_EQ(lost.state, HealthState::failed) << lost.explanation;
+    EXPECT_NE(lost.explanation.find("within a rest samples are missing"), std::string::npos)
+        << lost.explanation;
   }
 }
 
