@@ -225,7 +225,7 @@ check_the_catalogue_shows_one_effect_or_all_as_text_or_json() {
   same "effects" "$(grep -c '^[a-z]' out)" 1
   says out 'dt_s +s +default .* to '
   status 0 iio-angle catalogue --json
-  python3 -c 'import json, sys
+  /usr/bin/python3 -c 'import json, sys
 c = json.load(sys.stdin)
 assert c["schema"] == "ada4571-catalogue/1" and len(c["effects"]) >= 20
 for e in c["effects"]:

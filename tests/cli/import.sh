@@ -156,7 +156,7 @@ check_a_capture_from_standard_input_keeps_its_metadata() {
   grep -v '^#' a.csv >bare.csv
   status 0 bash -c 'cat bare.csv | iio-angle import --periods 65536 - -o d.csv'
   same periods "$(grep -c '^# periods_per_turn = 65536$' d.csv)" 1
-  python3 -c 'import numpy; numpy.save("x.npy", numpy.zeros((9, 3)))'
+  /usr/bin/python3 -c 'import numpy; numpy.save("x.npy", numpy.zeros((9, 3)))'
   status 1 bash -c 'cat x.npy | iio-angle import --time 1 --sin 2 --cos 3 - -o e.csv'
   same sentence "$(cat err)" \
     "iio-angle: standard input: numpy's .npy is read from a file that has a name"
@@ -169,7 +169,7 @@ check_a_million_rows_take_no_more_memory_than_a_thousand() {
     awk -v n="$1" 'BEGIN { print "t,sin,cos"; for (i = 0; i < n; i++) printf "%.6f,%.4f,2.5\n", i * 1e-5, i % 7 }'
   }
   peak() { # kilobytes
-    python3 -c 'import resource, subprocess, sys
+    /usr/bin/python3 -c 'import resource, subprocess, sys
 subprocess.run(sys.argv[1:], check=True, stderr=subprocess.DEVNULL)
 print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)' "$@"
   }

@@ -77,7 +77,7 @@ check_list_shows_one_device_and_json() {
   status 1 iio-angle list -u "$URI" -d ada4571-smi
   says err "no usable device is called 'ada4571-smi'; did you mean 'ada4571-sim'"
   status 0 iio-angle list -u "$URI" --json
-  python3 -c 'import json, sys
+  /usr/bin/python3 -c 'import json, sys
 d = json.load(sys.stdin)
 assert d["schema"] == "ada4571-list/1" and d["uri"] == sys.argv[1], d
 assert [x["name"] for x in d["devices"]] == ["ada4571-sim"] and d["devices"][0]["labelled"], d
@@ -156,7 +156,7 @@ check_read_gives_calibrated_angles_in_every_format() {
   same rows "$(lines out)" 501
   status 0 iio-angle read -u "$URI" --calibration a.toml --samples 500 --format json
   same rows "$(lines out)" 500
-  python3 -c 'import json, sys
+  /usr/bin/python3 -c 'import json, sys
 for line in sys.stdin:
     a = json.loads(line)
     assert 0 <= a["angle_deg"] < 180 and abs(a["radius"] - 1) < 0.01 and a["status"] == 0, a' \
@@ -240,7 +240,7 @@ check_record_goes_on_when_the_server_is_back_and_counts() {
   same "exit status" "$got" 0
   says err '^1 times away, about [1-9][0-9]* samples missed meanwhile$'
   # A try comes no sooner than a second after the loss: one step of the times is at least that.
-  python3 - <<'EOF' >said 2>&1 || fail "$(tail -1 said)"
+  /usr/bin/python3 - <<'EOF' >said 2>&1 || fail "$(tail -1 said)"
 import json
 meta = json.load(open("a.sigmf-meta"))
 parts, rate = meta["captures"], meta["global"]["core:sample_rate"]

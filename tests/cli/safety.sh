@@ -282,7 +282,7 @@ while True:
     c.close()
 EOF
     rm -f port
-    python3 server.py >port 2>server.log &
+    /usr/bin/python3 server.py >port 2>server.log &
     local server=$!
     until_there test -s port
     local verb

@@ -31,7 +31,7 @@ quick_captures() { # quick_captures COUNT
 }
 
 rows() { # rows STUDY WHERE
-  python3 - "$@" <<'PYTHON'
+  /usr/bin/python3 - "$@" <<'PYTHON'
 import sqlite3, sys
 print(sqlite3.connect(sys.argv[1]).execute(f"SELECT count(*) FROM captures WHERE {sys.argv[2]}").fetchone()[0])
 PYTHON
@@ -39,7 +39,7 @@ PYTHON
 
 # json FILE EXPRESSION: what Python says of the JSON in it, as j
 json() {
-  python3 -c 'import json, sys; j = json.load(open(sys.argv[1])); print(eval(sys.argv[2]))' "$@"
+  /usr/bin/python3 -c 'import json, sys; j = json.load(open(sys.argv[1])); print(eval(sys.argv[2]))' "$@"
 }
 
 check_a_bad_capture_is_a_row_with_its_sentence_and_the_rest_goes_on() {

@@ -174,7 +174,7 @@ check_a_second_ctrl_c_gives_the_terminal_back() {
   # The shell becomes the program: its number is known however a foreign program is started.
   terminal 80 24 "stty -a | grep -oE -- '-?(icanon|echo)\\b' >modes; sh -c 'echo \$\$ >pid; exec $WATCH'; stty -a | grep -oE -- '-?(icanon|echo)\\b' >after"
   shows 'q quit'
-  python3 - "$(cat pid)" <<'EOS' || fail "no such thread"
+  /usr/bin/python3 - "$(cat pid)" <<'EOS' || fail "no such thread"
 import ctypes, os, signal, sys
 pid = int(sys.argv[1])
 libc = ctypes.CDLL(None, use_errno=True)
