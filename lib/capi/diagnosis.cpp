@@ -12,7 +12,7 @@
 #include "capi/long_capture.h"
 #include "capi/to_fit.h"
 #include "diagnosis/diagnose.h"
-#include "diagnosis/plausible.h"
+#include "diagnosis/words/plausible.h"
 #include "recording/join.h"
 #include "report/report.h"
 

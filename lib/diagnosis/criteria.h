@@ -365,8 +365,9 @@ inline constexpr double kNatsPerMoment = 11.0;
 /// nobody would care.
 inline constexpr double kLeastOfNoise = 0.06;
 /// Residual, in units of the noise, above which what was found is called into question.
-inline constexpr double kShaken = 1.25;
-inline constexpr std::size_t kMostShaken = 6; ///< effects; beyond so many the work grows too long
+inline constexpr double kExchangeAbove = 1.25;
+inline constexpr std::size_t kMostExchanged =
+    6; ///< effects; beyond so many the work grows too long
 /// Of a converter's coarse step, what a cause must explain at least: its error is no noise, and
 /// looks like a little of many effects.
 inline constexpr double kOfStep = 0.1;
@@ -377,7 +378,7 @@ inline constexpr double kOfReferenceStep = 0.1;
 /// Two causes this correlated are one and the same in the data: both together would cancel each
 /// other at sizes that mean nothing. Unless far more is gained than by chance: two speeds just tell
 /// two lags apart.
-inline constexpr double kEntangled = 0.995, kNearlyOne = 0.999, kFarMoreNats = 1000.0;
+inline constexpr double kOneShape = 0.995, kNearlyOne = 0.999, kFarMoreNats = 1000.0;
 /// Part of the best worth from which on another candidate does about as well.
 inline constexpr double kAsWell = 0.98;
 /// A candidate whose gain, before its numbers are fitted, is less than this part of one that was

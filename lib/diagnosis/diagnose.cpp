@@ -10,15 +10,15 @@
 #include <optional>
 #include <utility>
 
-#include "diagnosis/admission.h"
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/pair_alone.h"
 #include "diagnosis/conditions/reference_course.h"
 #include "diagnosis/conditions/stop_means.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/explain.h"
 #include "diagnosis/next_experiments.h"
+#include "diagnosis/search/admission.h"
+#include "diagnosis/words/explain.h"
 #include "diagnosis/work.h"
 #include "health/reference_share.h"
 
@@ -170,7 +170,7 @@ double worth(const Diagnosis &d) {
   double out =
       kHeldOut * static_cast<double>(d.samples) * d.extended_quality.heldout.log_likelihood;
   for (const EffectInstance &e : d.extended.effects)
-    out -= price(e);
+    out -= penalty(e);
   return out;
 }
 

@@ -6,7 +6,7 @@
 
 #include <functional>
 
-#include "diagnosis/result.h"
+#include "diagnosis/words/result.h"
 #include "recording/capture.h"
 
 namespace ada {

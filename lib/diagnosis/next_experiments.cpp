@@ -15,12 +15,12 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
-#include "diagnosis/admission.h"
-#include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/doubt.h"
-#include "diagnosis/fit.h"
-#include "diagnosis/search.h"
+#include "diagnosis/search/admission.h"
+#include "diagnosis/search/candidates.h"
+#include "diagnosis/search/fit.h"
+#include "diagnosis/search/identifiability.h"
+#include "diagnosis/search/search.h"
 #include "simulation/simulation.h"
 
 namespace ada {

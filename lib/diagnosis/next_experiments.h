@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-#include "diagnosis/result.h"
+#include "diagnosis/words/result.h"
 #include "recording/capture.h"
 
 namespace ada {

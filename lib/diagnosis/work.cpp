@@ -10,21 +10,21 @@
 #include <utility>
 
 #include "base/angle.h"
-#include "diagnosis/admission.h"
-#include "diagnosis/along_and_across.h"
-#include "diagnosis/beside_anonymous.h"
-#include "diagnosis/candidates.h"
+#include "diagnosis/anonymous/beside_anonymous.h"
 #include "diagnosis/conditions/level_gap.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/conditions/several.h"
 #include "diagnosis/conditions/uneven_motion.h"
+#include "diagnosis/conditions/unseen_supply.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/describe.h"
-#include "diagnosis/first_model.h"
-#include "diagnosis/images.h"
-#include "diagnosis/moments.h"
-#include "diagnosis/naming.h"
-#include "diagnosis/unseen_supply.h"
+#include "diagnosis/events/change_points.h"
+#include "diagnosis/lines/images.h"
+#include "diagnosis/naming/naming.h"
+#include "diagnosis/noise/along_and_across.h"
+#include "diagnosis/search/admission.h"
+#include "diagnosis/search/candidates.h"
+#include "diagnosis/search/first_model.h"
+#include "diagnosis/words/describe.h"
 #include "model/wires.h"
 
 namespace ada {
@@ -110,7 +110,7 @@ Diagnosis Work::run() {
   if (!scene_.has_reference && (!found_.order.empty() || found_.supply_rms_fraction > 0.0))
     search_further();
   if (!scene_.has_reference && found_.supply_rms_fraction > 0.0 &&
-      !accounts_for_radius(parts_.heldout, found_.fit.model, found_.supply_rms_fraction, floor()))
+      !accounts_for_radius(split_.heldout, found_.fit.model, found_.supply_rms_fraction, floor()))
     found_.supply_rms_fraction = 0.0;
   // What wandered hid what does not: with its course taken out the search is made once more.
   constexpr int kMostRounds = 3; // one for each process, and one for what a step hid
@@ -178,29 +178,29 @@ void Work::settle() {
   weigh(found_.disturbed, found_.weight_along);
   found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
   found_ = name_against_anonymous({scene_, judge(), found_baseline(), noise_, options_.progress},
-                                  parts_, std::move(found_));
-  take(build_ladder(parts_, found_));
-  for (; found_.by_direction > 0 && !ladder_.by_direction; --found_.by_direction) {
+                                  split_, std::move(found_));
+  take(nested_models(split_, found_));
+  for (; found_.by_direction > 0 && !nested_.by_direction; --found_.by_direction) {
     found_.forget(found_.order.size() - 1);
-    take(build_ladder(parts_, found_));
+    take(nested_models(split_, found_));
   }
   while (drop_what_is_impossible() || drop_what_is_cancelled() || drop_slips_within_a_step() ||
          drop_what_comes_in_slowly() || drop_steps_of_processes() ||
          drop_lines_that_stand_together() || drop_what_the_length_denies() ||
          drop_turns_that_lengthen() || drop_ripples_by_chance() || drop_what_harms() ||
          drop_what_is_unclear())
-    take(build_ladder(parts_, found_));
+    take(nested_models(split_, found_));
   judge_model();
 }
 
 void Work::name_nothing() {
   choose_parts();
   found_ = SearchResult{};
-  found_.fit = fit(parts_.train, with_expected(found_baseline()), 12);
-  take(build_ladder(parts_, found_));
-  ladder_.baseline = out_.extended; // the ellipse is no finding
+  found_.fit = fit(split_.train, with_expected(found_baseline()), 12);
+  take(nested_models(split_, found_));
+  nested_.baseline = out_.extended; // the ellipse is no finding
   judge_model();
-  first_ = parts_.rung(ladder_.baseline); // at the angle that the pair has now
+  first_ = split_.quality(nested_.baseline); // at the angle that the pair has now
   angle_left_ = keep_for_last_look(scene_, out_.extended, floor());
   look_at_leftovers();
   conclude();
@@ -208,16 +208,17 @@ void Work::name_nothing() {
 
 void Work::judge_model() {
   if (scene_.radius_only) // the angle is that of the pair as the model has it now
-    for (Observations *o : {&scene_.all, &parts_.train, &parts_.heldout})
+    for (Observations *o : {&scene_.all, &split_.train, &split_.heldout})
       *o = at_own_angle(std::move(*o), out_.extended);
   if (processes_.empty())
-    first_ = scene_.radius_only ? parts_.rung(ladder_.baseline) : ladder_.first;
+    first_ = scene_.radius_only ? split_.quality(nested_.baseline) : nested_.first;
   if (scene_.radius_only || found_.order.empty())
-    last_ = parts_.rung(out_.extended);
+    last_ = split_.quality(out_.extended);
   // Where nothing has a name the better one of two fits of the same model stands.
-  if (found_.order.empty() && !ladder_.supply)
-    if (const Rung plain = parts_.rung(ladder_.baseline); likelier_and_no_farther(plain)) {
-      out_.extended.baseline = ladder_.baseline.baseline;
+  if (found_.order.empty() && !nested_.supply)
+    if (const SplitQuality plain = split_.quality(nested_.baseline);
+        likelier_and_no_farther(plain)) {
+      out_.extended.baseline = nested_.baseline.baseline;
       last_ = plain;
     }
   compare_with_anonymous();
@@ -241,12 +242,12 @@ std::optional<Model> Work::with_given_remainder(Model model) const {
 }
 
 void Work::choose_parts() {
-  parts_.has_reference = scene_.has_reference;
-  parts_.own_angle = scene_.radius_only;
-  parts_.second_capture = judge_.has_value();
-  parts_.recent = std::make_shared<RecentAnonymous>();
-  parts_.train = scene_.all.select(thin(scene_.train, criteria::kFitTrain));
-  parts_.heldout = options_.heldout
+  split_.has_reference = scene_.has_reference;
+  split_.own_angle = scene_.radius_only;
+  split_.second_capture = judge_.has_value();
+  split_.recent = std::make_shared<RecentAnonymous>();
+  split_.train = scene_.all.select(thin(scene_.train, criteria::kFitTrain));
+  split_.heldout = options_.heldout
                        ? judge_->all
                        : scene_.all.select(thin(scene_.heldout, criteria::kFitHeldout));
 }
@@ -306,13 +307,13 @@ Finding Work::recorded(Finding finding) {
 }
 
 void Work::compare_with_anonymous() {
-  const Uncoloured uncoloured(parts_);
-  const Parts &white = uncoloured.parts();
+  const Uncoloured uncoloured(split_);
+  const DataSplit &white = uncoloured.split();
   unnamed_ = anonymous_of(scene_, white, out_.extended);
   if (processes_.empty()) {
-    const Anonymous whole = anonymous_of(scene_, white, ladder_.baseline);
+    const Anonymous whole = anonymous_of(scene_, white, nested_.baseline);
     out_.budget = budget_of(whole, unnamed_);
-    out_.anonymous = quality_with(whole, white, ladder_.baseline);
+    out_.anonymous = quality_with(whole, white, nested_.baseline);
   } else {
     name_in_budget();
   }
@@ -326,13 +327,13 @@ namespace {
 /// Rms of what a model leaves across the vector to that along it.
 double left_across_to_along(const Observations &data, const Model &model) {
   std::vector<double> along, across;
-  split(data, residual_columns(data, model), along, across);
+  along_and_across(data, residual_columns(data, model), along, across);
   return std::sqrt(mean_square(across) / mean_square(along));
 }
 
 } // namespace
 
-void Work::carry_remainder(const Parts &white) {
+void Work::carry_remainder(const DataSplit &white) {
   out_.remainder_rms_v = out_.remainder_angle_rms_deg = 0.0;
   auto kept = with_given_remainder(out_.extended);
   Model judged = out_.extended; // by the training part alone
@@ -349,7 +350,7 @@ void Work::carry_remainder(const Parts &white) {
     Model with = fitted(white.train);
     if (!with.remainder)
       return false;
-    const Rung after = white.rung(with);
+    const SplitQuality after = white.quality(with);
     if (!likelier_and_no_farther(after) || !comes_again(with))
       return false;
     judged = std::move(with);
@@ -363,7 +364,7 @@ void Work::carry_remainder(const Parts &white) {
         ratio > 0.0 && ratio < criteria::kMuchLessAcross)
       carry(ratio);
   if (kept)
-    if (const Rung after = white.rung(*kept); likelier_and_no_farther(after)) {
+    if (const SplitQuality after = white.quality(*kept); likelier_and_no_farther(after)) {
       judged = out_.extended = *std::move(kept);
       last_ = after;
     }
@@ -371,25 +372,25 @@ void Work::carry_remainder(const Parts &white) {
   if (!out_.extended.remainder)
     return;
   out_.remainder_rms_v = out_.extended.remainder->rms() * out_.extended.baseline.amplitude_v;
-  if (parts_.has_reference)
-    out_.remainder_angle_rms_deg = remainder_angle_rms(parts_.heldout, out_.extended);
+  if (split_.has_reference)
+    out_.remainder_angle_rms_deg = remainder_angle_rms(split_.heldout, out_.extended);
 }
 
-bool Work::likelier_and_no_farther(const Rung &other) const {
+bool Work::likelier_and_no_farther(const SplitQuality &other) const {
   const auto &after = other.heldout.angle_error_rms_deg,
              &before = last_.heldout.angle_error_rms_deg;
   return other.heldout.log_likelihood > last_.heldout.log_likelihood &&
          !(after && before && *after > criteria::kNoWorse * *before);
 }
 
-void Work::carry_mean_of_unnamed(const Parts &white, const Model &judged) {
+void Work::carry_mean_of_unnamed(const DataSplit &white, const Model &judged) {
   if (!scene_.has_reference)
     return;
   const auto with_mean = [](Observations data, const Model &model) {
     data.own_offsets = true;
     return as_seen_by(data, model);
   };
-  const Rung after = white.rung(with_mean(white.train, judged));
+  const SplitQuality after = white.quality(with_mean(white.train, judged));
   const double nats = static_cast<double>(white.heldout.size()) *
                       (after.heldout.log_likelihood - last_.heldout.log_likelihood);
   const double error = after.heldout.angle_error_rms_deg.value(),
@@ -403,7 +404,7 @@ void Work::carry_mean_of_unnamed(const Parts &white, const Model &judged) {
 
 Observations Work::everything() const {
   if (judge_)
-    return parts_.train;
+    return split_.train;
   std::vector<std::uint32_t> all(scene_.all.size());
   std::iota(all.begin(), all.end(), 0u);
   Observations out = scene_.all.select(thin(all, criteria::kRemainderSamples));
@@ -412,16 +413,16 @@ Observations Work::everything() const {
 
 bool Work::spikes() {
   const double noise = std::max({floor(), std::sqrt(unnamed_.selection.noise_v2),
-                                 loudest_noise(parts_.train, out_.extended)});
+                                 loudest_noise(split_.train, out_.extended)});
   const Spikes spikes = spikes_against(scene_, out_.extended, scene_.heldout, noise);
   no_spikes_ = spikes.no_spikes;
   few_spikes_ = spikes.few;
   if (!spikes.found)
     return false;
   // Those that no first look took out have bent the fits.
-  const Rung with = ladder_.first;
+  const SplitQuality with = nested_.first;
   leave_out(spikes.hit);
-  take(build_ladder(parts_, found_));
+  take(nested_models(split_, found_));
   if (given(&the_effect_that_spoils(Spoils::readings))) {
     given_seen_ = true;
     return true;
@@ -433,7 +434,7 @@ bool Work::spikes() {
                   {},
                   {},
                   with,
-                  ladder_.first,
+                  nested_.first,
                   false};
   finding.before.heldout.log_likelihood = spikes.before;
   finding.after.heldout.log_likelihood = spikes.after;
@@ -441,10 +442,10 @@ bool Work::spikes() {
   return true;
 }
 
-void Work::take(Ladder ladder) {
-  ladder_ = std::move(ladder);
-  out_.extended = ladder_.extended;
-  last_ = ladder_.last;
+void Work::take(NestedModels nested) {
+  nested_ = std::move(nested);
+  out_.extended = nested_.extended;
+  last_ = nested_.last;
 }
 
 void Work::leave_out(const std::vector<char> &hit) {
@@ -461,9 +462,9 @@ void Work::leave_out(const std::vector<char> &hit) {
     out.weight_along = old.weight_along;
     return out;
   };
-  parts_.train = select(parts_.train, rest(thin(scene_.train, criteria::kFitTrain)));
+  split_.train = select(split_.train, rest(thin(scene_.train, criteria::kFitTrain)));
   if (!judge_)
-    parts_.heldout = select(parts_.heldout, rest(thin(scene_.heldout, criteria::kFitHeldout)));
+    split_.heldout = select(split_.heldout, rest(thin(scene_.heldout, criteria::kFitHeldout)));
 }
 
 void Work::note_invisible(const Effect &effect) {
@@ -487,16 +488,16 @@ void Work::conclude() {
   out_.radius_only = scene_.radius_only;
   out_.fastest_rad_s = fastest_over_periods(scene_);
   report_moved_offsets();
-  out_.baseline = ladder_.baseline;
-  const auto given = with_given_remainder(ladder_.baseline);
-  out_.baseline_quality = given ? parts_.rung(*given) : first_;
+  out_.baseline = nested_.baseline;
+  const auto given = with_given_remainder(nested_.baseline);
+  out_.baseline_quality = given ? split_.quality(*given) : first_;
   out_.extended_quality = last_;
-  out_.ladder = std::move(ladder_.models);
+  out_.nested = std::move(nested_.models);
   out_.findings = screened_findings();
-  for (std::optional<Finding> *finding : {&spikes_, &ladder_.supply})
+  for (std::optional<Finding> *finding : {&spikes_, &nested_.supply})
     if (*finding)
       out_.findings.push_back(std::move(**finding));
-  std::move(ladder_.findings.begin(), ladder_.findings.end(), std::back_inserter(out_.findings));
+  std::move(nested_.findings.begin(), nested_.findings.end(), std::back_inserter(out_.findings));
   std::move(random_.begin(), random_.end(), std::back_inserter(out_.findings));
   if (free_lag_)
     for (Model *m : {&out_.baseline, &out_.extended})
@@ -527,10 +528,10 @@ bool Work::given_explains() const {
                                   [&](const EffectInstance &e) { return given(e.effect); });
   if (given_seen_ || random)
     return true;
-  const Model bare = fit(parts_.train, first_model(scene_, nullptr), 6).model;
+  const Model bare = fit(split_.train, first_model(scene_, nullptr), 6).model;
   const double nats =
-      (ladder_.first.heldout.log_likelihood - parts_.rung(bare).heldout.log_likelihood) *
-      static_cast<double>(parts_.heldout.size());
+      (nested_.first.heldout.log_likelihood - split_.quality(bare).heldout.log_likelihood) *
+      static_cast<double>(split_.heldout.size());
   return nats > criteria::kAdmittedNats;
 }
 

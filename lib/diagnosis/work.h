@@ -11,13 +11,13 @@
 
 #include "diagnosis/anonymous/anonymous.h"
 #include "diagnosis/diagnose.h"
-#include "diagnosis/ladder.h"
-#include "diagnosis/leftovers.h"
-#include "diagnosis/noise_causes.h"
-#include "diagnosis/parts.h"
-#include "diagnosis/random_causes.h"
-#include "diagnosis/repetition.h"
-#include "diagnosis/search.h"
+#include "diagnosis/naming/nested_models.h"
+#include "diagnosis/noise/random_causes.h"
+#include "diagnosis/noise/spikes.h"
+#include "diagnosis/residual/repetition.h"
+#include "diagnosis/residual/structure.h"
+#include "diagnosis/search/data_split.h"
+#include "diagnosis/search/search.h"
 
 namespace ada {
 
@@ -37,7 +37,7 @@ public:
   /// fitted beside them is what they left to it.
   bool names_what_the_motion_follows() const;
   /// What the extended model leaves along the radius of held-out data, V rms.
-  RadiusLeft radius_left() const { return ada::radius_left(parts_.heldout, out_.extended); }
+  RadiusLeft radius_left() const { return ada::radius_left(split_.heldout, out_.extended); }
 
   /// Whether a supply was read off the radius that the search then did not confirm.
   bool guessed_in_vain() const;
@@ -180,14 +180,14 @@ private:
 
   /// What repeats with the angle and has no name, where held-out data confirm it: what this capture
   /// shows, or what the given model brought along where that tells more.
-  void carry_remainder(const Parts &white);
+  void carry_remainder(const DataSplit &white);
   /// Whether held-out data are likelier than with the last model, and their angle is no farther
   /// off: where the length wanders an offset or a remainder may follow it, and turn the angle.
-  bool likelier_and_no_farther(const Rung &other) const;
+  bool likelier_and_no_farther(const SplitQuality &other) const;
   /// Offsets and zero angle are fitted beside what has no name. Of that no file carries what goes
   /// with the time, the speed or the temperature; its mean over the capture goes with the offsets
   /// where held-out data bear it out. `judged`: the extended model by the training part alone.
-  void carry_mean_of_unnamed(const Parts &white, const Model &judged);
+  void carry_mean_of_unnamed(const DataSplit &white, const Model &judged);
 
   /// All usable samples: the numbers of a remainder that held-out data have confirmed are taken
   /// from them, too.
@@ -196,7 +196,7 @@ private:
   /// Isolated spikes stand out of the noise that there is, whatever was stated. False: none.
   bool spikes();
 
-  void take(Ladder ladder);
+  void take(NestedModels nested);
 
   /// Takes samples out of everything that is judged from here on.
   void leave_out(const std::vector<char> &hit);
@@ -222,7 +222,7 @@ private:
 
   /// Whether the speed, with fewer functions, explains as well what a slow process would, up to
   /// what chance lets them follow. `whole_v2`: what there is without either.
-  bool goes_with_speed(const Anonymous &slow, double whole_v2, const Parts &white,
+  bool goes_with_speed(const Anonymous &slow, double whole_v2, const DataSplit &white,
                        const Model &named) const;
 
   /// Whether a spectrum over time means anything: an even clock, and a motion that is known.
@@ -238,7 +238,7 @@ private:
 
   /// What a course or a gain is taken out of: what was left out of the fits has it as well.
   std::array<Observations *, 6> all_data() {
-    return {&scene_.all,    &parts_.train, &parts_.heldout,
+    return {&scene_.all,    &split_.train, &split_.heldout,
             &scene_.spiked, &scene_.rough, &scene_.bursts};
   }
 
@@ -365,11 +365,11 @@ private:
   Scene scene_;
   std::optional<Scene> judge_;
   Diagnosis out_;
-  Parts parts_;
+  DataSplit split_;
   SearchResult found_;
-  Ladder ladder_;
+  NestedModels nested_;
   Anonymous unnamed_; ///< what the named model leaves over
-  Rung named_;        ///< of the model of all that has a name
+  SplitQuality named_; ///< of the model of all that has a name
   std::optional<Finding> spikes_;
   decltype(Spikes::no_spikes) no_spikes_;
   decltype(Spikes::few) few_spikes_;
@@ -377,8 +377,8 @@ private:
   std::vector<Finding> random_;
   std::vector<EffectInstance>
       seen_random_; ///< the causes of these, and those that the given model names
-  Rung first_;      ///< of the baseline, spikes and all
-  Rung last_;       ///< of the extended model, with what noise causes take out
+  SplitQuality first_; ///< of the baseline, spikes and all
+  SplitQuality last_;  ///< of the extended model, with what noise causes take out
   std::vector<EffectInstance>
       recorded_;                      ///< causes that the extended model names but never corrects
   std::vector<Structure> angle_left_; ///< what the last look kept of the angle

@@ -13,11 +13,11 @@
 #include <fmt/format.h>
 
 #include "base/angle.h"
-#include "diagnosis/admission.h"
-#include "diagnosis/along_and_across.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/describe.h"
-#include "diagnosis/repetition.h"
+#include "diagnosis/noise/along_and_across.h"
+#include "diagnosis/residual/repetition.h"
+#include "diagnosis/search/admission.h"
+#include "diagnosis/words/describe.h"
 
 namespace ada {
 
@@ -27,7 +27,7 @@ void Work::look_at_leftovers() {
                             supply_is_inferred()};
   note_unnamed();
   note_what_stands_out();
-  LeftOver left = left_over(scene_, parts_, out_.extended, explained, last_, angle_left_);
+  LeftOver left = left_over(scene_, split_, out_.extended, explained, last_, angle_left_);
   std::move(left.structure.begin(), left.structure.end(), std::back_inserter(out_.structure));
   drop_what_is_random();
   std::move(left.of_rows.begin(), left.of_rows.end(), std::back_inserter(out_.structure));
@@ -52,7 +52,7 @@ void Work::note_what_the_anonymous_model_does_better() {
   const bool of_motion = !scene_.has_reference && !scene_.radius_only;
   if (!out_.structure.empty() || supply_is_inferred() || of_motion || !(anonymous2 > 0.0) ||
       named2 < criteria::kMoreVariance * anonymous2 ||
-      static_cast<double>(parts_.heldout.size()) * std::log(named2 / anonymous2) <
+      static_cast<double>(split_.heldout.size()) * std::log(named2 / anonymous2) <
           criteria::kNatsOfNoise)
     return;
   const double left_v = std::sqrt(named2 - anonymous2);
@@ -181,7 +181,7 @@ std::optional<Structure> Work::what_turns_the_vector() const {
   if (!gain || !scene_.has_reference)
     return std::nullopt;
   std::vector<double> along, across;
-  split(scene_.all, residual_columns(scene_.all, out_.extended), along, across);
+  along_and_across(scene_.all, residual_columns(scene_.all, out_.extended), along, across);
   double squares = 0.0, products = 0.0; // of neighbours, in which white noise vanishes
   for (std::size_t i = 1; i < across.size(); ++i) {
     squares += across[i] * across[i];
@@ -236,7 +236,7 @@ void Work::look_for_reference_steps() {
   const Observations data = scene_.all.select(some);
   const ResidualColumns rest = residual_columns(data, out_.extended);
   std::vector<double> along, across, reference_deg;
-  split(data, rest, along, across);
+  along_and_across(data, rest, along, across);
   for (std::size_t i = 0; i < data.size(); ++i) {
     const double radius =
         std::hypot(rest.model_sin[i] - data.centre_sin_v, rest.model_cos[i] - data.centre_cos_v);
@@ -325,13 +325,13 @@ void Work::note_unnamed() {
 }
 
 void Work::note_what_is_not_sure() {
-  for (std::size_t k = 0; k < ladder_.findings.size(); ++k) {
-    const Finding &f = ladder_.findings[k];
+  for (std::size_t k = 0; k < nested_.findings.size(); ++k) {
+    const Finding &f = nested_.findings[k];
     const auto &effects = out_.extended.effects;
     const auto there = std::find_if(effects.begin(), effects.end(), [&](const EffectInstance &e) {
       return e.effect == f.effect && e.values == f.values;
     });
-    if (ladder_.clearness[k].as_said >= 1.0 || !f.alternatives.empty() || there == effects.end())
+    if (nested_.clearness[k].as_said >= 1.0 || !f.alternatives.empty() || there == effects.end())
       continue;
     const double takes_v =
         moved_rms_v(scene_.all, out_.extended, static_cast<std::size_t>(there - effects.begin()));

@@ -11,9 +11,9 @@
 #include "base/pick.h"
 #include "diagnosis/conditions/gains.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/few_rows.h"
-#include "diagnosis/moments.h"
-#include "diagnosis/random_causes.h"
+#include "diagnosis/events/change_points.h"
+#include "diagnosis/noise/random_causes.h"
+#include "diagnosis/residual/few_rows.h"
 #include "model/wires.h"
 
 namespace ada {
@@ -24,8 +24,8 @@ bool Work::take_out_processes() {
     return false;
   if (found_.disturbed == Direction::supply) // what goes on slowly along it is the supply's
     return false;
-  const Uncoloured uncoloured(parts_);
-  const Parts &white = uncoloured.parts();
+  const Uncoloured uncoloured(split_);
+  const DataSplit &white = uncoloured.split();
   // What is carried without a name is a part of what the anonymous model holds.
   Model named = out_.extended;
   named.remainder.reset();
@@ -63,8 +63,8 @@ bool Work::goes_on(const RandomCause &c) const {
 void Work::take_out_rest_of_courses() {
   if (processes_.empty())
     return;
-  const Uncoloured uncoloured(parts_);
-  const Parts &white = uncoloured.parts();
+  const Uncoloured uncoloured(split_);
+  const DataSplit &white = uncoloured.split();
   Model named = out_.extended;
   named.remainder.reset();
   Anonymous slow = anonymous_of(scene_, white, named, {.speed = false, .others = false});
@@ -97,14 +97,14 @@ bool Work::drop_steps_of_processes(const std::vector<RandomCause> &noise) {
 }
 
 std::vector<RandomCause> Work::read_noise() const {
-  const Uncoloured uncoloured(parts_);
+  const Uncoloured uncoloured(split_);
   Model named = out_.extended;
   named.remainder.reset();
   const double stated = !noise_stated_ ? 0.0
                         : named_before_ && named_before_->noise_rms_v
                             ? std::max(noise_, *named_before_->noise_rms_v)
                             : noise_;
-  return noise_causes(unnamed_, uncoloured.parts(), named,
+  return noise_causes(unnamed_, uncoloured.split(), named,
                       {stated, std::max(reference_step_rad(), scene_.reference_grid_rad),
                        share_of_lines_across(scene_, out_.extended), &scene_.all, even_clock()});
 }
@@ -117,7 +117,7 @@ void Work::name_random_causes() {
   const auto noise_now = [&] { return reads_noise ? read_noise() : std::vector<RandomCause>{}; };
   std::vector<RandomCause> noise = noise_now();
   while (drop_steps_of_processes(noise)) {
-    take(build_ladder(parts_, found_));
+    take(nested_models(split_, found_));
     judge_model();
     noise = noise_now();
   }
@@ -134,7 +134,7 @@ void Work::name_random_causes() {
     explained_noise_ = std::max(noise_, left);
 }
 
-bool Work::goes_with_speed(const Anonymous &slow, double whole_v2, const Parts &white,
+bool Work::goes_with_speed(const Anonymous &slow, double whole_v2, const DataSplit &white,
                            const Model &named) const {
   if (!scene_.several_speeds && !scene_.both_directions)
     return false;
@@ -161,15 +161,15 @@ void Work::name_process(const RandomCause &c) {
   seen_random_.push_back({c.effect, c.values, c.std_errors});
   if (given(c.effect))
     return;
-  Rung before = last_;
-  const double samples = static_cast<double>(std::max<std::size_t>(1, parts_.heldout.size()));
+  SplitQuality before = last_;
+  const double samples = static_cast<double>(std::max<std::size_t>(1, split_.heldout.size()));
   before.heldout.log_likelihood = last_.heldout.log_likelihood - c.nats / samples;
   random_.push_back(
       recorded({c.effect, c.values, c.std_errors, c.alternatives, {}, {}, before, last_, false}));
 }
 
 bool Work::take_out_courses(Anonymous slow, const std::vector<RandomCause> &processes) {
-  const double before_v2 = left_v2(parts_, out_.extended);
+  const double before_v2 = left_v2(split_, out_.extended);
   const double goes_on_v2 = slow.selection.share_v2[static_cast<std::size_t>(Axis::time)];
   const Outputs as_they_were(*this);
   Anonymous unnamed = std::exchange(unnamed_, std::move(slow));
@@ -191,7 +191,7 @@ bool Work::take_out_courses(Anonymous slow, const std::vector<RandomCause> &proc
   const Baseline &b = out_.extended.baseline;
   const auto [sin_v, cos_v] = recorded_centre_v(out_.extended);
   for (Observations *data : all_data()) {
-    if (judge_ && data == &parts_.heldout)
+    if (judge_ && data == &split_.heldout)
       continue;
     ResidualColumns pair, turning;
     pair.sin = as_doubles(data->vsin);
@@ -210,7 +210,7 @@ bool Work::take_out_courses(Anonymous slow, const std::vector<RandomCause> &proc
       data->vcos[i] = as_float(cos_v + c / by);
     }
   }
-  if (before_v2 - left_v2(parts_, out_.extended) < criteria::kOfCourse * goes_on_v2) {
+  if (before_v2 - left_v2(split_, out_.extended) < criteria::kOfCourse * goes_on_v2) {
     as_they_were.put_back(*this);
     unnamed_ = std::move(unnamed);
     return false;
@@ -220,15 +220,15 @@ bool Work::take_out_courses(Anonymous slow, const std::vector<RandomCause> &proc
 }
 
 void Work::look_anew() {
-  parts_.courses_taken_out = true;
-  const Uncoloured uncoloured(parts_);
-  const Parts &white = uncoloured.parts();
+  split_.courses_taken_out = true;
+  const Uncoloured uncoloured(split_);
+  const DataSplit &white = uncoloured.split();
   Model named = out_.extended;
   named.remainder.reset();
   unnamed_ = anonymous_of(scene_, white, named);
   name_in_budget();
   out_.noise = noise_shape(unnamed_, white, named);
-  last_ = white.rung(out_.extended);
+  last_ = white.quality(out_.extended);
 }
 
 bool Work::take_out_record_gains() {
@@ -239,19 +239,19 @@ bool Work::take_out_record_gains() {
   if (worked_on().starts.size() < 2 || judge_ || found_.disturbed == Direction::supply ||
       goes_on_v2 < unnamed_.selection.noise_v2)
     return false;
-  const double before_v2 = left_v2(parts_, out_.extended);
+  const double before_v2 = left_v2(split_, out_.extended);
   const Outputs as_they_were(*this);
   const RecordGains gains(worked_on(), scene_, out_.extended);
   for (Observations *data : all_data())
     for (std::size_t i = 0; i < data->size(); ++i)
       gains.take_out(data->time[i], data->vsin[i], data->vcos[i]);
-  const Model alike = fit(parts_.train, gains.common(), 5).model;
-  const double after_v2 = left_v2(parts_, alike);
+  const Model alike = fit(split_.train, gains.common(), 5).model;
+  const double after_v2 = left_v2(split_, alike);
   if (before_v2 - after_v2 < criteria::kOfCourse * goes_on_v2 || after_v2 > goes_on_v2) {
     as_they_were.put_back(*this);
     return false;
   }
-  const double samples = static_cast<double>(parts_.heldout.size());
+  const double samples = static_cast<double>(split_.heldout.size());
   const double nats =
       samples * std::log(before_v2 / std::max(after_v2, criteria::kLeastMeanSquare));
   look_anew();

@@ -16,17 +16,17 @@
 
 #include "base/angle.h"
 #include "base/solve.h"
-#include "diagnosis/admission.h"
-#include "diagnosis/along_and_across.h"
-#include "diagnosis/beside_anonymous.h"
+#include "diagnosis/anonymous/beside_anonymous.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/conditions/uneven_motion.h"
+#include "diagnosis/conditions/unseen_supply.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/first_model.h"
-#include "diagnosis/moments.h"
-#include "diagnosis/naming.h"
-#include "diagnosis/onset.h"
-#include "diagnosis/unseen_supply.h"
+#include "diagnosis/events/change_points.h"
+#include "diagnosis/events/step_shape.h"
+#include "diagnosis/naming/naming.h"
+#include "diagnosis/noise/along_and_across.h"
+#include "diagnosis/search/admission.h"
+#include "diagnosis/search/first_model.h"
 #include "motion/surroundings.h"
 
 namespace ada {
@@ -90,10 +90,10 @@ void Work::search_further() {
   const Model start = found_baseline();
   const Model physical = found_.fit.model;
   const Unnamed unnamed =
-      unnamed_beside(scene_, parts_, physical, anonymous_of(scene_, parts_, physical), noise_);
+      unnamed_beside(scene_, split_, physical, anonymous_of(scene_, split_, physical), noise_);
   // What is left over is looked at against what has no name: second thoughts come there.
   found_ = search(start).run(false, &physical, unnamed);
-  if (!anonymous_of(scene_, parts_, found_.fit.model).any()) {
+  if (!anonymous_of(scene_, split_, found_.fit.model).any()) {
     const Model known = found_.fit.model;
     found_ = search(start).run(true, &known, unnamed);
   }
@@ -108,18 +108,18 @@ bool Work::offsets_moved() const {
   constexpr double kMuch = 0.75; // of the sum of squares stays with offsets of its own
   if (!judge_)
     return false;
-  Observations own = parts_.heldout;
+  Observations own = split_.heldout;
   own.own_offsets = true;
   const Model &model = found_.fit.model;
   return sum_of_squares(own, as_seen_by(own, model)) <
-         kMuch * sum_of_squares(parts_.heldout, as_seen_by(parts_.heldout, model));
+         kMuch * sum_of_squares(split_.heldout, as_seen_by(split_.heldout, model));
 }
 
 void Work::report_moved_offsets() {
   if (!judge_ || !judge_->all.own_offsets)
     return;
   const Baseline &first = out_.extended.baseline;
-  const Baseline second = as_seen_by(parts_.heldout, out_.extended).baseline;
+  const Baseline second = as_seen_by(split_.heldout, out_.extended).baseline;
   const double sin = second.offset_sin_v - first.offset_sin_v;
   const double cos = second.offset_cos_v - first.offset_cos_v;
   out_.structure.push_back(
@@ -138,54 +138,54 @@ Model Work::found_baseline() const {
 }
 
 bool Work::needed_by_all(std::size_t place) const {
-  const Model less = fit(parts_.train, found_.fit.model.without(found_.order[place]), 6).model;
-  if (!ladder_.by_direction)
-    return makes_worse(ladder_.last.heldout, parts_.rung(less).heldout);
-  const std::optional<FitResult> apart = fit_by_direction(parts_, less); // like with like
-  return !apart || makes_worse(ladder_.last.heldout, parts_.rung(apart->model).heldout);
+  const Model less = fit(split_.train, found_.fit.model.without(found_.order[place]), 6).model;
+  if (!nested_.by_direction)
+    return makes_worse(nested_.last.heldout, split_.quality(less).heldout);
+  const std::optional<FitResult> apart = fit_by_direction(split_, less); // like with like
+  return !apart || makes_worse(nested_.last.heldout, split_.quality(apart->model).heldout);
 }
 
 bool Work::makes_worse(const Quality &before, const Quality &after) const {
   // A figure that the direction alone has told makes the length no likelier.
-  if (ladder_.by_direction)
+  if (nested_.by_direction)
     return after.angle_error_rms_deg.value() >
            criteria::kNoWorse * before.angle_error_rms_deg.value();
   return (before.log_likelihood - after.log_likelihood) *
-             static_cast<double>(parts_.heldout.size()) >
+             static_cast<double>(split_.heldout.size()) >
          criteria::kRivalNats;
 }
 
 bool Work::drop_what_harms() {
-  const Quality &first = ladder_.first.heldout, &last = ladder_.last.heldout;
+  const Quality &first = nested_.first.heldout, &last = nested_.last.heldout;
   // The length is no witness of a figure that the direction alone tells.
-  const bool likelier = ladder_.by_direction || last.log_likelihood >= first.log_likelihood;
+  const bool likelier = nested_.by_direction || last.log_likelihood >= first.log_likelihood;
   const bool closer = !last.angle_error_rms_deg ||
                       *last.angle_error_rms_deg <= criteria::kNoWorse * *first.angle_error_rms_deg;
   const bool whole_harms = !likelier || !closer;
   // What every pair has is fitted beside what has no name, which takes a part of it back: it may
   // leave more by itself, if its size is known. Any other cause has to make held-out data likelier.
-  std::size_t worst = ladder_.findings.size();
+  std::size_t worst = nested_.findings.size();
   double most = -std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < ladder_.findings.size(); ++i) {
-    const Finding &f = ladder_.findings[i];
+  for (std::size_t i = 0; i < nested_.findings.size(); ++i) {
+    const Finding &f = nested_.findings[i];
     const Quality &before = f.before.heldout, &after = f.after.heldout;
     const double less = before.log_likelihood - after.log_likelihood;
-    const bool by_angle = ladder_.by_direction || (whole_harms && likelier);
+    const bool by_angle = nested_.by_direction || (whole_harms && likelier);
     const double harm = by_angle ? *after.angle_error_rms_deg - *before.angle_error_rms_deg : less;
     const bool may_leave_more =
-        f.effect->info().prior_rank == 0 && ladder_.clearness[i].as_said >= 1.0;
+        f.effect->info().prior_rank == 0 && nested_.clearness[i].as_said >= 1.0;
     const bool by_itself = !may_leave_more && makes_worse(before, after) &&
-                           !is_measured_aside(parts_.train, found_.fit.model, found_.order[i]);
+                           !is_measured_aside(split_.train, found_.fit.model, found_.order[i]);
     if ((whole_harms || by_itself) && harm > most) {
       most = harm;
       worst = i;
     }
   }
-  if (worst == ladder_.findings.size())
+  if (worst == nested_.findings.size())
     return false;
   // What is named after it may be what it has to stand on.
   if (!whole_harms && worst + 1 < found_.order.size() && needed_by_all(worst) &&
-      named_last_.insert(ladder_.findings[worst].effect).second)
+      named_last_.insert(nested_.findings[worst].effect).second)
     found_.name_last(worst);
   else
     found_.forget(worst);
@@ -193,7 +193,7 @@ bool Work::drop_what_harms() {
 }
 
 bool Work::drop_what_is_impossible() {
-  const auto &f = ladder_.findings;
+  const auto &f = nested_.findings;
   const auto impossible = std::find_if(f.begin(), f.end(), [](const Finding &of) {
     return !in_range({of.effect, of.values, {}});
   });
@@ -204,7 +204,7 @@ bool Work::drop_what_is_impossible() {
 }
 
 bool Work::drop_what_is_cancelled() {
-  for (std::size_t effect : search(found_baseline()).cancelled(ladder_.extended)) {
+  for (std::size_t effect : search(found_baseline()).cancelled(nested_.extended)) {
     const auto place = std::find(found_.order.begin(), found_.order.end(), effect);
     if (place == found_.order.end())
       continue;
@@ -243,7 +243,7 @@ bool Work::drop_what_comes_in_slowly() {
 }
 
 double Work::lengthens(const Model &model, double order) const {
-  const Observations &data = parts_.heldout;
+  const Observations &data = split_.heldout;
   const ResidualColumns left = residual_columns(data, as_seen_by(data, model));
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -273,7 +273,7 @@ bool Work::drop_turns_that_lengthen() {
       return std::abs(*order - other) * scene_.turns < 1.0;
     });
     // V along a circle, of which each channel has half the power.
-    const double turns_v = 2.0 * moved_rms_v(parts_.heldout, model, found_.order[place]);
+    const double turns_v = 2.0 * moved_rms_v(split_.heldout, model, found_.order[place]);
     if (!known && lengthens(model, *order) < criteria::kAsMuchAlong * turns_v)
       continue;
     lengthening_.push_back(*order);
@@ -310,7 +310,7 @@ std::optional<int> ripple_order(const Observations &all, const Model &model, std
     moved.cos[i] -= with.cos[i];
   }
   std::vector<double> along, across;
-  split(data, moved, along, across);
+  along_and_across(data, moved, along, across);
   // Each sample by the way that it stands for: a shaft that rests says little of an order.
   std::array<std::complex<double>, kHighest> at{};
   double whole = 0.0, power = 0.0;
@@ -342,7 +342,7 @@ bool Work::drop_ripples_by_chance() {
       continue;
     const ResidualColumns rest = residual_columns(data, model.without(found_.order[place]));
     std::vector<double> along, across;
-    split(data, rest, along, across);
+    along_and_across(data, rest, along, across);
     Kinematics motion;
     motion.alpha = data.alpha;
     motion.omega.assign(data.omega.begin(), data.omega.end());
@@ -371,11 +371,11 @@ bool Work::drop_what_the_length_denies() {
     const std::size_t at = found_.order[place];
     const Effect &effect = *model.effects[at].effect;
     if (effect.info().prior_rank == 0 || !shapes_the_figure(effect) ||
-        is_measured_aside(parts_.train, model, at))
+        is_measured_aside(split_.train, model, at))
       continue;
-    const Model less = fit(parts_.train, model.without(at), 5).model;
-    if (nats_between(ada::radius_left(parts_.heldout, less),
-                     ada::radius_left(parts_.heldout, model)) > criteria::kRivalNats)
+    const Model less = fit(split_.train, model.without(at), 5).model;
+    if (nats_between(ada::radius_left(split_.heldout, less),
+                     ada::radius_left(split_.heldout, model)) > criteria::kRivalNats)
       continue;
     found_.forget(place);
     return true;
@@ -415,7 +415,7 @@ bool Work::drop_lines_that_stand_together() {
         continue;
       together.push_back(other);
       widest = std::max(widest, apart);
-      const double v2 = std::pow(moved_rms_v(parts_.heldout, model, at), 2);
+      const double v2 = std::pow(moved_rms_v(split_.heldout, model, at), 2);
       sum += v2;
       if (v2 > most) {
         most = v2;
@@ -437,16 +437,16 @@ bool Work::drop_lines_that_stand_together() {
 }
 
 bool Work::drop_what_is_unclear() {
-  std::vector<std::size_t> places(ladder_.clearness.size());
+  std::vector<std::size_t> places(nested_.clearness.size());
   std::iota(places.begin(), places.end(), std::size_t{0});
   std::sort(places.begin(), places.end(),
-            [&](auto a, auto b) { return ladder_.clearness[a].own < ladder_.clearness[b].own; });
+            [&](auto a, auto b) { return nested_.clearness[a].own < nested_.clearness[b].own; });
   for (const std::size_t place : places) {
-    const Clearness &clear = ladder_.clearness[place];
+    const Clearness &clear = nested_.clearness[place];
     if (clear.beyond_chance >= criteria::kClear)
       continue;
     if (clear.own >= criteria::kUnclear) {
-      const Taken takes = taken(scene_, parts_, found_.fit.model, found_.order[place]);
+      const Taken takes = taken(scene_, split_, found_.fit.model, found_.order[place]);
       if (takes.most && (clear.beyond_chance >= criteria::kUnclear ||
                          takes.of_left > criteria::kMoreThanChanceTakes))
         continue;

@@ -9,7 +9,7 @@
 
 #include "base/angle.h"
 #include "base/pick.h"
-#include "diagnosis/fit.h"
+#include "diagnosis/search/fit.h"
 
 namespace ada {
 

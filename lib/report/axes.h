@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/observations.h"
+#include "diagnosis/conditions/observations.h"
 #include "report/bins.h"
 
 namespace ada {

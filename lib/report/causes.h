@@ -8,7 +8,7 @@
 #include <array>
 #include <vector>
 
-#include "diagnosis/result.h"
+#include "diagnosis/words/result.h"
 #include "report/axes.h"
 
 namespace ada {

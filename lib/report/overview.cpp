@@ -83,8 +83,8 @@ std::string residual_section(const Diagnosis &d, const View &view, Gallery &gall
          "(its radius), or across it (which turns the angle).</p>\n";
 }
 
-std::string ladder_section(const Diagnosis &d, const View &view, Gallery &gallery) {
-  std::vector<LadderStep> steps{{d.baseline_name.substr(0, 40), d.baseline_quality}};
+std::string nested_section(const Diagnosis &d, const View &view, Gallery &gallery) {
+  std::vector<NestedStep> steps{{d.baseline_name.substr(0, 40), d.baseline_quality}};
   // What was seen before any model was fitted is a step only where leaving its samples out gains.
   const auto gains = [](const Finding &f) {
     return f.effect->info().evidence != Evidence::screening ||
@@ -97,12 +97,12 @@ std::string ladder_section(const Diagnosis &d, const View &view, Gallery &galler
     steps.push_back({"+ unnamed remainder", d.extended_quality});
   std::vector<std::string> cells;
   if (steps.size() > 1) {
-    cells.push_back(figure(gallery.add(ladder_picture(steps, noise_v(d), false)),
+    cells.push_back(figure(gallery.add(nested_picture(steps, noise_v(d), false)),
                            legend({{"after dot", "held out: data that no fit has seen"},
                                    {"muted ring", "in sample"},
                                    {"floor dash", "the noise"}})));
     if (d.baseline_quality.heldout.angle_error_rms_deg)
-      cells.push_back(figure(gallery.add(ladder_picture(steps, noise_v(d), true)),
+      cells.push_back(figure(gallery.add(nested_picture(steps, noise_v(d), true)),
                              legend({{"after dot", "held out"}, {"muted ring", "in sample"}})));
   }
   if (!view.base_angle_error.empty())

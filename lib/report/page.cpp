@@ -155,7 +155,7 @@ std::string page(const Diagnosis &d, const Capture &capture, const View &view, G
   out += record_section(d, capture, view, gallery);
   out += measured_section(d, view, gallery);
   out += residual_section(d, view, gallery);
-  out += ladder_section(d, view, gallery);
+  out += nested_section(d, view, gallery);
   out += invisible_section(d);
   out += "<div class=\"row last\"><section>" + model_section(d) + "</section><section>" +
          capture_section(d, capture, view) + "</section></div>\n";

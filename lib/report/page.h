@@ -29,7 +29,7 @@ std::string record_section(const Diagnosis &diagnosis, const Capture &capture, c
                            Gallery &gallery);
 std::string measured_section(const Diagnosis &diagnosis, const View &view, Gallery &gallery);
 std::string residual_section(const Diagnosis &diagnosis, const View &view, Gallery &gallery);
-std::string ladder_section(const Diagnosis &diagnosis, const View &view, Gallery &gallery);
+std::string nested_section(const Diagnosis &diagnosis, const View &view, Gallery &gallery);
 /// tables.cpp: the final model and the capture.
 std::string model_section(const Diagnosis &diagnosis);
 std::string capture_section(const Diagnosis &diagnosis, const Capture &capture, const View &view);

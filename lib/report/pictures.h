@@ -60,11 +60,11 @@ Picture scatter_picture(const Scatter &scatter, const NoiseShape &noise);
 /// How often which size occurs, along the vector alone or along and across, beside a normal distribution.
 Picture histogram_picture(const Scatter &scatter, bool along_only);
 
-struct LadderStep {
+struct NestedStep {
   std::string name;
-  Rung rung;
+  SplitQuality quality;
 };
 /// Residual of each step, in sample and held out, with the noise.
-Picture ladder_picture(const std::vector<LadderStep> &steps, double noise_rms_v, bool angle);
+Picture nested_picture(const std::vector<NestedStep> &steps, double noise_rms_v, bool angle);
 
 } // namespace ada

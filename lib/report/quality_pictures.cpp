@@ -124,7 +124,7 @@ Picture histogram_picture(const Scatter &scatter, bool along_only) {
                                 along_only ? "" : " and across")};
 }
 
-Picture ladder_picture(const std::vector<LadderStep> &steps, double noise_rms_v, bool angle) {
+Picture nested_picture(const std::vector<NestedStep> &steps, double noise_rms_v, bool angle) {
   const auto value = [&](const Quality &q) {
     return angle ? q.angle_error_rms_deg.value_or(0.0) : 1e3 * q.residual_rms_v;
   };
@@ -134,7 +134,7 @@ Picture ladder_picture(const std::vector<LadderStep> &steps, double noise_rms_v,
   std::size_t longest = 0;
   const auto count = static_cast<double>(steps.size());
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const double in = value(steps[i].rung.in_sample), out = value(steps[i].rung.heldout);
+    const double in = value(steps[i].quality.in_sample), out = value(steps[i].quality.heldout);
     const double y = count - static_cast<double>(i);
     low = std::min({low, in, out});
     high = std::max({high, in, out});
@@ -169,9 +169,9 @@ Picture ladder_picture(const std::vector<LadderStep> &steps, double noise_rms_v,
                   "{0}, $steps using 5:1:4 with labels left offset 1.1,0 textcolor rgb {1}\n",
                   kAfter, kInk, kGrid, kMuted);
   std::string label = angle ? "angle error" : "residual";
-  for (const LadderStep &step : steps)
+  for (const NestedStep &step : steps)
     label += fmt::format("; {}: {:.3g} held out, {:.3g} in sample", step.name,
-                         value(step.rung.heldout), value(step.rung.in_sample));
+                         value(step.quality.heldout), value(step.quality.in_sample));
   return {s, label + (angle ? " deg rms" : " mV rms")};
 }
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numeric>
 
-#include "diagnosis/fit.h"
+#include "diagnosis/search/fit.h"
 #include "report/axes.h"
 
 namespace ada {

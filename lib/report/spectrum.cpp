@@ -9,7 +9,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "base/angle.h"
-#include "diagnosis/fit.h"
+#include "diagnosis/search/fit.h"
 
 namespace ada {
 

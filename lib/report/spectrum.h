@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "diagnosis/observations.h"
+#include "diagnosis/conditions/observations.h"
 #include "model/model.h"
 
 namespace ada {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/angle.h"
-#include "diagnosis/explain.h"
+#include "diagnosis/words/explain.h"
 #include "report/page.h"
 #include "report/svg.h"
 #include "report/words.h"

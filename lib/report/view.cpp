@@ -13,7 +13,7 @@
 #include "conversion/angle_solver.h"
 #include "diagnosis/conditions/pair_alone.h"
 #include "diagnosis/conditions/reference_course.h"
-#include "diagnosis/fit.h"
+#include "diagnosis/search/fit.h"
 
 namespace ada {
 

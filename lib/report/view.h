@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/observations.h"
-#include "diagnosis/result.h"
+#include "diagnosis/conditions/observations.h"
+#include "diagnosis/words/result.h"
 #include "report/axes.h"
 #include "report/causes.h"
 #include "report/record.h"

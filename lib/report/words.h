@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "diagnosis/result.h"
+#include "diagnosis/words/result.h"
 
 namespace ada {
 

@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "calibration/single.h"
 #include "diagnosis/diagnose.h"
-#include "diagnosis/plausible.h"
+#include "diagnosis/words/plausible.h"
 #include "health/health.h"
 #include "model/effect.h"
 #include "recording/capture_file.h"

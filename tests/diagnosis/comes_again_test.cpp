@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "diagnosis/bench.h"
-#include "diagnosis/repetition.h"
+#include "diagnosis/residual/repetition.h"
 
 namespace ada::test {
 namespace {

@@ -44,7 +44,7 @@ TEST(Diagnose, findings_come_largest_first_with_falling_residuals) {
   for (const Finding &f : d.findings)
     EXPECT_LT(f.after.heldout.residual_rms_v, f.before.heldout.residual_rms_v);
   EXPECT_NEAR(d.findings[0].values[0], 0.012, 5e-5);
-  EXPECT_EQ(d.ladder.size(), 3u);
+  EXPECT_EQ(d.nested.size(), 3u);
 }
 
 TEST(Diagnose, the_extended_model_leaves_nothing_to_find) {

@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/captures.h"
-#include "diagnosis/fit.h"
-#include "diagnosis/observations.h"
+#include "diagnosis/conditions/observations.h"
+#include "diagnosis/search/fit.h"
 #include "support/seed.h"
 
 namespace ada::test {

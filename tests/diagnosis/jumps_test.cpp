@@ -9,7 +9,7 @@
 
 #include "diagnosis/captures.h"
 #include "diagnosis/diagnose.h"
-#include "diagnosis/jump_gap.h"
+#include "diagnosis/events/jump_gap.h"
 #include "support/seed.h"
 
 namespace ada::test {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 
-#include "diagnosis/unseen_supply.h"
+#include "diagnosis/conditions/unseen_supply.h"
 
 #include <cmath>
 #include <random>

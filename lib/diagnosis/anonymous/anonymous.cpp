@@ -11,11 +11,11 @@
 #include <optional>
 
 #include "base/angle.h"
-#include "diagnosis/along_and_across.h"
 #include "diagnosis/anonymous/steps.h"
-#include "diagnosis/candidates.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/edges.h"
+#include "diagnosis/events/edges.h"
+#include "diagnosis/noise/along_and_across.h"
+#include "diagnosis/search/candidates.h"
 #include "model/forward.h"
 
 namespace ada {
@@ -54,13 +54,13 @@ Observations some_of(const Observations &data, std::size_t most) {
   return out;
 }
 
-Halves halves_of(const Parts &parts, const Model &model) {
-  Halves out{some_of(parts.train, criteria::kAnonymousTrain),
-             some_of(parts.heldout, criteria::kAnonymousHeldout),
+Halves halves_of(const DataSplit &split, const Model &model) {
+  Halves out{some_of(split.train, criteria::kAnonymousTrain),
+             some_of(split.heldout, criteria::kAnonymousHeldout),
              {},
              {},
-             parts.second_capture};
-  if (parts.second_capture)
+             split.second_capture};
+  if (split.second_capture)
     out.heldout = at_zero_of(model, std::move(out.heldout));
   out.train_left = residual_columns(out.train, model);
   out.heldout_left = residual_columns(out.heldout, model);
@@ -252,28 +252,29 @@ void RecentAnonymous::keep(Question question, const Anonymous &answer) {
   kept_.emplace_back(std::move(question), answer);
 }
 
-Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model, Asked asked) {
-  asked.over_time = asked.over_time && !parts.second_capture;
-  RecentAnonymous::Question question{&scene, halves_of(parts, model), zero_of(model), asked};
-  if (const Anonymous *known = parts.recent ? parts.recent->find(question) : nullptr)
+Anonymous anonymous_of(const Scene &scene, const DataSplit &split, const Model &model,
+                       Asked asked) {
+  asked.over_time = asked.over_time && !split.second_capture;
+  RecentAnonymous::Question question{&scene, halves_of(split, model), zero_of(model), asked};
+  if (const Anonymous *known = split.recent ? split.recent->find(question) : nullptr)
     return *known;
-  Anonymous out = compute(scene, question.halves, model, asked, parts.recent.get());
-  if (parts.recent)
-    parts.recent->keep(std::move(question), out);
+  Anonymous out = compute(scene, question.halves, model, asked, split.recent.get());
+  if (split.recent)
+    split.recent->keep(std::move(question), out);
   return out;
 }
 
-Anonymous anonymous_alike(const Scene &scene, const Parts &parts, const Model &model,
+Anonymous anonymous_alike(const Scene &scene, const DataSplit &split, const Model &model,
                           const Anonymous &other) {
   Anonymous out =
-      with_basis(scene, halves_of(parts, model), zero_of(model), other.orders, other.lines,
-                 other.steps_s, {.over_time = !parts.second_capture}, parts.recent.get());
+      with_basis(scene, halves_of(split, model), zero_of(model), other.orders, other.lines,
+                 other.steps_s, {.over_time = !split.second_capture}, split.recent.get());
   out.selection = select(out.basis, out.from, other.selection.columns, other.selection.ridge);
   return out;
 }
 
-double left_beside_angle(const Parts &parts, const Model &model, const Anonymous &other) {
-  const Halves halves = halves_of(parts, model);
+double left_beside_angle(const DataSplit &split, const Model &model, const Anonymous &other) {
+  const Halves halves = halves_of(split, model);
   Basis basis(other.basis.periods(), zero_of(model));
   basis.scale_to(halves.train);
   basis.add(Axis::angle, kOfBaseline, 0);
@@ -287,20 +288,20 @@ double left_beside_angle(const Parts &parts, const Model &model, const Anonymous
                 other.basis.terms()[k].modulation);
   const Products from =
       products(basis, halves.train, halves.train_left, halves.heldout, halves.heldout_left,
-               parts.recent ? &parts.recent->sums() : nullptr);
+               split.recent ? &split.recent->sums() : nullptr);
   std::vector<Eigen::Index> all(static_cast<std::size_t>(from.train.rows() - 1));
   std::iota(all.begin(), all.end(), Eigen::Index{0});
   return select(basis, from, std::move(all)).noise_v2;
 }
 
-Quality quality_with(const Anonymous &left, const Parts &parts, const Model &model) {
+Quality quality_with(const Anonymous &left, const DataSplit &split, const Model &model) {
   Quality out;
   out.residual_rms_v = std::sqrt(left.selection.noise_v2);
   const double variance = std::max(left.selection.noise_v2, criteria::kLeastMeanSquare);
-  out.log_likelihood = std::log(parts.heldout.weight_along) - std::log(kTwoPi * variance) - 1.0;
-  if (!parts.has_reference)
+  out.log_likelihood = std::log(split.heldout.weight_along) - std::log(kTwoPi * variance) - 1.0;
+  if (!split.has_reference)
     return out;
-  Halves halves = halves_of(parts, model);
+  Halves halves = halves_of(split, model);
   ResidualColumns &r = halves.heldout_left;
   subtract(left.basis, left.selection, halves.heldout, r);
   double sum = 0.0;
@@ -335,13 +336,13 @@ std::vector<BudgetLine> budget_of(const Anonymous &whole, const Anonymous &unnam
   return out;
 }
 
-NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &model) {
-  Halves halves = halves_of(parts, model);
+NoiseShape noise_shape(const Anonymous &left, const DataSplit &split, const Model &model) {
+  Halves halves = halves_of(split, model);
   ResidualColumns &r = halves.heldout_left;
   subtract(left.basis, left.selection, halves.heldout, r);
   NoiseShape out;
   std::vector<double> along, across;
-  split(halves.heldout, r, along, across);
+  along_and_across(halves.heldout, r, along, across);
   for (std::size_t i = 0; i < r.sin.size(); ++i) {
     out.sin_v += r.sin[i] * r.sin[i];
     out.cos_v += r.cos[i] * r.cos[i];
@@ -352,7 +353,7 @@ NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &m
   for (double *v : {&out.sin_v, &out.cos_v, &out.along_v, &out.across_v})
     *v = std::sqrt(*v / n);
   // Where only the radius is judged, what lies across it is the motion's: noise is taken for white.
-  if (parts.heldout.disturbed == Direction::motion)
+  if (split.heldout.disturbed == Direction::motion)
     out.sin_v = out.cos_v = out.across_v = out.along_v = out_of_figure_rms_v(halves.heldout, r);
   return out;
 }

@@ -10,8 +10,8 @@
 
 #include "diagnosis/anonymous/column_sums.h"
 #include "diagnosis/anonymous/discrepancy.h"
-#include "diagnosis/parts.h"
-#include "diagnosis/result.h"
+#include "diagnosis/search/data_split.h"
+#include "diagnosis/words/result.h"
 
 namespace ada {
 
@@ -57,26 +57,26 @@ private:
 /// The anonymous model of what `model` leaves over. Steps in time and lines of the spectrum are
 /// looked for in what the other axes leave. Without speed, temperature and supply: as a process
 /// that follows none of them would have it.
-Anonymous anonymous_of(const Scene &scene, const Parts &parts, const Model &model,
+Anonymous anonymous_of(const Scene &scene, const DataSplit &split, const Model &model,
                        Asked asked = {});
 
 /// The same with the columns that were chosen for another model and the prior that their
 /// coefficients had there, in place of its own choice.
-Anonymous anonymous_alike(const Scene &scene, const Parts &parts, const Model &model,
+Anonymous anonymous_alike(const Scene &scene, const DataSplit &split, const Model &model,
                           const Anonymous &other);
 
 /// Held-out mean square, V^2 of a channel, that a model leaves beside what repeats with the angle,
 /// of the orders that `other` has. The baseline is fitted along: it does not wait for those orders.
-double left_beside_angle(const Parts &parts, const Model &model, const Anonymous &other);
+double left_beside_angle(const DataSplit &split, const Model &model, const Anonymous &other);
 
 /// How well a model does together with its anonymous part.
-Quality quality_with(const Anonymous &left, const Parts &parts, const Model &model);
+Quality quality_with(const Anonymous &left, const DataSplit &split, const Model &model);
 
 /// The budget: `whole` is of the baseline, `unnamed` of the model with all that has a name.
 std::vector<BudgetLine> budget_of(const Anonymous &whole, const Anonymous &unnamed);
 
 /// Noise that the anonymous model leaves, by channel and along and across the vector, V rms.
-NoiseShape noise_shape(const Anonymous &left, const Parts &parts, const Model &model);
+NoiseShape noise_shape(const Anonymous &left, const DataSplit &split, const Model &model);
 
 /// The model with what repeats with the angle and has no name, fitted to `data` together with the
 /// baseline; without one where held-out data did not confirm any. `weight_along`: how much less

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "diagnosis/axis.h"
-#include "diagnosis/observations.h"
+#include "diagnosis/conditions/observations.h"
 
 namespace ada {
 

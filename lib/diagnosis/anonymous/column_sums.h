@@ -14,7 +14,7 @@
 #include <Eigen/Core>
 
 #include "diagnosis/anonymous/basis.h"
-#include "diagnosis/observations.h"
+#include "diagnosis/conditions/observations.h"
 
 namespace ada {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "diagnosis/anonymous/basis.h"
-#include "diagnosis/fit.h"
+#include "diagnosis/search/fit.h"
 
 namespace ada {
 

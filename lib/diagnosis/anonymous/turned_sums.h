@@ -13,7 +13,7 @@
 #include <Eigen/Core>
 
 #include "diagnosis/anonymous/pieces.h"
-#include "diagnosis/fit.h"
+#include "diagnosis/search/fit.h"
 
 namespace ada {
 

@@ -12,8 +12,8 @@
 #include "base/solve.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/first_model.h"
-#include "diagnosis/fit.h"
+#include "diagnosis/search/first_model.h"
+#include "diagnosis/search/fit.h"
 
 namespace ada {
 

@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "diagnosis/observations.h"
-#include "diagnosis/random_causes.h"
+#include "diagnosis/conditions/observations.h"
+#include "diagnosis/noise/random_causes.h"
 #include "model/model.h"
 
 namespace ada {

@@ -62,7 +62,7 @@ Stops find_stops(std::span<const double> alpha, double noise_rad) {
   return out;
 }
 
-Holdout split(std::span<const double> alpha, int periods, const Stops &stops) {
+Holdout hold_out(std::span<const double> alpha, int periods, const Stops &stops) {
   Holdout out;
   const double turns = travel_of(alpha) / kTwoPi;
   out.unit = stops                                              ? HoldoutUnit::stops

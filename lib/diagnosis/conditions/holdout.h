@@ -37,6 +37,6 @@ struct Holdout {
 
 /// Every third unit judges, the others train. Units of motion are counted by travel, so that every
 /// speed and direction lends its share to both parts.
-Holdout split(std::span<const double> alpha, int periods, const Stops &stops);
+Holdout hold_out(std::span<const double> alpha, int periods, const Stops &stops);
 
 } // namespace ada

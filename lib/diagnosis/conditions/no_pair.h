@@ -4,7 +4,7 @@
 // Captures that show no pair of a turning vector: both stand still, or move along one line.
 #pragma once
 
-#include "diagnosis/observations.h"
+#include "diagnosis/conditions/observations.h"
 #include "recording/capture.h"
 
 namespace ada {

@@ -9,8 +9,8 @@
 
 #include "base/pick.h"
 #include "diagnosis/conditions/no_circle.h"
+#include "diagnosis/conditions/observations.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/observations.h"
 
 namespace ada {
 

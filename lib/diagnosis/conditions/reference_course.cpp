@@ -415,12 +415,12 @@ std::vector<double> Record::steps() {
   // What all of them leave tells for how many rows it counts; those stay that are worth a number,
   // and the choice of a row for it.
   inflated_ = inflation_beside(steps);
-  const double price = criteria::kRivalNats + std::log(static_cast<double>(n));
+  const double penalty = criteria::kRivalNats + std::log(static_cast<double>(n));
   best = best_of(best.fit.course);
   for (std::size_t k = steps.size(); k-- > 0;) {
     std::vector<double> fewer = steps;
     fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
-    if (Best without = best_of({1, 1, fewer}); without.nats < best.nats + price) {
+    if (Best without = best_of({1, 1, fewer}); without.nats < best.nats + penalty) {
       best = std::move(without);
       steps = std::move(fewer);
     }

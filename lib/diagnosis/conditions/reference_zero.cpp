@@ -10,8 +10,8 @@
 
 #include "base/angle.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/first_model.h"
-#include "diagnosis/fit.h"
+#include "diagnosis/search/first_model.h"
+#include "diagnosis/search/fit.h"
 
 namespace ada {
 

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "diagnosis/observations.h"
+#include "diagnosis/conditions/observations.h"
 
 namespace ada {
 

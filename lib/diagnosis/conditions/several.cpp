@@ -15,7 +15,7 @@
 #include "base/pick.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/criteria.h"
-#include "diagnosis/fit.h"
+#include "diagnosis/search/fit.h"
 #include "motion/surroundings.h"
 #include "recording/join.h"
 

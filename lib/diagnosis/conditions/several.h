@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #pragma once
 
-#include "diagnosis/observations.h"
+#include "diagnosis/conditions/observations.h"
 
 namespace ada {
 

@@ -7,7 +7,7 @@
 
 #include <optional>
 
-#include "diagnosis/result.h"
+#include "diagnosis/words/result.h"
 #include "recording/capture.h"
 
 namespace ada {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "diagnosis/spectrum.h"
+#include "diagnosis/lines/spectrum.h"
 #include "model/residual.h"
 
 namespace ada {

@@ -9,7 +9,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
-#include "diagnosis/spectrum.h"
+#include "diagnosis/lines/spectrum.h"
 
 namespace ada {
 

@@ -14,7 +14,7 @@
 #include "base/angle.h"
 #include "base/sincos.h"
 #include "base/solve.h"
-#include "diagnosis/spectrum.h"
+#include "diagnosis/lines/spectrum.h"
 
 namespace ada {
 

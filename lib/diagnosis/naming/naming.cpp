@@ -1,0 +1,611 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/naming/naming.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "base/solve.h"
+#include "diagnosis/anonymous/beside_anonymous.h"
+#include "diagnosis/criteria.h"
+#include "diagnosis/events/change_points.h"
+#include "diagnosis/events/step_shape.h"
+#include "diagnosis/naming/by_chance.h"
+#include "diagnosis/naming/nested_models.h"
+#include "diagnosis/naming/taken_back.h"
+#include "diagnosis/noise/along_and_across.h"
+#include "diagnosis/search/admission.h"
+#include "diagnosis/search/candidates.h"
+#include "diagnosis/search/first_model.h"
+#include "diagnosis/search/fit.h"
+#include "diagnosis/search/identifiability.h"
+#include "diagnosis/search/step_causes.h"
+
+namespace ada {
+
+namespace {
+
+std::vector<std::string_view> names_of(const SearchResult &found) {
+  std::vector<std::string_view> out;
+  for (std::size_t k : found.order)
+    out.push_back(found.fit.model.effects[k].effect->info().id);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// Of causes that stand equally well beside what has no name, the one leads that leaves less of it:
+/// less of the residual above the noise. The model with it; nothing where none leaves so little.
+std::optional<Model> with_better_rival(const DataSplit &split, const SearchResult &found,
+                                       double noise_v2) {
+  const auto unnamed_v2 = [&](const Model &model) {
+    return white_sum_of_squares(split.heldout, as_seen_by(split.heldout, model)) /
+               (2.0 * static_cast<double>(split.heldout.size())) -
+           noise_v2;
+  };
+  double least = criteria::kOfRival * unnamed_v2(found.fit.model);
+  const Model *better = nullptr;
+  for (const std::vector<Rival> &rivals : found.alternatives)
+    for (const Rival &rival : rivals)
+      if (const double left = unnamed_v2(rival.model); left < least) {
+        least = left;
+        better = &rival.model;
+      }
+  return better ? std::optional(*better) : std::nullopt;
+}
+
+/// What has no name, as the covariance of the training part: of which no more is to be named.
+void colour(const Scene &scene, DataSplit &split, const Model &model) {
+  split.train = thinned(split.train);
+  split.train.coloured.reset();
+  // By itself: beside another discrepancy the model may stand where that made up for it.
+  const Anonymous left = anonymous_of(scene, split, fit(split.train, model, kRefit).model);
+  if (left.any())
+    split.train.coloured = std::make_shared<Coloured>(
+        discrepancy_of(left.basis, left.selection, left.from, Stands::for_good), split.train);
+}
+
+/// A cause is no finding where held-out data are likelier without it, with what has no name then
+/// chosen anew: it stood for something that the anonymous model holds better.
+void drop_what_has_no_name(const Scene &scene, DataSplit split, SearchResult &found) {
+  split.train = thinned(split.train);
+  split.train.coloured.reset();
+  for (;;) {
+    // Both fitted alike: beside a discrepancy what follows it is not determined, and may be
+    // anything.
+    const Model model = fit(split.train, found.fit.model, kRefit).model;
+    const double with = nats_beside_anonymous(scene, split, model);
+    std::size_t worst = found.order.size();
+    double most = criteria::kRivalNats;
+    for (std::size_t place = 0; place < found.order.size(); ++place) {
+      if (model.effects[found.order[place]].effect->info().prior_rank == 0)
+        continue;
+      Model less = fit(split.train, model.without(found.order[place]), kRefit).model;
+      const Anonymous unnamed = anonymous_of(scene, split, less);
+      if (takes_most(split, model, less, *model.effects[found.order[place]].effect, unnamed))
+        continue;
+      double more = nats_beside(unnamed) - with;
+      // What went into the choice because the cause was not there, the images of a tone or the rest
+      // of a lag that is no plain one, is offered beside the cause as well.
+      if (more > most)
+        more = std::min(more, nats_beside(unnamed) -
+                                  nats_beside(anonymous_alike(scene, split, model, unnamed)));
+      if (more > most) {
+        most = more;
+        worst = place;
+      }
+    }
+    if (worst == found.order.size())
+      return;
+    found.forget(worst);
+    found.fit.model = fit(split.train, found.fit.model, kRefit).model;
+  }
+}
+
+/// Mean square, V^2 of a channel, that an order of the structure has which repeats with the angle,
+/// or a line of the spectrum, and has no name, weighted by itself: of those that carry it, not of
+/// those that happen to be in.
+double comb_v2(const Anonymous &left, Axis axis) {
+  std::map<int, double> of_order;
+  for (std::size_t k = 0; k < left.selection.columns.size(); ++k) {
+    const Group &group =
+        left.basis.groups()[static_cast<std::size_t>(left.selection.columns[k] / 2)];
+    if (group.axis == axis && group.order != kOfBaseline)
+      of_order[group.order] +=
+          0.5 * std::pow(left.selection.values[static_cast<Eigen::Index>(k)], 2);
+  }
+  double sum = 0.0, squares = 0.0;
+  for (const auto &[order, v2] : of_order) {
+    sum += v2;
+    squares += v2 * v2;
+  }
+  return sum > 0.0 ? squares / sum : 0.0;
+}
+
+/// Whether a cause is one order of the turn, or one line of the spectrum.
+bool is_one_of(const EffectInstance &e, Axis axis) {
+  if (axis == Axis::angle)
+    return chosen(e, "order").has_value();
+  const auto line = e.effect->one_line(e.values);
+  return line && line->per == OneLine::Per::second;
+}
+
+/// One order or line of many is no cause of its own: it must stand out of what has no name.
+void drop_what_is_of_a_comb(const Scene &scene, const DataSplit &all, SearchResult &found,
+                            Axis axis) {
+  const auto &effects = found.fit.model.effects;
+  if (std::none_of(found.order.begin(), found.order.end(),
+                   [&](std::size_t at) { return is_one_of(effects[at], axis); }))
+    return;
+  DataSplit split = all;
+  split.train = thinned(split.train);
+  split.train.coloured.reset();
+  for (;;) {
+    const Model &model = found.fit.model;
+    std::size_t least_place = found.order.size();
+    double least = 0.0;
+    for (std::size_t place = 0; place < found.order.size(); ++place) {
+      const std::size_t at = found.order[place];
+      if (!is_one_of(model.effects[at], axis))
+        continue;
+      const double v2 = std::pow(moved_rms_v(split.heldout, model, at), 2);
+      if (least_place == found.order.size() || v2 < least) {
+        least = v2;
+        least_place = place;
+      }
+    }
+    if (least_place == found.order.size() ||
+        least > criteria::kAboveComb * comb_v2(anonymous_of(scene, split, model), axis))
+      return;
+    found.forget(least_place);
+    found.fit.model = fit(split.train, found.fit.model, kRefit).model;
+  }
+}
+
+/// Whether a cause that every pair has is not there without a signature: less than half as large.
+bool brings_forth(const Model &with, const Model &without) {
+  for (const EffectInstance &e : with.effects) {
+    if (e.effect->info().prior_rank != 0)
+      continue;
+    for (const EffectInstance &f : without.effects)
+      if (f.effect == e.effect) {
+        const double had = std::abs(e.values.front()),
+                     has = std::abs(f.values.front()); // they have one number
+        if (has < criteria::kLeastOfGroup * had)
+          return true;
+      }
+  }
+  return false;
+}
+
+/// What turns the field, or the reference, with the order that a harmonic of one channel has along
+/// the circle, as far as the capture can show it: order n of psi is n - 1 from the pair's own.
+std::vector<EffectInstance> direction_errors_like(const Scene &scene, const Model &model,
+                                                  const EffectInstance &harmonic) {
+  const int periods = model.periods_per_turn;
+  const ResidualColumns none;
+  const Residual facts =
+      residual_view(scene, scene.all, none, scene.white_noise_v, model.baseline.amplitude_v);
+  std::vector<EffectInstance> out;
+  const auto order = chosen(harmonic, "order");
+  if (!order || !chosen(harmonic, "channel"))
+    return out;
+  for (const Effect *effect : catalogue()) {
+    const EffectInfo &info = effect->info();
+    if ((info.stage != Stage::field && info.stage != Stage::record) ||
+        info.evidence != Evidence::signal || info.remembers || !effect->invisible(facts).empty())
+      continue;
+    out.push_back({effect, {}, {}});
+    for (const ParameterInfo &p : info.parameters)
+      out.back().values.push_back(p.role == Role::chosen ? (*order - 1.0) * periods : 0.0);
+  }
+  return out;
+}
+
+/// A signature names a shape and no physics. Where mismatch or quadrature error are only there
+/// beside it, as its counterpart, what they share has no name, or is an error of the field's
+/// direction that all of them together stood for.
+void drop_signatures_that_bring_forth(const Scene &scene, const Scene &judge, DataSplit split,
+                                      SearchResult &found) {
+  split.train = thinned(split.train);
+  split.train.coloured.reset();
+  const SearchData aside{&scene, split.train, split.heldout, &judge};
+  for (std::size_t place = found.order.size(); place-- > 0;) {
+    const Model &model = found.fit.model;
+    const std::size_t at = found.order[place];
+    const EffectInstance &signature = model.effects[at];
+    if (!signature.effect->info().signature)
+      continue;
+    Model less = fit(split.train, model.without(at), kRefit).model;
+    if (brings_forth(model, less)) {
+      found.forget(place);
+      found.fit.model = std::move(less);
+      place = found.order.size();
+      continue;
+    }
+    const auto worth = [&](const Model &m) {
+      return nats_beside_anonymous(scene, split, m) + side_evidence(aside, m);
+    };
+    double least = worth(model) - criteria::kRivalNats;
+    std::optional<Model> better;
+    for (const EffectInstance &instead : direction_errors_like(scene, model, signature)) {
+      Model other = model;
+      other.effects[at] = instead;
+      other = fit(split.train, other, kRefit).model;
+      const double nats = worth(other);
+      if (nats > least && brings_forth(model, other)) {
+        least = nats + criteria::kRivalNats; // of two that do as well, what comes first physically
+        better = std::move(other);
+      }
+    }
+    if (better) {
+      found.fit.model = *std::move(better);
+      found.alternatives[place].clear(); // they were of the signature
+    }
+  }
+}
+
+/// Of causes that look alike where both could be, the one that every pair has is named, unless
+/// held-out data beside what has no name are likelier with the other, and by more than what the
+/// products of all causes may leave over. Beside that one the other need be there as well.
+void prefer_what_every_pair_has(const Scene &scene, const Scene &judge, DataSplit split,
+                                SearchResult &found) {
+  split.train = thinned(split.train);
+  split.train.coloured.reset();
+  const SearchData aside{&scene, split.train, split.heldout, &judge};
+  const auto instead_of = [&](std::size_t at, const Effect &common) {
+    Model other = found.fit.model;
+    if (holds(other, &common))
+      return fit(split.train, other.without(at), kRefit).model;
+    other.effects[at] = absent(common);
+    return fit(split.train, other, kRefit).model;
+  };
+  // Nothing where it is not to be exchanged; otherwise whether nothing tells them apart.
+  const auto alike = [&](const Model &model, const Model &other,
+                         std::size_t at) -> std::optional<bool> {
+    const Effect &effect = *model.effects[at].effect;
+    const double aside_of_model = side_evidence(aside, model),
+                 aside_of_other = side_evidence(aside, other);
+    const double more_v = std::sqrt(std::max(0.0, left_v2(split, other) - left_v2(split, model)));
+    if (!shows_beyond_angle(effect) && aside_of_other > aside_of_model - criteria::kRivalNats &&
+        more_v < second_order(scene, split.train, model))
+      return true;
+    const double more = nats_beside_anonymous(scene, split, model) + aside_of_model -
+                        nats_beside_anonymous(scene, split, other) - aside_of_other;
+    if (other.effects.size() < model.effects.size() || more > criteria::kRivalNats ||
+        takes_most(split, model, other, effect, anonymous_of(scene, split, other)))
+      return std::nullopt;
+    return more > -criteria::kRivalNats;
+  };
+  for (std::size_t place = 0; place < found.order.size(); ++place) {
+    const std::size_t at = found.order[place];
+    const EffectInfo &info = found.fit.model.effects[at].effect->info();
+    if (info.prior_rank == 0)
+      continue;
+    for (const Separation &from : info.separations) {
+      const Effect *common = find_effect(from.rival);
+      if (!common || common->info().prior_rank != 0)
+        continue;
+      Model other = instead_of(at, *common);
+      const Model model = fit(split.train, found.fit.model, kRefit).model;
+      const std::optional<bool> untold = alike(model, other, at);
+      if (!untold)
+        continue;
+      const Model before = std::exchange(found.fit.model, other);
+      std::size_t named = place;
+      if (other.effects.size() < before.effects.size()) {
+        found.fit.model = before;
+        found.forget(place);
+        found.fit.model = std::move(other);
+        named = static_cast<std::size_t>(std::find_if(found.order.begin(), found.order.end(),
+                                                      [&](std::size_t k) {
+                                                        return found.fit.model.effects[k].effect ==
+                                                               common;
+                                                      }) -
+                                         found.order.begin());
+        --place; // the next one has moved up
+      }
+      if (*untold && named < found.order.size())
+        found.alternatives[named].push_back({std::string(info.id), before});
+      break;
+    }
+  }
+}
+
+} // namespace
+
+Unnamed unnamed_beside(const Scene &scene, const DataSplit &split, const Model &model,
+                       const Anonymous &left, double noise_v) {
+  Model physical = model;
+  const auto dropped = std::erase_if(
+      physical.effects, [](const EffectInstance &e) { return e.effect->info().signature; });
+  constexpr auto kAngle = static_cast<std::size_t>(Axis::angle);
+  Unnamed out;
+  out.angle_v2 =
+      (dropped > 0 ? anonymous_of(scene, split, physical) : left).selection.share_v2[kAngle];
+  const double noise = std::max(noise_v, scene.white_noise_v);
+  out.elsewhere_v2 = std::max(0.0, left.selection.noise_v2 - noise * noise);
+  for (std::size_t axis = 0; axis < left.selection.share_v2.size(); ++axis)
+    if (axis != kAngle)
+      out.elsewhere_v2 += std::max(0.0, left.selection.share_v2[axis]);
+  return out;
+}
+
+namespace {
+
+/// Whether a supply that is not recorded leaves nothing but noise across it, and held-out data are
+/// likelier with it, which takes in a direction at every moment, than with whatever has no name and
+/// does not go with the time: how the supply goes with the time, as a tone or slowly, is its own
+/// affair.
+bool is_likelier_as_supply(const Scene &scene, const DataSplit &split, const SearchResult &found,
+                           double noise_v) {
+  if (found.disturbed != Direction::supply)
+    return false;
+  const Model &model = found.fit.model;
+  DataSplit weighed = split;
+  weighed.weigh(found.disturbed, found.weight_along);
+  const Quality with = weighed.quality(model).heldout;
+  const double noise = std::max(noise_v, scene.white_noise_v);
+  if (with.residual_rms_v * with.residual_rms_v > criteria::kClean * noise * noise)
+    return false;
+  return with.log_likelihood >
+         quality_with(anonymous_of(scene, split, model, {.over_time = false}), split, model)
+             .log_likelihood;
+}
+
+/// The model with what the steps in time that have no name consist of, all at once; nothing where
+/// held-out data do not ask for that. Of two steps that cancel each other each alone makes a part
+/// of the record worse, and so is not found by itself.
+std::optional<Model> with_events(const Scene &scene, DataSplit split, const Model &model) {
+  if (split.courses_taken_out) // of which the half waves leave a step where one begins steeply
+    return std::nullopt;
+  split.train = thinned(split.train);
+  split.train.coloured.reset();
+  const std::vector<EffectInstance> events =
+      causes_of_steps(anonymous_of(scene, split, model), model);
+  if (events.empty())
+    return std::nullopt;
+  Model with = model;
+  with.effects.insert(with.effects.end(), events.begin(), events.end());
+  const FitResult fitted = fit(split.train, with, kRefit);
+  const double n = static_cast<double>(split.heldout.size());
+  const double nats =
+      n * std::log(left_v2(split, fit(split.train, model, kRefit).model) /
+                   std::max(left_v2(split, fitted.model), criteria::kLeastMeanSquare));
+  if (!fitted.determined || nats < criteria::kAdmittedNats * static_cast<double>(events.size()))
+    return std::nullopt;
+  Model out = with_exact_moments(scene, fitted.model, 0);
+  for (std::size_t k = out.effects.size(); k-- > model.effects.size();)
+    if (!begins_at_once(scene, out, k))
+      out = out.without(k);
+  if (out.effects.size() == model.effects.size())
+    return std::nullopt;
+  return out;
+}
+
+/// Where nothing but noise is left across the vector, a length that wanders with the magnet's
+/// distance or the light hides what every pair has from a fit to both, and the angle alone tells
+/// it. The model by the angle alone; nothing where it tells nothing.
+std::optional<Model> name_what_the_direction_tells(const DataSplit &split, SearchResult &found,
+                                                   bool bent = false) {
+  if (!split.has_reference || found.disturbed != Direction::none)
+    return std::nullopt;
+  const Model with = with_expected(found.fit.model);
+  const std::size_t before = found.fit.model.effects.size(), named = found.order.size();
+  if (with.effects.size() == before)
+    return std::nullopt;
+  const std::optional<FitResult> apart = fit_by_direction(split, with, bent);
+  if (!apart || !apart->determined ||
+      !is_clearly_closer(split, apart->model, fit(split.train, with, kRefit).model))
+    return std::nullopt;
+  FitResult told = *apart;
+  attach_errors(told);
+  for (std::size_t k = before; k < with.effects.size(); ++k) {
+    const EffectInstance &e = told.model.effects[k];
+    if (std::pow(e.values[0] / e.std_errors[0], 2) < criteria::kClear)
+      continue;
+    found.order.push_back(found.fit.model.effects.size());
+    found.contribution.push_back(moved_rms_v(split.train, told.model, k));
+    found.alternatives.emplace_back();
+    found.fit.model.effects.push_back(e);
+    ++found.by_direction;
+  }
+  return found.order.size() > named ? std::optional(told.model) : std::nullopt;
+}
+
+/// Mean square across the vector of what takes `one` to `other`, V^2.
+double turned_v2(const Observations &data, const Model &one, const Model &other) {
+  ResidualColumns change = residual_columns(data, one);
+  const ResidualColumns less = residual_columns(data, other);
+  for (std::size_t i = 0; i < change.sin.size(); ++i) {
+    change.sin[i] -= less.sin[i];
+    change.cos[i] -= less.cos[i];
+  }
+  std::vector<double> along, across;
+  along_and_across(data, change, along, across);
+  return mean_square(across);
+}
+
+/// Sum over the causes that act at rest.
+double turned_by_each_v2(const Observations &data, const Model &model) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < model.effects.size(); ++k)
+    if (is_static(*model.effects[k].effect))
+      sum += turned_v2(data, model, model.without(k));
+  return sum;
+}
+
+/// Mean square across the vector, V^2, of what an effect of the model does that no offset,
+/// amplitude or zero angle does as well: on a short arc those do most of it.
+double turned_beside_baseline_v2(const Observations &data, const Model &model, std::size_t effect) {
+  const ResidualColumns with = residual_columns(data, model);
+  ResidualColumns shape = residual_columns(data, model.without(effect));
+  using Columns = Eigen::Matrix<double, 2, 4>; // of a sample, VSIN and VCOS
+  const auto columns = [&](std::size_t i) {
+    const double s = with.model_sin[i] - data.centre_sin_v,
+                 c = with.model_cos[i] - data.centre_cos_v;
+    Columns out;
+    out << 1.0, 0.0, s, c, 0.0, 1.0, c, -s;
+    return out;
+  };
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d onto = Eigen::Vector4d::Zero();
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    shape.sin[i] -= with.sin[i];
+    shape.cos[i] -= with.cos[i];
+    const Columns x = columns(i);
+    normal += x.transpose() * x;
+    onto += x.transpose() * Eigen::Vector2d(shape.sin[i], shape.cos[i]);
+  }
+  const Eigen::Vector4d by = solved(normal, onto);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const Eigen::Vector2d baseline = columns(i) * by;
+    shape.sin[i] -= baseline[0];
+    shape.cos[i] -= baseline[1];
+  }
+  std::vector<double> along, across;
+  along_and_across(data, shape, along, across);
+  return mean_square(across);
+}
+
+/// Causes that turn the vector to and fro and take it back among them stand for something that
+/// turns it hardly at all: of their sum any length is made, as of any other set of shapes. Causes
+/// that are independent turn it together by about as much as each for itself.
+void drop_what_cancels(const DataSplit &split, SearchResult &found) {
+  if (!split.has_reference || found.disturbed != Direction::none)
+    return;
+  const Model &model = found.fit.model;
+  SearchResult fewer = found;
+  bool any = false; // beside what every pair has
+  std::vector<std::size_t> at_rest;
+  for (std::size_t place = fewer.order.size(); place-- > 0;) {
+    const Effect &effect = *fewer.fit.model.effects[fewer.order[place]].effect;
+    if (!is_static(effect))
+      continue;
+    any = any || effect.info().prior_rank != 0;
+    at_rest.push_back(found.order[place]);
+    fewer.forget(place);
+  }
+  constexpr std::size_t kFewest = 2; // that can cancel
+  if (!any || at_rest.size() < kFewest)
+    return;
+  double each_v2 = 0.0;
+  for (std::size_t at : at_rest)
+    each_v2 += turned_beside_baseline_v2(split.train, model, at);
+  fewer.fit.model = fit(split.train, fewer.fit.model, kRefit).model;
+  std::vector<double> along, across;
+  along_and_across(split.train, residual_columns(split.train, fewer.fit.model), along, across);
+  if (each_v2 > criteria::kCancels * mean_square(across))
+    found = std::move(fewer);
+}
+
+/// A length that goes with the angle for no reason of the pair's, as under a gain control, bends a
+/// fit to both, and further causes of the angle take back what that turned. Where the length is not
+/// explained with them either, and the direction by itself needs none of them beside what every
+/// pair has, which turns the vector by much less than all of them that cancel each other, there are
+/// none.
+void drop_what_turns_back(const DataSplit &split, SearchResult &found) {
+  if (!split.has_reference || found.disturbed != Direction::none)
+    return;
+  SearchResult fewer = found;
+  bool dropped = false;
+  for (std::size_t place = fewer.order.size(); place-- > 0;) {
+    const Effect &effect = *fewer.fit.model.effects[fewer.order[place]].effect;
+    if (!is_static(effect))
+      continue;
+    dropped = dropped || effect.info().prior_rank != 0;
+    fewer.forget(place);
+  }
+  if (!dropped)
+    return;
+  const Model all = fit(split.train, found.fit.model, kRefit).model;
+  if (!leaves_length(split.train, all))
+    return;
+  const std::optional<Model> told = name_what_the_direction_tells(split, fewer, true);
+  if (!told || is_clearly_closer(split, all, *told))
+    return;
+  Model centred = *told;
+  centred.baseline.offset_sin_v = all.baseline.offset_sin_v;
+  centred.baseline.offset_cos_v = all.baseline.offset_cos_v;
+  const double needed_v2 =
+      turned_by_each_v2(split.train, *told) + turned_v2(split.train, *told, centred);
+  if (turned_by_each_v2(split.train, all) > criteria::kTurnsBack * needed_v2) {
+    fewer.fit.model.baseline = told->baseline;
+    found = std::move(fewer);
+  }
+}
+
+} // namespace
+
+SearchResult name_against_anonymous(const SearchStart &start, DataSplit &split,
+                                    SearchResult found) {
+  if (is_likelier_as_supply(start.scene, split, found, start.noise_v))
+    return found;
+  constexpr int kMostRounds = 3;
+  const Model first = found.fit.model;
+  const auto search = [&] {
+    return Search({&start.scene, split.train, split.heldout, &start.judge}, start.baseline,
+                  start.noise_v, start.report);
+  };
+  if (const auto events = with_events(start.scene, split, found.fit.model))
+    found = search().run(true, &*events);
+  bool exchanged = false;
+  for (int round = 1; round <= kMostRounds; ++round) {
+    const Model known = found.fit.model;
+    const Anonymous left = anonymous_of(start.scene, split, known);
+    if (!left.any()) {
+      if (exchanged) { // what took a rival's place left nothing without a name
+        split.train.coloured.reset();
+        found = search().run(true, &known);
+      }
+      prefer_what_every_pair_has(start.scene, start.judge, split, found);
+      drop_what_cancels(split, found);
+      drop_what_turns_back(split, found);
+      name_what_the_direction_tells(split, found);
+      return found;
+    }
+    const Discrepancy discrepancy =
+        discrepancy_of(left.basis, left.selection, left.from, Stands::to_be_named);
+    SearchResult next = search().run_against(
+        discrepancy, unnamed_beside(start.scene, split, known, left, start.noise_v), known);
+    const bool same = names_of(next) == names_of(found);
+    found = std::move(next);
+    split.train = thinned(split.train);
+    split.train.coloured = std::make_shared<Coloured>(discrepancy, split.train);
+    const auto better = round < kMostRounds
+                            ? with_better_rival(split, found, left.selection.noise_v2)
+                            : std::nullopt;
+    if (better)
+      found.fit.model = *better; // the next round orders and weighs it anew
+    else if (same)
+      break;
+    exchanged = better.has_value();
+  }
+  for (const Axis axis : {Axis::angle, Axis::frequency})
+    drop_what_is_of_a_comb(start.scene, split, found, axis);
+  drop_signatures_that_bring_forth(start.scene, start.judge, split, found);
+  if (take_back_what_explains_most(start.scene, split, first, found))
+    colour(start.scene, split, found.fit.model);
+  drop_what_has_no_name(start.scene, split, found);
+  const std::size_t named = found.order.size();
+  drop_what_chance_would_take(start.scene, split, found);
+  // It may have stood in the place of what explains most.
+  if (found.order.size() < named &&
+      take_back_what_explains_most(start.scene, split, first, found)) {
+    colour(start.scene, split, found.fit.model);
+    drop_what_chance_would_take(start.scene, split, found);
+  }
+  prefer_what_every_pair_has(start.scene, start.judge, split, found);
+  drop_what_cancels(split, found);
+  drop_what_turns_back(split, found);
+  colour(start.scene, split, found.fit.model);
+  name_what_the_direction_tells(split, found);
+  return found;
+}
+
+} // namespace ada

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Causes that were given up in favour of what has no name, and come back.
+#pragma once
+
+#include "diagnosis/search/data_split.h"
+#include "diagnosis/search/search.h"
+
+namespace ada {
+
+/// A cause that explains most of what is left without it is a finding although what has no name
+/// could stand for it: many free columns follow a capture into corners that one cause does not
+/// have. So are two that explain most of it together and neither by itself, as they cancel each
+/// other in part.
+/// `first`: the model before anything was held against what has no name.
+bool take_back_what_explains_most(const Scene &scene, DataSplit split, const Model &first,
+                                  SearchResult &found);
+
+} // namespace ada

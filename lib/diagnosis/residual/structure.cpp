@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/residual/structure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "base/angle.h"
+#include "diagnosis/criteria.h"
+#include "diagnosis/noise/spikes.h"
+#include "diagnosis/residual/repetition.h"
+#include "diagnosis/residual/whiteness.h"
+#include "diagnosis/search/fit.h"
+#include "model/residual.h"
+
+namespace ada {
+
+namespace {
+
+constexpr std::size_t kLookedAt = 300000, kLookedAtRun = 25000;
+constexpr double kPeakStandsOut = 6.0;     ///< standard deviations
+constexpr double kOfNoise = 0.12;          ///< the least structure that is worth a word
+constexpr double kMoreThanItsNoise = 1.15; ///< of a residual that is not white
+
+/// Single rows in which the reference is wrong: no cause, and not the sensor's.
+Structure of_wrong_rows(const Scene &scene, double amplitude_v) {
+  const WrongRows &rows = scene.wrong_rows;
+  // What they would make of both channels, spread over the record.
+  const double rms_rad = std::sqrt(rows.squares_rad2 / static_cast<double>(scene.capture->size()));
+  return {"time",
+          fmt::format("the reference alone is wrong in {} of {} rows, by up to {:.3g} deg: they "
+                      "are left out",
+                      rows.count, scene.capture->size(), rows.worst_rad * kDegPerRad),
+          scene.periods * rms_rad * amplitude_v / std::numbers::sqrt2};
+}
+
+/// Jumps of the pair's own angle, where it is followed by nothing else.
+Structure of_own_jumps(const Scene &scene, const Model &model) {
+  const OwnJumps &j = scene.own_jumps;
+  return {
+      "time",
+      fmt::format("the angle jumps from one reading to the next, {} times forward and {} times "
+                  "back, by up to {:.3g} deg, first at {:.6g} s, and goes on at the same speed: no "
+                  "shaft turns so, {}",
+                  j.forward, j.backward, j.largest_rad * kDegPerRad, j.first_s,
+                  j.to_and_fro() ? "the rows are out of order or come from several clocks"
+                                 : "rows may be missing"),
+      model.baseline.amplitude_v * scene.periods *
+          std::sqrt(j.squares_rad2 / (2.0 * static_cast<double>(scene.capture->size())))};
+}
+
+/// Rows that repeat the reading before them: no cause, and not the sensor's.
+Structure of_stale_rows(const Scene &scene) {
+  const auto n = static_cast<double>(scene.capture->size());
+  return {
+      "time",
+      fmt::format("{} of {} rows repeat the reading before them to the last bit while the shaft "
+                  "goes on: the driver had no new one for them; they are left out, of the figures "
+                  "as well",
+                  scene.stale.count, scene.capture->size()),
+      std::sqrt(scene.stale.squares_v2 / (2.0 * n))};
+}
+
+/// Two ranges of a channel's readings that do not join.
+Structure of_gap(const LevelGap &gap) {
+  return {
+      "angle",
+      fmt::format("{} is never between {:.4g} V and {:.4g} V: each of the {} times that it passes "
+                  "there it jumps by {:.3g} V while the other channel goes on: two ranges of its "
+                  "readings do not join, as where the bytes or the sign of a reading are put "
+                  "together wrongly, or an amplifier changes its range; no cause is named before "
+                  "that is mended",
+                  gap.of_cos ? "VCOS" : "VSIN", gap.low_v, gap.high_v, gap.crossings, gap.jump_v),
+      0.5 * gap.jump_v / std::numbers::sqrt2}; // of one channel, half up and half down
+}
+
+/// Stretches in which the pair is not the sensor's: no cause, and none of its errors.
+Structure of_episodes(const Scene &scene) {
+  const Episodes &e = scene.episodes;
+  const auto n = static_cast<double>(scene.capture->size());
+  return {
+      "time",
+      fmt::format(
+          "{} the pair leaves its curve or its reference, from {:.4g} s on, by up to {:.3g} V and "
+          "for {:.3g} s at most, at any angle, and comes back: a contact, a cable, or a "
+          "value that was held; these {} of {} rows are left out, of the figures as well",
+          e.count == 1 ? "once" : fmt::format("{} times", e.count), e.first_s, e.worst_v,
+          e.longest_s, e.samples, scene.capture->size()),
+      std::sqrt(e.squares_v2 / (2.0 * n))};
+}
+
+} // namespace
+
+std::vector<Structure> keep_for_last_look(Scene &scene, const Model &model, double noise_v) {
+  std::vector<std::uint32_t> some(scene.all.size());
+  std::iota(some.begin(), some.end(), 0u);
+  scene.all.keep(thin(some, kLookedAt, kLookedAtRun));
+  const ResidualColumns r = residual_columns(scene.all, model);
+  std::vector<char> hit(scene.all.size(), 0);
+  std::vector<std::size_t> places;
+  for (const auto *v : {&r.sin, &r.cos}) {
+    find_spikes(*v, kPeakStandsOut, noise_v, places);
+    for (std::size_t i : places)
+      hit[i] = 1;
+  }
+  std::vector<std::uint32_t> keep;
+  for (std::size_t i = 0; i < hit.size(); ++i)
+    if (!hit[i])
+      keep.push_back(static_cast<std::uint32_t>(i));
+  scene.all.keep(keep);
+  std::vector<Structure> angle;
+  if (scene.has_reference)
+    return angle;
+  if (!scene.radius_only)
+    angle = find_jitter(scene.all, residual_columns(scene.all, model));
+  scene.all = at_own_angle(std::move(scene.all), model);
+  return angle;
+}
+
+LeftOver left_over(const Scene &scene, const DataSplit &split, const Model &model,
+                   const Explained &explained, const SplitQuality &last,
+                   const std::vector<Structure> &angle) {
+  LeftOver out;
+  // Where the pair is its own reference nothing is left across, and a channel has half the power.
+  const double left =
+      last.in_sample.residual_rms_v * (scene.radius_only ? std::numbers::sqrt2 : 1.0);
+  const double sigma = std::min(left, std::max(explained.noise_v, scene.white_noise_v));
+  // A supply that is only inferred leaves its fast part over.
+  if (!explained.supply_inferred) {
+    out.structure = find_structure(scene, scene.all, residual_columns(scene.all, model), model,
+                                   sigma, kOfNoise * sigma + explained.second_order_v);
+    const double least = sigma + explained.second_order_v;
+    const std::vector<Structure> bursts = find_bursts(scene, model, least);
+    out.bursts = !bursts.empty();
+    for (const auto &more : {angle, find_structure_in_rough(scene, model, least), bursts})
+      out.structure.insert(out.structure.end(), more.begin(), more.end());
+  }
+  // Too few rows for the tests of what it goes with. Of stops each has an error of its own.
+  if (out.structure.empty() && !explained.supply_inferred && !scene.stops &&
+      scene.all.size() < criteria::kFewestForMeans)
+    if (const double left_v = goes_on_v(residual_columns(scene.all, model));
+        left_v > explained.second_order_v)
+      out.structure.push_back(
+          {"time",
+           fmt::format("{:.3g} mV rms go on from row to row, as no white noise does; "
+                       "these rows are too few to tell with what",
+                       1e3 * left_v),
+           left_v});
+  if (scene.episodes.count != 0)
+    out.of_rows.push_back(of_episodes(scene));
+  if (scene.own_jumps.count_as_structure(scene.radius_only))
+    out.of_rows.push_back(of_own_jumps(scene, model));
+  if (scene.stale.count != 0)
+    out.of_rows.push_back(of_stale_rows(scene));
+  if (scene.gap)
+    out.of_rows.push_back(of_gap(*scene.gap));
+  if (scene.wrong_rows.count != 0)
+    out.of_rows.push_back(of_wrong_rows(scene, model.baseline.amplitude_v));
+  const double rest2 = last.heldout.residual_rms_v * last.heldout.residual_rms_v -
+                       explained.noise_v * explained.noise_v;
+  out.unexplained_rms_v = rest2 > 0.0 ? std::sqrt(rest2) : 0.0;
+  if (!out.structure.empty() || !out.of_rows.empty() || explained.supply_inferred)
+    return out;
+  const double rms = scene.has_reference ? last.heldout.residual_rms_v
+                                         : rms_in_any_direction(split.heldout, model, false);
+  const bool more =
+      rms > std::hypot(kMoreThanItsNoise * explained.noise_v, explained.second_order_v);
+  // What the noise was measured from may be few readings itself. Of stops each has an error of its
+  // own, of which there is one for all of its readings.
+  const double nats = scene.stops
+                          ? 0.0
+                          : static_cast<double>(split.heldout.size()) *
+                                std::log(std::max(rms, explained.noise_v) / explained.noise_v);
+  if (more && !explained.noise_stated && nats > criteria::kNatsOfNoise)
+    out.structure.push_back({"time",
+                             fmt::format("{:.3g} mV rms are left where the readings have a noise "
+                                         "of {:.3g} mV, and nothing shows what they go with",
+                                         1e3 * rms, 1e3 * explained.noise_v),
+                             std::sqrt(rms * rms - explained.noise_v * explained.noise_v)});
+  if (more && explained.noise_stated)
+    out.structure.push_back({"time",
+                             "the residual is larger than the stated noise, yet not white noise "
+                             "of both channels",
+                             out.unexplained_rms_v});
+  return out;
+}
+
+double second_order_floor(const Model &model, const SearchResult &found) {
+  constexpr double kPart = 0.3, kMost = 5e-4; // of the product; of the amplitude
+  const double offsets = std::hypot(model.baseline.offset_sin_v, model.baseline.offset_cos_v);
+  double sum = 0.0, bent = 0.0; // bent: of what makes of an ellipse something else
+  for (std::size_t k = 0; k < found.order.size(); ++k) {
+    const EffectInfo &info = found.fit.model.effects[found.order[k]].effect->info();
+    if (info.recorded)
+      continue;
+    sum += found.contribution[k];
+    bent += info.affine ? 0.0 : found.contribution[k];
+  }
+  const double amplitude = model.baseline.amplitude_v;
+  return std::min(kPart * bent * (sum + offsets) / amplitude, kMost * amplitude);
+}
+
+} // namespace ada

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Causes that may be there beside those that were found, and what these then are.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/search/fit.h"
+
+namespace ada {
+
+/// A cause on which the value of one that was found hangs.
+struct Untold {
+  std::size_t effect; ///< of the model
+  const Effect *other;
+};
+
+/// Adds to the covariance how far what every pair has moves if a cause that is as likely before any
+/// data is there beside it, one that shows beyond the angle or a field error on an arc: the
+/// variance between models of Hoeting and others 1999. Where nothing is known of the two but their
+/// sum, as at one speed, one of them has the name and the other is its alternative.
+std::vector<Untold> widen_by_what_is_not_told_apart(const Observations &data, FitResult &result);
+
+/// The same for the choices of an effect, such as where a transfer is straight: where another does
+/// nearly as well, every number hangs on it.
+void widen_by_choices(const Observations &data, FitResult &result);
+
+} // namespace ada
