@@ -34,11 +34,18 @@ inline constexpr double kCentreKnown = 0.02;
 /// is no longer plain which of the two states is the sensor's own.
 inline constexpr double kMostOfEpisodes = 0.1;
 
+/// Both outputs stand at an end of the record: rows there, and the part of the record, that both
+/// stand for at least; what they scatter by, of the larger range of the two, and how many times
+/// their spread still is there (one reading of noise in 1e15); and how far off their curve, in
+/// radii, that is: more than any drift or tilt takes a pair which still turns.
+inline constexpr std::size_t kFewestStanding = 12, kPartStanding = 50;
+inline constexpr double kStandsStill = 0.01, kStandsWithin = 8.0, kFarOffCurve = 0.3;
+
 /// Readings that are held for several rows each: so many of them, rows a reading in the mean, share
 /// of them that stands for one or two numbers of rows (starts, gaps and readings that happen to be
 /// alike aside), and share in which both channels change, as they do unless the converter is
 /// coarse.
-inline constexpr std::size_t kFewestHeld = 100;
+inline constexpr std::size_t kFewestHeld = 30;
 inline constexpr double kRowsHeld = 1.5, kHeldEvenly = 0.9, kBothDiffer = 0.8;
 /// Rows that repeat the one before here and there: so many of them, and so many times what chance
 /// gives, whose estimate from nine rows is right to a factor of two.

@@ -335,6 +335,8 @@ private:
   /// Of what was found to go with the angle, V rms of a channel: whether it is there in the
   /// residual each time that the shaft passes a place.
   Recurrence recurrence(const NotNamed &left, double rms_v) const;
+  /// Whether some of what goes on may come again, though not all of it does.
+  bool comes_again_in_part(const NotNamed &left, double rms_v) const;
 
   /// Causes of which what is left is a size that may as well be none, and none of the known ones
   /// in its place: what they take is there, and is no explanation.

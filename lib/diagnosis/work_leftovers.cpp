@@ -21,15 +21,31 @@
 
 namespace ada {
 
+namespace {
+
+/// Takes out what is described so, where something else goes on in time as well.
+void drop_one_of_several_in_time(std::vector<Structure> &structure, const std::string &described) {
+  const auto in_time = [](const Structure &s) { return s.along == axis_name(Axis::time); };
+  if (std::count_if(structure.begin(), structure.end(), in_time) > 1)
+    std::erase_if(structure, [&](const Structure &s) { return s.description == described; });
+}
+
+} // namespace
+
 void Work::look_at_leftovers() {
   const Explained explained{explained_noise_ > 0.0 ? explained_noise_ : noise_,
                             second_order_floor(out_.extended, found_), noise_stated_,
-                            supply_is_inferred()};
+                            supply_is_inferred(),
+                            unnamed_.selection.orders[static_cast<std::size_t>(Axis::angle)]};
   note_unnamed();
   note_what_stands_out();
   LeftOver left = left_over(scene_, split_, out_.extended, explained, last_, angle_left_);
+  const std::string of_few_rows = left.of_few_rows ? left.structure.front().description : "";
   std::move(left.structure.begin(), left.structure.end(), std::back_inserter(out_.structure));
   drop_what_is_random();
+  // Nothing new where more is known of what goes on.
+  if (left.of_few_rows)
+    drop_one_of_several_in_time(out_.structure, of_few_rows);
   std::move(left.of_rows.begin(), left.of_rows.end(), std::back_inserter(out_.structure));
   note_what_the_anonymous_model_does_better();
   note_what_is_not_sure();
@@ -285,6 +301,12 @@ Recurrence Work::recurrence(const NotNamed &left, double rms_v) const {
                                                              : Recurrence::untold;
 }
 
+bool Work::comes_again_in_part(const NotNamed &left, double rms_v) const {
+  constexpr double kWorthSaying = 0.1; // of its power
+  const auto seen = repeats(left.data, left.rest);
+  return seen && seen->v2 > seen->error_v2 && seen->v2 > kWorthSaying * rms_v * rms_v;
+}
+
 void Work::note_unnamed() {
   const double noise = std::sqrt(unnamed_.selection.noise_v2);
   const double steps_v2 = std::max(0.0, unnamed_.selection.steps_v2);
@@ -310,9 +332,9 @@ void Work::note_unnamed() {
       const double left_v = std::max(line.unnamed_rms_v, goes_on_v(left.rest));
       out_.structure.push_back(
           {std::string(axis_name(Axis::time)),
-           fmt::format("{:.3g} mV rms go on from row to row and do not come again at the same "
+           fmt::format("{:.3g} mV rms go on from row to row and do not{} come again at the same "
                        "place, and no named cause explains them",
-                       1e3 * left_v),
+                       1e3 * left_v, comes_again_in_part(left, left_v) ? " all" : ""),
            left_v});
       continue;
     }

@@ -53,7 +53,7 @@ HealthCheck check_rotation(const Evidence &e) {
     return verdict(
         "rotation", false, off, kMostQuadratureDeg, "deg",
         fmt::format("VSIN and VCOS are {:.1f} electrical degrees off a quarter of a period "
-                    "from each other: no sine and cosine of one angle",
+                    "from each other, which no sensor with a sine and a cosine is",
                     off));
   if (e.tally.reversals > 0)
     return verdict(

@@ -229,28 +229,36 @@ double find_reference_step(const Screened &look) {
   return steps ? step * kDegPerRad : 0.0;
 }
 
+// Counts are off by an even spread of a step, whatever else is noise: both variances add, and so do
+// both fourth cumulants, of which noise has none and an even spread -1.2 times its variance
+// squared.
 double counted_step(std::span<const double> reference_deg, std::span<const double> off_rad,
                     double noise_rad) {
-  constexpr std::size_t kEnough = 100; // of normal values as wide, eight are farther off
+  constexpr std::size_t kEnough = 100;
   constexpr double kOutside = 0.02, kErrors = 3.0;
   constexpr double kUneven = 0.7; // a variance of a hundred even values is known to 9 %
-  constexpr double kFine = 1.0 / 15; // of a step; more noise than that hides where the counts end
+  constexpr double kOfEven = -1.2, kHalf = 0.5;
   const std::size_t n = reference_deg.size();
   if (n < kEnough || off_rad.size() != n)
     return 0.0;
   const double step = reference_grid_rad(reference_deg);
   const double of_steps = step * step / 12.0, noise = noise_rad * noise_rad;
-  if (!(noise_rad < kFine * step))
+  double squares = 0.0, fourths = 0.0, inside = 0.0;
+  for (const double off : off_rad)
+    if (std::abs(off) <= kHalf * step + kErrors * noise_rad) {
+      inside += 1.0;
+      squares += off * off;
+      fourths += std::pow(off, 4);
+    }
+  if (!(inside > 0.0) || inside < (1.0 - kOutside) * static_cast<double>(n))
     return 0.0;
-  double squares = 0.0, outside = 0.0;
-  for (const double off : off_rad) {
-    squares += off * off / static_cast<double>(n);
-    outside += std::abs(off) > 0.5 * step + kErrors * noise_rad ? 1.0 : 0.0;
-  }
+  squares /= inside;
   const double share = (squares - noise) / of_steps;
-  return share > kUneven && share < 1.0 / kUneven && outside <= kOutside * static_cast<double>(n)
-             ? step * kDegPerRad
-             : 0.0;
+  const double kurtosis = fourths / inside / (squares * squares) - 3.0;
+  const double of_even = kOfEven * std::pow(of_steps / (of_steps + noise), 2);
+  const double error = std::sqrt(24.0 / inside); // of a normal distribution's
+  const bool even = kurtosis < kHalf * of_even && kHalf * of_even < -kErrors * error;
+  return even && share > kUneven && share < 1.0 / kUneven ? step * kDegPerRad : 0.0;
 }
 
 } // namespace ada

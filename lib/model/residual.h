@@ -43,6 +43,7 @@ class Residual {
 public:
   bool has_reference = false, has_supply = false;
   bool both_directions = false, several_speeds = false;
+  bool own_motion = false;        ///< the speed is known of whole periods of the pair only
   std::string why_no_temperature; ///< empty when the capture shows a range of temperatures
   double turns = 0.0;             ///< mechanical, whatever their sense
   double arc_turns() const;       ///< from one end of the motion to the other; asked often

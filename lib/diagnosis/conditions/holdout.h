@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "recording/capture.h"
+
 namespace ada {
 
 enum class HoldoutUnit {
@@ -29,6 +31,9 @@ struct Stops {
 
 /// `alpha`: unwrapped mechanical angle, rad; `noise_rad`: what it scatters by at rest.
 Stops find_stops(std::span<const double> alpha, double noise_rad);
+/// The same of a capture by its reference, unwrapped, where the pair stands at them as well: a
+/// reference that is read now and then stands while the shaft goes on.
+Stops find_stops(const Capture &capture, std::span<const double> reference_rad);
 
 struct Holdout {
   HoldoutUnit unit = HoldoutUnit::turns;

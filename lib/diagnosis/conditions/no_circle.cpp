@@ -38,6 +38,20 @@ double share_near_centre(const std::vector<double> &vsin, const std::vector<doub
   return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(radius.size(), 1));
 }
 
+/// Whether readings go on from row to row, by far less than they lie apart in all: what stands in a
+/// place scatters about it, and from row to row by the square root of two times as much (von
+/// Neumann's ratio, 1941; here of medians, which no wild row moves). `away_v`: from the place.
+bool move_on(const std::vector<double> &vsin, const std::vector<double> &vcos,
+             const std::vector<double> &away_v) {
+  // 1 of white noise; of a walk to and fro over twenty rows 0.05.
+  constexpr double kMoves = 0.1;
+  std::vector<double> steps_v;
+  for (std::size_t i = 1; i < away_v.size(); ++i)
+    steps_v.push_back(std::hypot(vsin[i] - vsin[i - 1], vcos[i] - vcos[i - 1]));
+  return std::pow(quantile(std::move(steps_v), 0.5), 2) <
+         2.0 * kMoves * std::pow(quantile(away_v, 0.5), 2);
+}
+
 /// Why readings of which most stand in one place draw no circle, where the few others lie on none:
 /// through one place and a few readings an ellipse passes that is nobody's. Empty where a shaft
 /// that rests for most of the time turns for the rest of it, and where what most do is a circle by
@@ -49,6 +63,8 @@ std::string why_one_place(const std::vector<double> &vsin, const std::vector<dou
   for (std::size_t i = 0; i < away.size(); ++i)
     away[i] = std::hypot(vsin[i] - sin_v, vcos[i] - cos_v);
   const double limit = criteria::kElsewhere * quantile(away, 0.5);
+  if (move_on(vsin, vcos, away))
+    return {};
   const EllipseInverse circle = invert(fit.value);
   constexpr double kSectors = 36.0;
   std::set<int> reached; // by what stands in one place, or turns

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/conditions/dead_outputs.h"
 #include "diagnosis/conditions/episodes.h"
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/holdout.h"
@@ -155,6 +156,8 @@ struct Scene {
   StaleRows stale;
   OwnJumps own_jumps; ///< where the angle is the pair's own, or a smooth motion leaves rows out
   Episodes episodes;
+  /// Both outputs stand off their curve at an end of the record.
+  std::vector<DeadOutputs> dead;
   std::optional<LevelGap> gap; ///< between two ranges of the readings
 
   Observations all;                        ///< usable samples

@@ -37,10 +37,10 @@ struct OwnJumps {
   }
   /// Rows that are lost let the angle jump in one sense only.
   bool to_and_fro() const { return forward != 0 && backward != 0; }
-  /// Beside a motion that is followed every jump without a name is worth a word; where the angle is
-  /// the pair's own, only what no loss of rows makes.
+  /// Beside a motion that is followed every jump without a name is worth a word. Where the angle is
+  /// the pair's own one alone may be a jerk of the hand.
   bool count_as_structure(bool radius_only) const {
-    return radius_only ? to_and_fro() : forward + backward != 0;
+    return forward + backward > (radius_only ? 1 : 0);
   }
 };
 

@@ -15,6 +15,7 @@
 
 #include "base/pick.h"
 #include "base/robust.h"
+#include "diagnosis/conditions/dead_outputs.h"
 #include "diagnosis/conditions/holdout.h"
 #include "diagnosis/conditions/level_gap.h"
 #include "diagnosis/conditions/no_circle.h"
@@ -115,6 +116,7 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   std::vector<char> usable(capture.size());
   for (std::size_t i = 0; i < capture.size(); ++i)
     usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
+  scene.dead = leave_out_dead_outputs(capture, usable);
   scene.episodes = leave_out_episodes(capture, usable);
   scene.stale = leave_out_stale_rows(capture, usable);
   Screened look = screen(capture, known, all, std::move(usable));
@@ -126,12 +128,12 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   if (stands_still(capture, look.white_noise_v)) {
     const double moved_deg = capture.has_reference() ? moved_by_reference_deg(capture) : 0.0;
     scene.insufficient = fmt::format(
-        "{}: both signals stand still, but for {:.3g} mV that differ from one reading to the next",
+        "{}: both signals stand still, but for {:.3g} mV rms by which their readings scatter",
         moved_deg > 0.0 ? fmt::format("the reference moves by {:.3g} degrees and the pair does not "
                                       "show it",
                                       moved_deg)
                         : "the shaft does not turn",
-        1e3 * look.white_noise_v);
+        1e3 * std::max(spread_but_for_rare(capture.vsin_v), spread_but_for_rare(capture.vcos_v)));
     return scene;
   }
   describe_temperature(capture, scene);
@@ -242,6 +244,27 @@ void take_figure(const Eigen::Matrix2d &axes, Observations &of) {
   of.figure_v = std::sqrt(own.eigenvalues()[1]);
 }
 
+/// How far off the figure each sample lies, V, along the figure's outward direction.
+double off_figure_v(const Observations &all, std::size_t i) {
+  const Observations::Place at = all.place(all.vsin[i], all.vcos[i]);
+  const auto [s, c] = all.outward(all.vsin[i], all.vcos[i]);
+  return (1.0 - all.figure_v / at.long_axis_v) * (at.vector[0] * s + at.vector[1] * c);
+}
+
+/// Noise of both channels shows in every direction alike, and so there is no more of it than what
+/// leads off the figure. Where a shaft jerks from row to row, differences over rows hold its
+/// motion.
+double noise_off_figure_v(const Observations &all) {
+  constexpr double kFitted = 5.0; // numbers of an ellipse
+  const double n = static_cast<double>(all.size());
+  if (n <= 2.0 * kFitted)
+    return std::numeric_limits<double>::infinity();
+  std::vector<double> off(all.size());
+  for (std::size_t i = 0; i < off.size(); ++i)
+    off[i] = std::abs(off_figure_v(all, i));
+  return kSigmasOfMedian * quantile(std::move(off), 0.5) * std::sqrt(n / (n - kFitted));
+}
+
 /// A pair that tells its angle itself, off the figure of which nothing but noise lies: each sample
 /// at the nearest point of it, and without what noise puts it outside on the average. Noise along a
 /// curved line leads off it, by half the curvature times its variance (Chernov, Circular and linear
@@ -249,12 +272,8 @@ void take_figure(const Eigen::Matrix2d &axes, Observations &of) {
 void put_on_figure(Observations &all, double noise_v, int periods) {
   constexpr double kOfNoise = 1.2; // rms: what is not noise has less than 0.7 of it
   double squares = 0.0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Observations::Place at = all.place(all.vsin[i], all.vcos[i]);
-    const auto [s, c] = all.outward(all.vsin[i], all.vcos[i]);
-    squares +=
-        std::pow((1.0 - all.figure_v / at.long_axis_v) * (at.vector[0] * s + at.vector[1] * c), 2);
-  }
+  for (std::size_t i = 0; i < all.size(); ++i)
+    squares += std::pow(off_figure_v(all, i), 2);
   all.noise_alone = squares < static_cast<double>(all.size()) * std::pow(kOfNoise * noise_v, 2);
   for (std::size_t i = 0; all.noise_alone && i < all.size(); ++i) {
     all.alpha[i] += all.to_nearest(all.place(all.vsin[i], all.vcos[i])) / periods;
@@ -287,8 +306,10 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
   const FirstHarmonic pair = first_harmonic(all, scene);
   for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
     take_figure(pair.axes, *o);
-  if (scene.radius_only && scene.all.figure_v > 0.0)
+  if (scene.radius_only && scene.all.figure_v > 0.0) {
+    scene.white_noise_v = std::min(scene.white_noise_v, noise_off_figure_v(all));
     put_on_figure(scene.all, scene.white_noise_v, scene.periods);
+  }
   // By its own angle a pair goes all the way round its centre.
   const double error = scene.has_reference ? pair.centre_error : 0.0;
   const double seen = share_of_circle(all.alpha, scene.periods);

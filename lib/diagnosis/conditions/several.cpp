@@ -135,6 +135,7 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
     append(out.heldout, scene.heldout);
     out.wrong_rows += scene.wrong_rows;
     out.episodes += scene.episodes;
+    out.dead.insert(out.dead.end(), scene.dead.begin(), scene.dead.end());
     out.stale += scene.stale;
     move_by(scene.own_jumps.rows, start);
     out.own_jumps += scene.own_jumps;

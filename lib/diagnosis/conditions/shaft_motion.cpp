@@ -232,7 +232,7 @@ Kinematics motion_by_reference(Screened &look, Scene &scene) {
     alpha[i] = capture.reference_deg[i] * kRadPerDeg;
   leave_out_wrong_rows(alpha, look, scene);
   unwrap(alpha, kTwoPi);
-  scene.stops = find_stops(alpha, noise_between(alpha));
+  scene.stops = find_stops(capture, alpha);
   // Places that a table stops at, or a drive was told, are no rounding.
   if (!scene.stops && !goes_on_evenly(capture.reference_deg))
     scene.reference_grid_rad = grid_of_some(capture.reference_deg);

@@ -31,7 +31,7 @@ std::vector<std::size_t> stops_of(const Capture &c) {
     alpha.push_back(deg * kRadPerDeg);
   }
   unwrap(alpha, kTwoPi);
-  const Stops stops = find_stops(alpha, noise_between(alpha));
+  const Stops stops = find_stops(c, alpha);
   if (!stops)
     return {};
   std::vector<std::size_t> out;

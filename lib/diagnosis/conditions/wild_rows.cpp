@@ -34,7 +34,6 @@ std::vector<std::size_t> wild_rows(const Capture &c, std::span<const char> usabl
   constexpr std::size_t kOneIn = 20;      // rows of a table; more that stand out are something else
   constexpr int kOrders = 3, kPasses = 6; // electrical
   constexpr double kStandsOut = 8.0, kGap = 2.0;
-  constexpr double kSigmas = 1.4826; // of a normal number in the median of its size
   const int periods = c.meta.periods_per_turn;
   std::vector<std::size_t> rows;
   for (std::size_t i = 0; i < c.size(); ++i)
@@ -64,8 +63,8 @@ std::vector<std::size_t> wild_rows(const Capture &c, std::span<const char> usabl
                                                                          columns);
     // How far off, whatever the direction: that of an angle that errs goes with the place.
     off = (values - columns * solver.solve((weight.asDiagonal() * values).eval())).rowwise().norm();
-    const double spread =
-        std::max(kSigmas * quantile(std::vector<double>(off.begin(), off.end()), 0.5), step_v);
+    const double spread = std::max(
+        kSigmasOfMedian * quantile(std::vector<double>(off.begin(), off.end()), 0.5), step_v);
     // Of a row that was left out the others tell the less the farther it is from them: the variance
     // of a prediction.
     const Eigen::VectorXd leverage = (columns * solver.pseudoInverse()).rowwise().squaredNorm();

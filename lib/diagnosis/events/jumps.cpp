@@ -139,7 +139,7 @@ Places measure(const Screened &look, const std::vector<double> &angle, std::size
     sizes.push_back(std::abs(lines.gap));
   }
   if (!sizes.empty())
-    out.sigma = 1.4826 * quantile(std::move(sizes), 0.5);
+    out.sigma = kSigmasOfMedian * quantile(std::move(sizes), 0.5);
   return out;
 }
 
@@ -368,7 +368,8 @@ bool is_at_once(const Screened &look, const std::vector<double> &angle, const Ju
     all.push_back(std::abs(beyond_neighbours(look, angle, i)));
   if (all.empty())
     return false;
-  const double error = 1.4826 * quantile(std::move(all), 0.5), sense = jump.gap < 0.0 ? -1.0 : 1.0;
+  const double error = kSigmasOfMedian * quantile(std::move(all), 0.5),
+               sense = jump.gap < 0.0 ? -1.0 : 1.0;
   double most = 0.0;
   for (std::size_t i = std::max<std::size_t>(2, jump.at - std::min(jump.at, kNear));
        i <= jump.at + kNear && i + 1 < angle.size(); ++i)

@@ -268,7 +268,7 @@ double white_noise(const Screened &look) {
   const auto scale = [](std::vector<double> x) {
     for (double &v : x)
       v = std::abs(v);
-    return 1.4826 * quantile(std::move(x), 0.5);
+    return kSigmasOfMedian * quantile(std::move(x), 0.5);
   };
   std::array<double, 4> least;
   least.fill(kInfinite);
@@ -482,6 +482,30 @@ double most_moved_within(std::span<const double> values, std::span<const double>
 
 } // namespace
 
+namespace {
+
+/// Whether a channel moves as noise does and not as one that a vector turns: from row to row as
+/// much as in all, and spread like noise. A shaft at rest near the peak of one channel leaves that
+/// alone.
+bool moves_as_noise(std::span<const double> values, double step_v) {
+  // Of noise the bulk is 4.7 standard deviations wide. Kurtosis: 3 of noise, 1.5 of a sine.
+  constexpr double kMany = 20.0, kSteps = 4.0, kKurtosis = 2.25;
+  const double width = bulk(values).width();
+  if (width > kMany * noise_between(values))
+    return false;
+  double mean = 0.0, squares = 0.0, fourths = 0.0;
+  const double n = static_cast<double>(values.size());
+  for (double v : values)
+    mean += v / n;
+  for (double v : values) {
+    squares += std::pow(v - mean, 2) / n;
+    fourths += std::pow(v - mean, 4) / n;
+  }
+  return width <= kSteps * step_v || fourths > kKurtosis * squares * squares;
+}
+
+} // namespace
+
 bool screen_stuck(Screened &look, const Effect &effect) {
   const Capture &c = look.capture;
   const std::size_t n = c.size();
@@ -512,7 +536,8 @@ bool screen_stuck(Screened &look, const Effect &effect) {
     std::size_t first = n;
     while (first > 0 && std::abs(values[first - 1] - held) <= band)
       --first;
-    if (n - first < tail)
+    if (n - first < tail ||
+        (first == 0 && moves_as_noise({others, n}, converter_step(*channels[1 - k]))))
       continue;
     // While the other moves along the circle by `moved` of its half range to either side, a channel
     // that lives moves by no less than this, at its very peak. Of less than a step of its converter

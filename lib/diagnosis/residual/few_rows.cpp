@@ -7,9 +7,11 @@
 #include <cmath>
 #include <string>
 
+#include <Eigen/Dense>
 #include <fmt/format.h>
 
 #include "base/angle.h"
+#include "diagnosis/anonymous/basis.h"
 #include "diagnosis/conditions/travel.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/lines/spectrum.h"
@@ -39,6 +41,24 @@ std::vector<Part> parts_of(const Scene &scene, const Observations &data, const R
   return out;
 }
 
+/// Without what goes with the angle: cosine and sine of each order up to `orders`, the angle
+/// counted `times`. Read at places that come unevenly one order is many lines.
+std::vector<double> without_orders(const std::vector<double> &value, const Observations &data,
+                                   int orders, double times) {
+  const auto rows = static_cast<Eigen::Index>(value.size());
+  Eigen::MatrixXd x(rows, 2 * orders + 1);
+  x.col(0).setOnes();
+  for (Eigen::Index i = 0; i < rows; ++i)
+    for (int k = 1; k <= orders; ++k) {
+      const double at = k * times * data.alpha[static_cast<std::size_t>(i)];
+      x(i, 2 * k - 1) = std::cos(at);
+      x(i, 2 * k) = std::sin(at);
+    }
+  const Eigen::Map<const Eigen::VectorXd> y(value.data(), rows);
+  const Eigen::VectorXd rest = y - x * x.colPivHouseholderQr().solve(y);
+  return {rest.begin(), rest.end()};
+}
+
 /// Turns that all rows stand for, each as far as from one to the next.
 double turns_of(const Observations &data) {
   const double rows = static_cast<double>(data.size());
@@ -48,11 +68,14 @@ double turns_of(const Observations &data) {
 } // namespace
 
 std::vector<Structure> find_lines_of_rows(const Scene &scene, const Observations &data,
-                                          const ResidualColumns &residual, double least_rms_v) {
+                                          const ResidualColumns &residual, double least_rms_v,
+                                          int orders) {
   std::vector<Structure> out;
   const double rows = static_cast<double>(data.size());
   const double turns = turns_of(data);
-  for (const Part &part : parts_of(scene, data, residual)) {
+  for (Part &part : parts_of(scene, data, residual)) {
+    if (orders > 0)
+      part.value = without_orders(part.value, data, orders, in_turns(scene) ? 1 : scene.periods);
     double squares = 0.0;
     for (double v : part.value)
       squares += v * v;

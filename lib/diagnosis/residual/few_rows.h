@@ -17,7 +17,8 @@ namespace ada {
 /// reading to the next: along the vector and, beside a reference, across it. `least_rms_v` of a
 /// channel is worth a word.
 std::vector<Structure> find_lines_of_rows(const Scene &scene, const Observations &data,
-                                          const ResidualColumns &residual, double least_rms_v);
+                                          const ResidualColumns &residual, double least_rms_v,
+                                          int orders);
 
 /// Part that such lines have of what the model leaves across the vector, beside a reference: that
 /// is no noise, although neighbours do not share it. 0 of more rows, where the line finders look.

@@ -80,6 +80,18 @@ Structure of_gap(const LevelGap &gap) {
 }
 
 /// Stretches in which the pair is not the sensor's: no cause, and none of its errors.
+Structure of_dead_outputs(const DeadOutputs &dead, const Scene &scene) {
+  const auto n = static_cast<double>(scene.capture->size());
+  return {
+      "time",
+      fmt::format("{} {:.4g} s{} both outputs stand at {:.4g} V and {:.4g} V, off the curve that "
+                  "they draw: no power, power-down, or an open ground; these {} of {:.0f} rows "
+                  "are left out, of the figures as well",
+                  dead.to_end ? "from" : "up to", dead.at_s, dead.to_end ? " on" : "", dead.sin_v,
+                  dead.cos_v, dead.count, n),
+      dead.off_v * std::sqrt(static_cast<double>(dead.count) / (2.0 * n))};
+}
+
 Structure of_episodes(const Scene &scene) {
   const Episodes &e = scene.episodes;
   const auto n = static_cast<double>(scene.capture->size());
@@ -132,8 +144,9 @@ LeftOver left_over(const Scene &scene, const DataSplit &split, const Model &mode
   const double sigma = std::min(left, std::max(explained.noise_v, scene.white_noise_v));
   // A supply that is only inferred leaves its fast part over.
   if (!explained.supply_inferred) {
-    out.structure = find_structure(scene, scene.all, residual_columns(scene.all, model), model,
-                                   sigma, kOfNoise * sigma + explained.second_order_v);
+    out.structure =
+        find_structure(scene, scene.all, residual_columns(scene.all, model), model, sigma,
+                       kOfNoise * sigma + explained.second_order_v, explained.orders);
     const double least = sigma + explained.second_order_v;
     const std::vector<Structure> bursts = find_bursts(scene, model, least);
     out.bursts = !bursts.empty();
@@ -144,13 +157,17 @@ LeftOver left_over(const Scene &scene, const DataSplit &split, const Model &mode
   if (out.structure.empty() && !explained.supply_inferred && !scene.stops &&
       scene.all.size() < criteria::kFewestForMeans)
     if (const double left_v = goes_on_v(residual_columns(scene.all, model));
-        left_v > explained.second_order_v)
+        left_v > explained.second_order_v) {
+      out.of_few_rows = true;
       out.structure.push_back(
           {"time",
            fmt::format("{:.3g} mV rms go on from row to row, as no white noise does; "
                        "these rows are too few to tell with what",
                        1e3 * left_v),
            left_v});
+    }
+  for (const DeadOutputs &dead : scene.dead)
+    out.of_rows.push_back(of_dead_outputs(dead, scene));
   if (scene.episodes.count != 0)
     out.of_rows.push_back(of_episodes(scene));
   if (scene.own_jumps.count_as_structure(scene.radius_only))

@@ -19,6 +19,7 @@ struct LeftOver {
   std::vector<Structure> of_rows; ///< what rows are wrong: no random cause accounts for them
   double unexplained_rms_v = 0.0;
   bool bursts = false; ///< samples in a row are left over
+  bool of_few_rows = false; ///< all that `structure` says is that something goes on
 };
 
 /// What a last look may take for explained.
@@ -27,6 +28,7 @@ struct Explained {
   double second_order_v = 0.0; ///< products of what was found
   bool noise_stated = false;   ///< by the capture; otherwise it is the residual's own
   bool supply_inferred = false;
+  int orders = 0; ///< that the model without names has of what goes with the angle
 };
 
 /// Leaves in `scene.all` a few long runs of what no spike stands out of, without a reference at

@@ -591,13 +591,13 @@ std::vector<Structure> find_jitter(const Observations &data, const ResidualColum
 
 std::vector<Structure> find_structure(const Scene &scene, const Observations &data,
                                       const ResidualColumns &residual, const Model &model,
-                                      double sigma_v, double least_rms_v) {
+                                      double sigma_v, double least_rms_v, int orders) {
   std::vector<Structure> out;
   const std::size_t n = data.size();
   if (!(sigma_v > 0.0))
     return out;
   if (n < criteria::kFewestForMeans)
-    return scene.stops ? out : find_lines_of_rows(scene, data, residual, least_rms_v);
+    return scene.stops ? out : find_lines_of_rows(scene, data, residual, least_rms_v, orders);
   const Components split = components(scene, residual);
   const Memory memory(scene, data, split);
   sigma_v = std::max(sigma_v, memory.rms_v());

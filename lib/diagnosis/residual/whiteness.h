@@ -16,7 +16,7 @@ namespace ada {
 /// which nothing is worth a word. `residual`: of `model`; `sigma_v`: white noise of one channel.
 std::vector<Structure> find_structure(const Scene &scene, const Observations &data,
                                       const ResidualColumns &residual, const Model &model,
-                                      double sigma_v, double least_rms_v);
+                                      double sigma_v, double least_rms_v, int orders);
 
 /// What shows where the motion is not known well enough for the whole pair: the radius of stretches
 /// that were left out. `floor_v`: rms of a channel that noise and what is not modelled may leave.

@@ -105,6 +105,7 @@ Residual residual_view(const Scene &scene, const Observations &data, const Resid
   r.has_supply = !data.supply.empty();
   r.both_directions = scene.both_directions;
   r.several_speeds = scene.several_speeds;
+  r.own_motion = scene.radius_only;
   r.why_no_temperature = scene.why_no_temperature;
   r.fastest_omega = scene.fastest_omega;
   r.periods = scene.periods;

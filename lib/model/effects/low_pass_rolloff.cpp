@@ -59,7 +59,10 @@ public:
   }
   std::vector<double> steps(Values) const override { return {1e-6}; }
   std::string invisible(const Residual &r) const override {
-    return r.several_speeds ? "" : "one speed only: amplitude and lag cannot change with speed";
+    return r.several_speeds ? ""
+           : r.own_motion
+               ? "whole periods show one speed only, with which amplitude and lag could change"
+               : "one speed only: amplitude and lag cannot change with speed";
   }
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     // The lag shows with the square of what the amplitude shows: start from visible sizes.

@@ -38,7 +38,9 @@ public:
     }
   }
   std::string invisible(const Residual &r) const override {
-    return r.several_speeds ? "" : "one speed only: it is an angle noise like any other";
+    return r.several_speeds ? ""
+           : r.own_motion ? "whole periods show one speed only: it is an angle noise like any other"
+                          : "one speed only: it is an angle noise like any other";
   }
 };
 
