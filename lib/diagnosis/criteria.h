@@ -121,8 +121,9 @@ inline constexpr double kFlatErrors = 3.0, kFlatKnown = 0.02, kFlat = 0.005;
 /// roundness with an error of three degrees of freedom or more; what lies so many spreads from the
 /// middle of them is a spike.
 inline constexpr double kActsOnLevel = 0.5, kFewestActedOn = 6.0, kWildOnLevel = 6.0;
-/// Readings beyond a level, of all: spikes, as many as impulse noise has.
-inline constexpr double kSpikesAboveLevel = 0.002;
+/// Readings beyond a level, of all: spikes, which come on top of what is cut off. With more of them
+/// they are no rare ones.
+inline constexpr double kSpikesAboveLevel = 0.02;
 /// Readings on a level, peaks that are cut off at any of the four ends, and readings in each.
 inline constexpr double kFewestOnLevel = 12.0;
 inline constexpr std::size_t kFewestCutPeaks = 2, kFewestInPeak = 3;

@@ -123,6 +123,9 @@ struct Screened {
   std::vector<std::size_t> jumps = {};     ///< first sample after each jump of the angle over time
   std::vector<double> jump_rad = {};       ///< mechanical, beyond what the speed explains
   std::vector<std::size_t> jump_lost = {}; ///< samples lost there; 0 at a slip
+  /// First sample after each jump that others undo, and how far ahead it goes, mechanical rad.
+  std::vector<std::size_t> disorder = {};
+  std::vector<double> disorder_rad = {};
   std::vector<std::size_t> lost_before = {}; ///< jumps in which an earlier look saw samples lost
   std::vector<std::uint32_t> spikes = {};    ///< samples with an isolated spike, ascending
   std::vector<ScreenFinding> findings = {};

@@ -474,6 +474,55 @@ std::vector<std::string> other_jumps(const Effect &effect) {
   return out;
 }
 
+/// Whether the shaft turns about as fast for as long as rows are lost, on either side: a number of
+/// rows is its jump over the speed, and near a reversal any number.
+bool speed_holds(const Screened &look, const Jump &jump, double lost) {
+  constexpr double kAlike = 2.0;
+  const auto rows = static_cast<std::size_t>(std::lround(lost));
+  const double per_frame = step_at(look, jump);
+  const auto alike = [&](std::size_t from, std::size_t to) {
+    const double ratio = (look.angle[to] - look.angle[from]) / (lost * per_frame);
+    return ratio * kAlike > 1.0 && ratio < kAlike;
+  };
+  return (jump.at > rows && alike(jump.at - 1 - rows, jump.at - 1)) ||
+         (jump.at + rows < look.angle.size() && alike(jump.at, jump.at + rows));
+}
+
+/// Takes out jumps that undo each other, forward and back by whole rows and no farther apart than
+/// these are: blocks of rows that come in a wrong order. Nothing is lost by that, and no row of
+/// them is of its time.
+void leave_out_of_order(Screened &look, std::vector<Jump> &jumps) {
+  constexpr double kUndone = 0.1; // of the rows of the largest
+  std::vector<char> wrong(jumps.size(), 0);
+  for (std::size_t from = 0; from < jumps.size(); ++from) {
+    double sum = 0.0, largest = 0.0;
+    bool forward = false, back = false;
+    for (std::size_t k = from; k < jumps.size() && !wrong[from]; ++k) {
+      const double rows = jumps[k].gap / step_at(look, jumps[k]);
+      sum += rows;
+      largest = std::max(largest, std::abs(rows));
+      (rows > 0.0 ? forward : back) = true;
+      if (!(static_cast<double>(jumps[k].at - jumps[from].at) <= 2.0 * largest + 1.0))
+        break;
+      if (forward && back && std::abs(sum) < kUndone * largest)
+        std::fill(wrong.begin() + static_cast<std::ptrdiff_t>(from),
+                  wrong.begin() + static_cast<std::ptrdiff_t>(k) + 1, char{1});
+    }
+    for (std::size_t k = from; k + 1 < jumps.size() && wrong[k] && wrong[k + 1]; ++k)
+      std::fill(look.usable.begin() + static_cast<std::ptrdiff_t>(jumps[k].at),
+                look.usable.begin() + static_cast<std::ptrdiff_t>(jumps[k + 1].at), char{0});
+  }
+  std::size_t place = 0;
+  std::erase_if(jumps, [&](const Jump &jump) {
+    const bool is_wrong = wrong[place++] != 0;
+    if (is_wrong) {
+      look.disorder.push_back(jump.at);
+      look.disorder_rad.push_back(jump.per_frame < 0.0 ? -jump.gap : jump.gap);
+    }
+    return is_wrong;
+  });
+}
+
 } // namespace
 
 bool screen_losses(Screened &look, const Effect &effect) {
@@ -483,6 +532,7 @@ bool screen_losses(Screened &look, const Effect &effect) {
   std::vector<Jump> jumps = jumps_of(look);
   if (look.capture.has_reference())
     std::erase_if(jumps, [&](const Jump &jump) { return !goes_on(look, jump); });
+  leave_out_of_order(look, jumps);
   // Whether a jump is one of lost samples if the record loses any: forward, or, where nothing but
   // the reading tells whole periods, so far back that it is one less than forward.
   const auto may_be_loss = [&](const Jump &jump) {
@@ -500,8 +550,9 @@ bool screen_losses(Screened &look, const Effect &effect) {
         may_be_loss(jump) &&
             (believed || seen_before(look, jump) ||
              (by_size && too_far_for_a_slip(look, jump) && !is_not_whole(look, jump))));
-    if (lost == 0.0 || (look.capture.has_reference() ? pair_turns_on(look, jump)
-                                                     : turns_deny(look, look.angle, jump)))
+    if (lost == 0.0 || !speed_holds(look, jump, lost) ||
+        (look.capture.has_reference() ? pair_turns_on(look, jump)
+                                      : turns_deny(look, look.angle, jump)))
       continue;
     events += 1.0;
     samples += std::round(lost);
@@ -523,10 +574,23 @@ bool screen_losses(Screened &look, const Effect &effect) {
   return true;
 }
 
+namespace {
+
+OwnJumps as_own(const Screened &look, std::size_t at, double ahead_rad) {
+  const bool forward = ahead_rad > 0.0;
+  return {forward ? 1u : 0u,       forward ? 0u : 1u,     std::abs(ahead_rad),
+          look.capture.time_s[at], ahead_rad * ahead_rad, {static_cast<std::uint32_t>(at)}};
+}
+
+} // namespace
+
 OwnJumps unnamed_jumps(const Screened &look) {
   constexpr std::size_t kNear = 20;                  // samples
   constexpr double kBeyondSteps = 20.0 * kRadPerDeg; // of the period
   OwnJumps out;
+  if (look.capture.has_reference())
+    for (std::size_t k = 0; k < look.disorder.size(); ++k)
+      out += as_own(look, look.disorder[k], look.disorder_rad[k]);
   if (look.capture.has_reference() || !look.smooth)
     return out;
   for (const Jump &jump : jumps_of(look)) {
@@ -539,10 +603,7 @@ OwnJumps unnamed_jumps(const Screened &look) {
     if (known || std::abs(jump.gap) < std::max(kWidestSlip, kSlipStandsOut * jump.error) ||
         (!far && turns_deny(look, look.angle, jump)))
       continue;
-    const bool forward = jump.gap * jump.per_frame > 0.0;
-    out += {forward ? 1u : 0u,   forward ? 0u : 1u,
-            std::abs(jump.gap),  look.capture.time_s[jump.at],
-            jump.gap * jump.gap, {static_cast<std::uint32_t>(jump.at)}};
+    out += as_own(look, jump.at, jump.per_frame < 0.0 ? -jump.gap : jump.gap);
   }
   return out;
 }

@@ -69,7 +69,8 @@ public:
   /// one by as much; without one a motion read off the pair bends along.
   bool refuted(Values v, const Residual &r) const override {
     constexpr double kNoise = 4.5;    // standard deviations: by chance 3 in a million samples
-    constexpr double kSpikes = 0.002; // share of the samples, as much as impulse noise has
+    constexpr double kSpikes =
+        0.02; // share of the samples: with more of them they are no rare ones
     double left_v2 = 0.0;
     for (std::size_t i = 0; i < r.time.size(); ++i)
       left_v2 += 0.5 * (r.sin_v[i] * r.sin_v[i] + r.cos_v[i] * r.cos_v[i]);
