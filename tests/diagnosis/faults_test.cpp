@@ -111,7 +111,7 @@ KIND(blocks_of_rows_in_a_wrong_order_are_no_lost_rows) {
   Bench bench;
   const double hz = bench.within(3.0, 6.0);
   Capture c = bench.capture(2400, 400.0, 2, [&](double t) { return steady(hz, t); });
-  const auto block = static_cast<std::ptrdiff_t>(bench.within(6.0, 14.0)),
+  const auto block = static_cast<std::ptrdiff_t>(bench.within(8.0, 16.0)),
              at = static_cast<std::ptrdiff_t>(bench.within(500.0, 1800.0));
   for (auto *v : {&c.vsin_v, &c.vcos_v, &c.reference_deg})
     std::rotate(v->begin() + at, v->begin() + at + block, v->begin() + at + 2 * block);

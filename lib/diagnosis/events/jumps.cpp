@@ -497,6 +497,7 @@ void leave_out_of_order(Screened &look, std::vector<Jump> &jumps) {
   for (std::size_t from = 0; from < jumps.size(); ++from) {
     double sum = 0.0, largest = 0.0;
     bool forward = false, back = false;
+    bool pair_too = false; // a reference alone that jumps is another matter
     for (std::size_t k = from; k < jumps.size() && !wrong[from]; ++k) {
       const double rows = jumps[k].gap / step_at(look, jumps[k]);
       sum += rows;
@@ -504,7 +505,8 @@ void leave_out_of_order(Screened &look, std::vector<Jump> &jumps) {
       (rows > 0.0 ? forward : back) = true;
       if (!(static_cast<double>(jumps[k].at - jumps[from].at) <= 2.0 * largest + 1.0))
         break;
-      if (forward && back && std::abs(sum) < kUndone * largest)
+      pair_too = pair_too || !look.capture.has_reference() || !pair_turns_on(look, jumps[k]);
+      if (forward && back && pair_too && std::abs(sum) < kUndone * largest)
         std::fill(wrong.begin() + static_cast<std::ptrdiff_t>(from),
                   wrong.begin() + static_cast<std::ptrdiff_t>(k) + 1, char{1});
     }
