@@ -123,6 +123,8 @@ private:
   bool drop_what_harms();
   /// Whether held-out data are less likely after a step than before it.
   bool makes_worse(const Quality &before, const Quality &after) const;
+  /// Whether a finding leaves more of held-out data by itself than before by no more than it moves.
+  bool leaves_its_own(const Finding &finding) const;
   /// Whether held-out data are likelier under all findings than without this one, by 8 nats.
   bool needed_by_all(std::size_t place) const;
 

@@ -155,6 +155,18 @@ bool Work::makes_worse(const Quality &before, const Quality &after) const {
          criteria::kRivalNats;
 }
 
+bool Work::leaves_its_own(const Finding &f) const {
+  const double more_v2 = std::pow(f.after.heldout.residual_rms_v, 2) -
+                         std::pow(f.before.heldout.residual_rms_v, 2);
+  const auto &effects = nested_.extended.effects;
+  const auto there = std::find_if(effects.begin(), effects.end(),
+                                  [&](const EffectInstance &e) { return e.effect == f.effect; });
+  return !(more_v2 > 0.0) || there == effects.end() ||
+         more_v2 <= std::pow(moved_rms_v(split_.heldout, nested_.extended,
+                                         static_cast<std::size_t>(there - effects.begin())),
+                             2);
+}
+
 bool Work::drop_what_harms() {
   const Quality &first = nested_.first.heldout, &last = nested_.last.heldout;
   // The length is no witness of a figure that the direction alone tells.
@@ -163,7 +175,8 @@ bool Work::drop_what_harms() {
                       *last.angle_error_rms_deg <= criteria::kNoWorse * *first.angle_error_rms_deg;
   const bool whole_harms = !likelier || !closer;
   // What every pair has is fitted beside what has no name, which takes a part of it back: it may
-  // leave more by itself, if its size is known. Any other cause has to make held-out data likelier.
+  // leave more by itself, if its size is known, and no more than it moves: what is more than that
+  // other numbers have done. Any other cause has to make held-out data likelier.
   std::size_t worst = nested_.findings.size();
   double most = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < nested_.findings.size(); ++i) {
@@ -172,8 +185,8 @@ bool Work::drop_what_harms() {
     const double less = before.log_likelihood - after.log_likelihood;
     const bool by_angle = nested_.by_direction || (whole_harms && likelier);
     const double harm = by_angle ? *after.angle_error_rms_deg - *before.angle_error_rms_deg : less;
-    const bool may_leave_more =
-        f.effect->info().prior_rank == 0 && nested_.clearness[i].as_said >= 1.0;
+    const bool may_leave_more = f.effect->info().prior_rank == 0 &&
+                                nested_.clearness[i].as_said >= 1.0 && leaves_its_own(f);
     const bool by_itself = !may_leave_more && makes_worse(before, after) &&
                            !is_measured_aside(split_.train, found_.fit.model, found_.order[i]);
     if ((whole_harms || by_itself) && harm > most) {
