@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// A channel that no longer follows the angle while the other one does.
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "base/robust.h"
+#include "diagnosis/criteria.h"
+#include "model/residual.h"
+
+namespace ada {
+
+namespace {
+
+/// The most that `others` move while `values` stay within a band: as long as a peak that is cut off
+/// lasts, in terms of the other channel.
+double most_moved_within(std::span<const double> values, std::span<const double> others,
+                         double held, double band) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t from = i;
+    while (i < values.size() && std::abs(values[i] - held) <= band)
+      ++i;
+    if (i > from)
+      most = std::max(most, bulk(others.subspan(from, i - from)).width());
+  }
+  return most;
+}
+
+/// Whether a channel moves as noise does and not as one that a vector turns: from row to row as
+/// much as in all, and spread like noise. A shaft at rest near the peak of one channel leaves that
+/// alone.
+bool moves_as_noise(std::span<const double> values, double step_v) {
+  // Of noise the bulk is 4.7 standard deviations wide. Kurtosis: 3 of noise, 1.5 of a sine.
+  constexpr double kMany = 20.0, kSteps = 4.0, kKurtosis = 2.25;
+  const double width = bulk(values).width();
+  if (width > kMany * noise_between(values))
+    return false;
+  double mean = 0.0, squares = 0.0, fourths = 0.0;
+  const double n = static_cast<double>(values.size());
+  for (double v : values)
+    mean += v / n;
+  for (double v : values) {
+    squares += std::pow(v - mean, 2) / n;
+    fourths += std::pow(v - mean, 4) / n;
+  }
+  return width <= kSteps * step_v || fourths > kKurtosis * squares * squares;
+}
+
+} // namespace
+
+bool screen_stuck(Screened &look, const Effect &effect) {
+  const Capture &c = look.capture;
+  const std::size_t n = c.size();
+  // What the other channel does meanwhile tells, and not how long it lasts: a dozen readings do.
+  const std::size_t tail = std::max<std::size_t>(12, n / 50);
+  if (n < 4 * tail)
+    return false;
+  const std::vector<double> *channels[2] = {&c.vsin_v, &c.vcos_v};
+  for (int k = 0; k < 2; ++k) {
+    const double *values = channels[k]->data(), *others = channels[1 - k]->data();
+    const double whole = range_of(*channels[1 - k], look.usable).half;
+    const double step_v = converter_step(*channels[k]);
+    const std::span<const double> last(values + (n - tail), tail);
+    const double spread = robust_spread(last);
+    // What it holds is as still as a reading of noise: by little of the other's range, or by no
+    // more than from one reading to the next, while the other goes slowly: neighbours of a fast
+    // shaft differ by the signal.
+    constexpr double kStill = 0.01, kOfNoise = 1.5, kStillMost = 0.1;
+    const double others_v = noise_between({others + (n - tail), tail});
+    const double most_v = others_v < kStillMost * whole ? kOfNoise * noise_between(last) : 0.0;
+    if (spread > std::min(std::max(kStill * whole, most_v), kStillMost * whole))
+      continue;
+    // As far back as it holds what it holds at the end. Of noise below 0.74 steps, rms, half of the
+    // readings are the same step, and its median deviation is nothing.
+    constexpr double kUnseen = 0.74;
+    const double held = quantile(std::vector(last.begin(), last.end()), 0.5);
+    const double band = std::max(8.0 * std::max(spread, kUnseen * step_v), 1e-4 * whole);
+    std::size_t first = n;
+    while (first > 0 && std::abs(values[first - 1] - held) <= band)
+      --first;
+    if (n - first < tail ||
+        (first == 0 && moves_as_noise({others, n}, converter_step(*channels[1 - k]))))
+      continue;
+    // While the other moves along the circle by `moved` of its half range to either side, a channel
+    // that lives moves by no less than this, at its very peak. Of less than a step of its converter
+    // nobody knows whether it moved.
+    const double width = bulk({others + first, n - first}).width();
+    const double moved = std::min(1.0, 0.5 * width / whole);
+    const double least = whole * (1.0 - std::sqrt(1.0 - moved * moved));
+    if (least < step_v || bulk({values + first, n - first}).width() > criteria::kStuckMoves * least)
+      continue;
+    // The record may end on a peak that is cut off, as all before it are, or on the only one: that
+    // is the highest or lowest that the channel reads, and lasts for less than a peak cut at 0.7.
+    if (width <
+        criteria::kLongerThanCut * most_moved_within({values, first}, {others, first}, held, band))
+      continue;
+    constexpr double kCutPeak = 1.4; // half ranges that the other moves by meanwhile
+    const auto [lowest, highest] = std::minmax_element(values, values + first);
+    if (first > 0 && width < kCutPeak * whole && (held > *highest - band || held < *lowest + band))
+      continue;
+    std::fill(look.usable.begin() + static_cast<std::ptrdiff_t>(first), look.usable.end(), char{0});
+    const double step = median_step(c.time_s);
+    look.findings.push_back(
+        {&effect, {static_cast<double>(k), c.time_s[std::min(first, n - 1)]}, {0.0, step}, {}, {}});
+    return true;
+  }
+  return false;
+}
+
+} // namespace ada

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/naming/cancelling.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "base/solve.h"
+#include "diagnosis/anonymous/beside_anonymous.h"
+#include "diagnosis/criteria.h"
+#include "diagnosis/naming/nested_models.h"
+#include "diagnosis/noise/along_and_across.h"
+#include "diagnosis/search/first_model.h"
+#include "diagnosis/search/fit.h"
+#include "diagnosis/search/identifiability.h"
+
+namespace ada {
+
+namespace {
+
+/// Mean square across the vector of what takes `one` to `other`, V^2.
+double turned_v2(const Observations &data, const Model &one, const Model &other) {
+  ResidualColumns change = residual_columns(data, one);
+  const ResidualColumns less = residual_columns(data, other);
+  for (std::size_t i = 0; i < change.sin.size(); ++i) {
+    change.sin[i] -= less.sin[i];
+    change.cos[i] -= less.cos[i];
+  }
+  std::vector<double> along, across;
+  along_and_across(data, change, along, across);
+  return mean_square(across);
+}
+
+/// Sum over the causes that act at rest.
+double turned_by_each_v2(const Observations &data, const Model &model) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < model.effects.size(); ++k)
+    if (is_static(*model.effects[k].effect))
+      sum += turned_v2(data, model, model.without(k));
+  return sum;
+}
+
+/// Mean square across the vector, V^2, of what an effect of the model does that no offset,
+/// amplitude or zero angle does as well: on a short arc those do most of it.
+double turned_beside_baseline_v2(const Observations &data, const Model &model, std::size_t effect) {
+  const ResidualColumns with = residual_columns(data, model);
+  ResidualColumns shape = residual_columns(data, model.without(effect));
+  using Columns = Eigen::Matrix<double, 2, 4>; // of a sample, VSIN and VCOS
+  const auto columns = [&](std::size_t i) {
+    const double s = with.model_sin[i] - data.centre_sin_v,
+                 c = with.model_cos[i] - data.centre_cos_v;
+    Columns out;
+    out << 1.0, 0.0, s, c, 0.0, 1.0, c, -s;
+    return out;
+  };
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d onto = Eigen::Vector4d::Zero();
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    shape.sin[i] -= with.sin[i];
+    shape.cos[i] -= with.cos[i];
+    const Columns x = columns(i);
+    normal += x.transpose() * x;
+    onto += x.transpose() * Eigen::Vector2d(shape.sin[i], shape.cos[i]);
+  }
+  const Eigen::Vector4d by = solved(normal, onto);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const Eigen::Vector2d baseline = columns(i) * by;
+    shape.sin[i] -= baseline[0];
+    shape.cos[i] -= baseline[1];
+  }
+  std::vector<double> along, across;
+  along_and_across(data, shape, along, across);
+  return mean_square(across);
+}
+
+} // namespace
+
+std::optional<Model> name_what_the_direction_tells(const DataSplit &split, SearchResult &found,
+                                                   bool bent) {
+  if (!split.has_reference || found.disturbed != Direction::none)
+    return std::nullopt;
+  const Model with = with_expected(found.fit.model);
+  const std::size_t before = found.fit.model.effects.size(), named = found.order.size();
+  if (with.effects.size() == before)
+    return std::nullopt;
+  const std::optional<FitResult> apart = fit_by_direction(split, with, bent);
+  if (!apart || !apart->determined ||
+      !is_clearly_closer(split, apart->model, fit(split.train, with, kRefit).model))
+    return std::nullopt;
+  FitResult told = *apart;
+  attach_errors(told);
+  for (std::size_t k = before; k < with.effects.size(); ++k) {
+    const EffectInstance &e = told.model.effects[k];
+    if (std::pow(e.values[0] / e.std_errors[0], 2) < criteria::kClear)
+      continue;
+    found.order.push_back(found.fit.model.effects.size());
+    found.contribution.push_back(moved_rms_v(split.train, told.model, k));
+    found.alternatives.emplace_back();
+    found.fit.model.effects.push_back(e);
+    ++found.by_direction;
+  }
+  return found.order.size() > named ? std::optional(told.model) : std::nullopt;
+}
+
+void drop_what_cancels(const DataSplit &split, SearchResult &found) {
+  if (!split.has_reference || found.disturbed != Direction::none)
+    return;
+  const Model &model = found.fit.model;
+  SearchResult fewer = found;
+  bool any = false; // beside what every pair has
+  std::vector<std::size_t> at_rest;
+  for (std::size_t place = fewer.order.size(); place-- > 0;) {
+    const Effect &effect = *fewer.fit.model.effects[fewer.order[place]].effect;
+    if (!is_static(effect))
+      continue;
+    any = any || effect.info().prior_rank != 0;
+    at_rest.push_back(found.order[place]);
+    fewer.forget(place);
+  }
+  constexpr std::size_t kFewest = 2; // that can cancel
+  if (!any || at_rest.size() < kFewest)
+    return;
+  double each_v2 = 0.0;
+  for (std::size_t at : at_rest)
+    each_v2 += turned_beside_baseline_v2(split.train, model, at);
+  fewer.fit.model = fit(split.train, fewer.fit.model, kRefit).model;
+  std::vector<double> along, across;
+  along_and_across(split.train, residual_columns(split.train, fewer.fit.model), along, across);
+  if (each_v2 > criteria::kCancels * mean_square(across))
+    found = std::move(fewer);
+}
+
+void drop_what_turns_back(const DataSplit &split, SearchResult &found) {
+  if (!split.has_reference || found.disturbed != Direction::none)
+    return;
+  SearchResult fewer = found;
+  bool dropped = false;
+  for (std::size_t place = fewer.order.size(); place-- > 0;) {
+    const Effect &effect = *fewer.fit.model.effects[fewer.order[place]].effect;
+    if (!is_static(effect))
+      continue;
+    dropped = dropped || effect.info().prior_rank != 0;
+    fewer.forget(place);
+  }
+  if (!dropped)
+    return;
+  const Model all = fit(split.train, found.fit.model, kRefit).model;
+  if (!leaves_length(split.train, all))
+    return;
+  const std::optional<Model> told = name_what_the_direction_tells(split, fewer, true);
+  if (!told || is_clearly_closer(split, all, *told))
+    return;
+  Model centred = *told;
+  centred.baseline.offset_sin_v = all.baseline.offset_sin_v;
+  centred.baseline.offset_cos_v = all.baseline.offset_cos_v;
+  const double needed_v2 =
+      turned_by_each_v2(split.train, *told) + turned_v2(split.train, *told, centred);
+  if (turned_by_each_v2(split.train, all) > criteria::kTurnsBack * needed_v2) {
+    fewer.fit.model.baseline = told->baseline;
+    found = std::move(fewer);
+  }
+}
+
+} // namespace ada
