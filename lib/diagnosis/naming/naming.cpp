@@ -7,11 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <utility>
 
-#include "base/solve.h"
 #include "diagnosis/anonymous/beside_anonymous.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/events/change_points.h"
@@ -20,7 +18,6 @@
 #include "diagnosis/naming/cancelling.h"
 #include "diagnosis/naming/nested_models.h"
 #include "diagnosis/naming/taken_back.h"
-#include "diagnosis/noise/along_and_across.h"
 #include "diagnosis/search/admission.h"
 #include "diagnosis/search/candidates.h"
 #include "diagnosis/search/first_model.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
-//
-// Jumps of the angle over time: samples that the record has lost, and slips.
+
+#include "diagnosis/events/jump.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,20 +18,6 @@ namespace {
 
 /// A change of speed that stands out of the noise of a gap.
 constexpr double kKinkStandsOut = 6.0;
-/// Of a magnet: what jumps by more, in a record that loses samples or more than once, is no slip.
-constexpr double kWidestSlip = 5.0 * kRadPerDeg;
-
-/// A jump of the angle over time: straight lines over `side` samples before and after meet there
-/// with a gap.
-struct Jump {
-  std::size_t at;   ///< first sample after
-  double gap;       ///< rad, mechanical
-  double per_frame; ///< rad that the shaft turns from sample to sample
-  double error;
-  double bend;   ///< rad by which per_frame differs between the two lines
-  Gap fine = {}; ///< the same from as many samples as move alike; error 0 when it is not known
-  bool at_rest() const { return std::abs(per_frame) < error; }
-};
 
 /// Samples of half a turn at this rotation from sample to sample.
 std::size_t reach_of(double per_frame, std::size_t side) {
@@ -49,11 +35,7 @@ bool steady(const std::vector<double> &speeds, std::size_t at, std::size_t reach
          std::abs(after - here) < 0.15 * std::abs(here);
 }
 
-/// How straight lines over `side` samples before and after a place meet.
-struct Meeting {
-  double gap, before, after; ///< rad; rad/s
-  double fewest;             ///< usable samples of the poorer side
-};
+} // namespace
 
 Meeting lines_meet(const Screened &look, const std::vector<double> &angle, std::size_t at,
                    std::size_t side) {
@@ -82,6 +64,8 @@ Meeting lines_meet(const Screened &look, const std::vector<double> &angle, std::
   }
   return {value[1] - value[0], slope[0], slope[1], fewest};
 }
+
+namespace {
 
 /// Where the line over `side` samples on one side of a place arrives there, rad: by medians of
 /// slopes and of values, so that a few wild samples do not tilt it.
@@ -201,20 +185,14 @@ double whole(double error, bool has_reference) {
   return error > 0.0 && error < kEven ? error * std::sqrt(2.0 * std::log(kEven / error)) : 0.0;
 }
 
-/// Standard deviations of a gap from which on one is told by itself.
-constexpr double kSlipStandsOut = 12.0;
+} // namespace
 
-/// How far the shaft turns from one row to the next about a jump, rad.
 double step_at(const Screened &look, const Jump &jump) {
   return jump.fine.error > 0.0 ? jump.fine.speed * median_step(look.capture.time_s)
                                : jump.per_frame;
 }
 
-/// Samples lost at a jump, or 0 when it is no whole number of them in the sense of the rotation.
-/// The angle is known up to whole periods only: a loss that turns the shaft by most of one looks
-/// like a jump back. Without a reference a small one may be a slip and stays what it seems.
-/// `believed`: the record is known to lose samples, and the number need not be seen to be whole.
-double samples_lost(const Screened &look, const Jump &jump, bool believed = false) {
+double samples_lost(const Screened &look, const Jump &jump, bool believed) {
   constexpr double kMostWraps = 3.0;
   constexpr double kFinest = 0.06, kCoarsest = 0.15; // of a sample, whatever the error says
   const Capture &c = look.capture;
@@ -242,6 +220,8 @@ double samples_lost(const Screened &look, const Jump &jump, bool believed = fals
   return 0.0;
 }
 
+namespace {
+
 /// Mean of angle - speed * time over the whole turn that ends (`back`) or begins at sample `from`;
 /// `end` becomes its other end. What repeats with the turn drops out of it.
 std::optional<double> turn_mean(const Screened &look, const std::vector<double> &angle,
@@ -261,8 +241,8 @@ std::optional<double> turn_mean(const Screened &look, const std::vector<double> 
   return std::nullopt;
 }
 
-/// Whether the means of two whole turns before and two after, in which everything that repeats with
-/// the turn cancels, know nothing of a jump. False where there are not as many turns, or at rest.
+} // namespace
+
 bool turns_deny(const Screened &look, const std::vector<double> &angle, const Jump &jump) {
   if (jump.at_rest())
     return false;
@@ -287,7 +267,6 @@ bool turns_deny(const Screened &look, const std::vector<double> &angle, const Ju
   return std::abs(gap - jump.gap) > 0.4 * std::abs(jump.gap) + kCurved * std::abs(second - first);
 }
 
-/// Whether the pair turns on where the reference jumps: what is lost is lost of both.
 bool pair_turns_on(const Screened &look, const Jump &jump) {
   const Capture &c = look.capture;
   const Gap own = gap_at(c.time_s, look.angle, look.usable, jump.at);
@@ -298,6 +277,8 @@ bool pair_turns_on(const Screened &look, const Jump &jump) {
   constexpr double kErrors = 8.0, kHalf = 0.5;
   return own.error > 0.0 && due > kErrors * error && seen < kHalf * due;
 }
+
+namespace {
 
 /// A jump and one back soon after are the ends of a disturbance.
 void leave_out_pairs(std::vector<Jump> &jumps) {
@@ -316,11 +297,14 @@ bool same_place(std::size_t one, std::size_t other) {
   return std::max(one, other) - std::min(one, other) < kNear;
 }
 
-/// Whether a look at the pair as it came took this jump for a loss.
+} // namespace
+
 bool seen_before(const Screened &look, const Jump &jump) {
   return std::any_of(look.lost_before.begin(), look.lost_before.end(),
                      [&](std::size_t at) { return same_place(at, jump.at); });
 }
+
+namespace {
 
 /// What was taken for a loss before is measured again where it no longer stands out by itself.
 void measure_again(const Screened &look, std::vector<Jump> &jumps) {
@@ -335,6 +319,8 @@ void measure_again(const Screened &look, std::vector<Jump> &jumps) {
   std::sort(jumps.begin(), jumps.end(), [](const Jump &a, const Jump &b) { return a.at < b.at; });
 }
 
+} // namespace
+
 std::vector<Jump> jumps_of(const Screened &look) {
   if (!look.capture.has_reference()) {
     std::vector<Jump> jumps = find_jumps(look, look.angle, 12, 1e-5);
@@ -347,6 +333,8 @@ std::vector<Jump> jumps_of(const Screened &look) {
   return find_jumps(look, reference_angle(look.capture), 6, 4e-6);
 }
 
+namespace {
+
 /// By how much the angle goes further from one sample to the next than its neighbours say, rad.
 double beyond_neighbours(const Screened &look, const std::vector<double> &angle, std::size_t at) {
   const std::vector<double> &t = look.capture.time_s;
@@ -358,8 +346,8 @@ double beyond_neighbours(const Screened &look, const std::vector<double> &angle,
   return step(at) - 0.5 * time(at) * (step(at - 1) / before + step(at + 1) / after);
 }
 
-/// Whether a gap between two lines lies between two samples, as a slip does. One that lies over all
-/// of the lines is a bend: where a hand turns fastest both lines are too steep.
+} // namespace
+
 bool is_at_once(const Screened &look, const std::vector<double> &angle, const Jump &jump) {
   constexpr std::size_t kNear = 2; // samples that the place may be off by
   constexpr double kHalf = 0.5, kErrors = 4.0;
@@ -376,6 +364,8 @@ bool is_at_once(const Screened &look, const std::vector<double> &angle, const Ju
     most = std::max(most, sense * beyond_neighbours(look, angle, i));
   return most > kHalf * std::abs(jump.gap) - kErrors * error;
 }
+
+namespace {
 
 /// Whether the shaft moves a little way before and after a jump at a good part of the speed that it
 /// has about it.
@@ -403,16 +393,13 @@ Sides moves_beside(const Screened &look, const Jump &jump) {
   return {moves(back(kFar), back(kNear)), moves(jump.at + kNear, jump.at + kFar)};
 }
 
-/// Whether the shaft goes on about a jump as it does beside it: at a rest a little way off on
-/// either side it went from one place to another, which is no loss of rows, whatever its speed
-/// between.
+} // namespace
+
 bool goes_on(const Screened &look, const Jump &jump) {
   const Sides sides = moves_beside(look, jump);
   return sides.before || sides.after;
 }
 
-/// Whether a jump is further than a magnet slips more than once, and further than a shaft goes from
-/// one row to the next that turns on at one speed before and after.
 bool too_far_for_a_slip(const Screened &look, const Jump &jump) {
   constexpr double kErrors = 6.0, kAlike = 0.2; // of the gap and of the speed, by two lengths
   const auto alike = [](double one, double other) {
@@ -424,242 +411,6 @@ bool too_far_for_a_slip(const Screened &look, const Jump &jump) {
     return false;
   const Sides sides = moves_beside(look, jump);
   return sides.before && sides.after && is_at_once(look, look.angle, jump);
-}
-
-/// By how much the number of rows at a jump is uncertain as the shaft turned unevenly meanwhile: as
-/// far as the speeds before and after differ.
-double rows_by_speed(const Jump &jump, double lost) {
-  return std::abs(0.5 * lost * jump.bend / jump.per_frame);
-}
-
-/// Whether the number of rows at a jump is known well enough to be seen to be none that is whole.
-bool is_not_whole(const Screened &look, const Jump &jump) {
-  constexpr double kKnown = 0.1, kErrors = 4.0; // rows
-  if (jump.fine.error <= 0.0)
-    return false;
-  const double rows = jump.fine.size / step_at(look, jump);
-  const double error = std::abs(jump.fine.error / step_at(look, jump));
-  const double of_speed = rows_by_speed(jump, rows);
-  return std::max(error, of_speed) < kKnown &&
-         std::abs(rows - std::round(rows)) > kErrors * std::hypot(error, of_speed);
-}
-
-/// Without a reference, whether the record loses rows by the size of its jumps alone: one may be a
-/// slip, several in the sense of the rotation are none. That their numbers are whole need not show:
-/// a ripple of the speed hides it. Rows that come in a wrong order jump back as well.
-bool loses_by_size(const Screened &look, const std::vector<Jump> &jumps) {
-  if (look.capture.has_reference() || !std::all_of(jumps.begin(), jumps.end(), [](const Jump &j) {
-        return j.gap * j.per_frame > 0.0 || std::abs(j.gap) < kWidestSlip;
-      }))
-    return false;
-  return std::count_if(jumps.begin(), jumps.end(), [&](const Jump &j) {
-           return too_far_for_a_slip(look, j) && !is_not_whole(look, j);
-         }) > 1;
-}
-
-/// Leaves out what lies about a jump, its edges that passed for spikes included.
-void mark(Screened &look, std::size_t centre, std::size_t half) {
-  const std::size_t from = centre > half ? centre - half : 0;
-  std::erase_if(look.spikes, [&](std::uint32_t i) { return i >= from && i < centre + half; });
-  for (std::size_t i = from; i < std::min(look.usable.size(), centre + half); ++i)
-    look.usable[i] = 0;
-}
-
-/// What makes the angle jump as well.
-std::vector<std::string> other_jumps(const Effect &effect) {
-  std::vector<std::string> out;
-  for (const Effect *e : catalogue())
-    if (e != &effect && is_jump(e->info()))
-      out.emplace_back(e->info().id);
-  return out;
-}
-
-/// Whether the shaft turns about as fast for as long as rows are lost, on either side: a number of
-/// rows is its jump over the speed, and near a reversal any number.
-bool speed_holds(const Screened &look, const Jump &jump, double lost) {
-  constexpr double kAlike = 2.0;
-  const auto rows = static_cast<std::size_t>(std::lround(lost));
-  const double per_frame = step_at(look, jump);
-  const auto alike = [&](std::size_t from, std::size_t to) {
-    const double ratio = (look.angle[to] - look.angle[from]) / (lost * per_frame);
-    return ratio * kAlike > 1.0 && ratio < kAlike;
-  };
-  return (jump.at > rows && alike(jump.at - 1 - rows, jump.at - 1)) ||
-         (jump.at + rows < look.angle.size() && alike(jump.at, jump.at + rows));
-}
-
-/// Takes out jumps that undo each other, forward and back by whole rows and no farther apart than
-/// these are: blocks of rows that come in a wrong order. Nothing is lost by that, and no row of
-/// them is of its time.
-void leave_out_of_order(Screened &look, std::vector<Jump> &jumps) {
-  constexpr double kUndone = 0.1; // of the rows of the largest
-  std::vector<char> wrong(jumps.size(), 0);
-  for (std::size_t from = 0; from < jumps.size(); ++from) {
-    double sum = 0.0, largest = 0.0;
-    bool forward = false, back = false;
-    bool pair_too = false; // a reference alone that jumps is another matter
-    for (std::size_t k = from; k < jumps.size() && !wrong[from]; ++k) {
-      const double rows = jumps[k].gap / step_at(look, jumps[k]);
-      sum += rows;
-      largest = std::max(largest, std::abs(rows));
-      (rows > 0.0 ? forward : back) = true;
-      if (!(static_cast<double>(jumps[k].at - jumps[from].at) <= 2.0 * largest + 1.0))
-        break;
-      pair_too = pair_too || !look.capture.has_reference() || !pair_turns_on(look, jumps[k]);
-      if (forward && back && pair_too && std::abs(sum) < kUndone * largest)
-        std::fill(wrong.begin() + static_cast<std::ptrdiff_t>(from),
-                  wrong.begin() + static_cast<std::ptrdiff_t>(k) + 1, char{1});
-    }
-    for (std::size_t k = from; k + 1 < jumps.size() && wrong[k] && wrong[k + 1]; ++k)
-      std::fill(look.usable.begin() + static_cast<std::ptrdiff_t>(jumps[k].at),
-                look.usable.begin() + static_cast<std::ptrdiff_t>(jumps[k + 1].at), char{0});
-  }
-  std::size_t place = 0;
-  std::erase_if(jumps, [&](const Jump &jump) {
-    const bool is_wrong = wrong[place++] != 0;
-    if (is_wrong) {
-      look.disorder.push_back(jump.at);
-      look.disorder_rad.push_back(jump.per_frame < 0.0 ? -jump.gap : jump.gap);
-    }
-    return is_wrong;
-  });
-}
-
-} // namespace
-
-bool screen_losses(Screened &look, const Effect &effect) {
-  constexpr std::ptrdiff_t kProof = 2;
-  double events = 0.0, samples = 0.0, squares = 0.0;
-  std::size_t whole = 0; // jumps of a number of rows that is seen to be whole
-  std::vector<Jump> jumps = jumps_of(look);
-  if (look.capture.has_reference())
-    std::erase_if(jumps, [&](const Jump &jump) { return !goes_on(look, jump); });
-  leave_out_of_order(look, jumps);
-  // Whether a jump is one of lost samples if the record loses any: forward, or, where nothing but
-  // the reading tells whole periods, so far back that it is one less than forward.
-  const auto may_be_loss = [&](const Jump &jump) {
-    return jump.gap * jump.per_frame > 0.0 ||
-           (!look.capture.has_reference() && std::abs(jump.gap) >= kWidestSlip);
-  };
-  const bool believed =
-      std::count_if(jumps.begin(), jumps.end(), [&](const Jump &jump) {
-        return samples_lost(look, jump) != 0.0 || (may_be_loss(jump) && seen_before(look, jump));
-      }) >= kProof;
-  const bool by_size = loses_by_size(look, jumps);
-  for (const Jump &jump : jumps) {
-    const double lost = samples_lost(
-        look, jump,
-        may_be_loss(jump) &&
-            (believed || seen_before(look, jump) ||
-             (by_size && too_far_for_a_slip(look, jump) && !is_not_whole(look, jump))));
-    if (lost == 0.0 || !speed_holds(look, jump, lost) ||
-        (look.capture.has_reference() ? pair_turns_on(look, jump)
-                                      : turns_deny(look, look.angle, jump)))
-      continue;
-    events += 1.0;
-    samples += std::round(lost);
-    const double of_speed = rows_by_speed(jump, lost);
-    squares += std::max(1.0, of_speed * of_speed);
-    whole += samples_lost(look, jump) != 0.0;
-    look.jumps.push_back(jump.at);
-    look.jump_rad.push_back(jump.gap);
-    look.jump_lost.push_back(static_cast<std::size_t>(std::lround(lost)));
-    mark(look, jump.at, 10);
-  }
-  if (events == 0.0)
-    return false;
-  std::vector<std::string> alternatives;
-  if (!look.capture.has_reference() && (events == 1.0 || whole == 0))
-    alternatives = other_jumps(effect);
-  look.findings.push_back(
-      {&effect, {events, samples}, {0.0, std::sqrt(squares)}, alternatives, {}});
-  return true;
-}
-
-namespace {
-
-OwnJumps as_own(const Screened &look, std::size_t at, double ahead_rad) {
-  const bool forward = ahead_rad > 0.0;
-  return {forward ? 1u : 0u,       forward ? 0u : 1u,     std::abs(ahead_rad),
-          look.capture.time_s[at], ahead_rad * ahead_rad, {static_cast<std::uint32_t>(at)}};
-}
-
-} // namespace
-
-OwnJumps unnamed_jumps(const Screened &look) {
-  constexpr std::size_t kNear = 20;                  // samples
-  constexpr double kBeyondSteps = 20.0 * kRadPerDeg; // of the period
-  OwnJumps out;
-  if (look.capture.has_reference())
-    for (std::size_t k = 0; k < look.disorder.size(); ++k)
-      out += as_own(look, look.disorder[k], look.disorder_rad[k]);
-  if (look.capture.has_reference() || !look.smooth)
-    return out;
-  for (const Jump &jump : jumps_of(look)) {
-    const bool known = std::any_of(look.jumps.begin(), look.jumps.end(), [&](std::size_t at) {
-      return std::max(at, jump.at) - std::min(at, jump.at) < kNear;
-    });
-    // What comes back within a turn leaves no trace in whole turns. A step of an offset would have
-    // to be a third of the amplitude to turn the vector so far.
-    const bool far = look.capture.meta.periods_per_turn * std::abs(jump.gap) > kBeyondSteps;
-    if (known || std::abs(jump.gap) < std::max(kWidestSlip, kSlipStandsOut * jump.error) ||
-        (!far && turns_deny(look, look.angle, jump)))
-      continue;
-    out += as_own(look, jump.at, jump.per_frame < 0.0 ? -jump.gap : jump.gap);
-  }
-  return out;
-}
-
-/// Whether the vector changes its length where it jumps by more than half of its way: a magnet that
-/// turns on its shaft does not, and on an ellipse the length changes by an axis' error of the way.
-bool jumps_in_length(const Screened &look, const Jump &jump) {
-  constexpr std::size_t kSide = 6;
-  constexpr double kOfWay = 0.5;
-  const Capture &c = look.capture;
-  if (jump.at < kSide || jump.at + kSide > c.size())
-    return false;
-  std::vector<double> length(c.size(), 0.0);
-  const double half_sin = range_of(c.vsin_v, look.usable).half,
-               half_cos = range_of(c.vcos_v, look.usable).half;
-  for (std::size_t i = jump.at - kSide; i < jump.at + kSide; ++i)
-    length[i] = std::hypot((c.vsin_v[i] - look.centre_sin_v) / half_sin,
-                           (c.vcos_v[i] - look.centre_cos_v) / half_cos);
-  return std::abs(lines_meet(look, length, jump.at, kSide).gap) >
-         kOfWay * std::abs(jump.gap) * c.meta.periods_per_turn;
-}
-
-bool screen_slip(Screened &look, const Effect &effect) {
-  if (look.capture.has_reference())
-    return false;
-  const Jump *largest = nullptr;
-  const auto jumps = jumps_of(look);
-  if (loses_by_size(look, jumps))
-    return false;
-  for (const Jump &jump : jumps)
-    if (samples_lost(look, jump) == 0.0 && !seen_before(look, jump) &&
-        (!largest || std::abs(jump.gap) > std::abs(largest->gap)))
-      largest = &jump;
-  // A kink of a rough motion is no jump, nor is what repeats with the angle: one slip stands
-  // clear of everything else.
-  if (!largest || std::abs(largest->gap) < kSlipStandsOut * largest->error)
-    return false;
-  for (const Jump &jump : jumps)
-    if (&jump != largest && std::abs(jump.gap) > 0.5 * std::abs(largest->gap))
-      return false;
-  // A slip turns everything after it; a step of an offset only some angles, to either side.
-  if (turns_deny(look, look.angle, *largest) || !is_at_once(look, look.angle, *largest) ||
-      jumps_in_length(look, *largest))
-    return false;
-  look.jumps.push_back(largest->at);
-  look.jump_rad.push_back(largest->gap);
-  look.jump_lost.push_back(0);
-  mark(look, largest->at, 10);
-  look.findings.push_back({&effect,
-                           {look.capture.time_s[largest->at], largest->gap * kDegPerRad},
-                           {median_step(look.capture.time_s), largest->error * kDegPerRad},
-                           other_jumps(effect),
-                           {}});
-  return true;
 }
 
 } // namespace ada

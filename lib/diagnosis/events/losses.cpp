@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+//
+// Rows that are missing, or out of order, and a time column that does not show it.
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/angle.h"
+#include "base/robust.h"
+#include "diagnosis/events/jump.h"
+#include "diagnosis/events/jump_gap.h"
+#include "diagnosis/events/screening.h"
+
+namespace ada {
+
+namespace {
+
+/// By how much the number of rows at a jump is uncertain as the shaft turned unevenly meanwhile: as
+/// far as the speeds before and after differ.
+double rows_by_speed(const Jump &jump, double lost) {
+  return std::abs(0.5 * lost * jump.bend / jump.per_frame);
+}
+
+/// Whether the number of rows at a jump is known well enough to be seen to be none that is whole.
+bool is_not_whole(const Screened &look, const Jump &jump) {
+  constexpr double kKnown = 0.1, kErrors = 4.0; // rows
+  if (jump.fine.error <= 0.0)
+    return false;
+  const double rows = jump.fine.size / step_at(look, jump);
+  const double error = std::abs(jump.fine.error / step_at(look, jump));
+  const double of_speed = rows_by_speed(jump, rows);
+  return std::max(error, of_speed) < kKnown &&
+         std::abs(rows - std::round(rows)) > kErrors * std::hypot(error, of_speed);
+}
+
+} // namespace
+
+bool loses_by_size(const Screened &look, const std::vector<Jump> &jumps) {
+  if (look.capture.has_reference() || !std::all_of(jumps.begin(), jumps.end(), [](const Jump &j) {
+        return j.gap * j.per_frame > 0.0 || std::abs(j.gap) < kWidestSlip;
+      }))
+    return false;
+  return std::count_if(jumps.begin(), jumps.end(), [&](const Jump &j) {
+           return too_far_for_a_slip(look, j) && !is_not_whole(look, j);
+         }) > 1;
+}
+
+void leave_out_about(Screened &look, std::size_t centre, std::size_t half) {
+  const std::size_t from = centre > half ? centre - half : 0;
+  std::erase_if(look.spikes, [&](std::uint32_t i) { return i >= from && i < centre + half; });
+  for (std::size_t i = from; i < std::min(look.usable.size(), centre + half); ++i)
+    look.usable[i] = 0;
+}
+
+std::vector<std::string> other_jumps(const Effect &effect) {
+  std::vector<std::string> out;
+  for (const Effect *e : catalogue())
+    if (e != &effect && is_jump(e->info()))
+      out.emplace_back(e->info().id);
+  return out;
+}
+
+namespace {
+
+/// Whether the shaft turns about as fast for as long as rows are lost, on either side: a number of
+/// rows is its jump over the speed, and near a reversal any number.
+bool speed_holds(const Screened &look, const Jump &jump, double lost) {
+  constexpr double kAlike = 2.0;
+  const auto rows = static_cast<std::size_t>(std::lround(lost));
+  const double per_frame = step_at(look, jump);
+  const auto alike = [&](std::size_t from, std::size_t to) {
+    const double ratio = (look.angle[to] - look.angle[from]) / (lost * per_frame);
+    return ratio * kAlike > 1.0 && ratio < kAlike;
+  };
+  return (jump.at > rows && alike(jump.at - 1 - rows, jump.at - 1)) ||
+         (jump.at + rows < look.angle.size() && alike(jump.at, jump.at + rows));
+}
+
+/// Takes out jumps that undo each other, forward and back by whole rows and no farther apart than
+/// these are: blocks of rows that come in a wrong order. Nothing is lost by that, and no row of
+/// them is of its time.
+void leave_out_of_order(Screened &look, std::vector<Jump> &jumps) {
+  constexpr double kUndone = 0.1; // of the rows of the largest
+  std::vector<char> wrong(jumps.size(), 0);
+  for (std::size_t from = 0; from < jumps.size(); ++from) {
+    double sum = 0.0, largest = 0.0;
+    bool forward = false, back = false;
+    bool pair_too = false; // a reference alone that jumps is another matter
+    for (std::size_t k = from; k < jumps.size() && !wrong[from]; ++k) {
+      const double rows = jumps[k].gap / step_at(look, jumps[k]);
+      sum += rows;
+      largest = std::max(largest, std::abs(rows));
+      (rows > 0.0 ? forward : back) = true;
+      if (!(static_cast<double>(jumps[k].at - jumps[from].at) <= 2.0 * largest + 1.0))
+        break;
+      pair_too = pair_too || !look.capture.has_reference() || !pair_turns_on(look, jumps[k]);
+      if (forward && back && pair_too && std::abs(sum) < kUndone * largest)
+        std::fill(wrong.begin() + static_cast<std::ptrdiff_t>(from),
+                  wrong.begin() + static_cast<std::ptrdiff_t>(k) + 1, char{1});
+    }
+    for (std::size_t k = from; k + 1 < jumps.size() && wrong[k] && wrong[k + 1]; ++k)
+      std::fill(look.usable.begin() + static_cast<std::ptrdiff_t>(jumps[k].at),
+                look.usable.begin() + static_cast<std::ptrdiff_t>(jumps[k + 1].at), char{0});
+  }
+  std::size_t place = 0;
+  std::erase_if(jumps, [&](const Jump &jump) {
+    const bool is_wrong = wrong[place++] != 0;
+    if (is_wrong) {
+      look.disorder.push_back(jump.at);
+      look.disorder_rad.push_back(jump.per_frame < 0.0 ? -jump.gap : jump.gap);
+    }
+    return is_wrong;
+  });
+}
+
+} // namespace
+
+bool screen_losses(Screened &look, const Effect &effect) {
+  constexpr std::ptrdiff_t kProof = 2;
+  double events = 0.0, samples = 0.0, squares = 0.0;
+  std::size_t whole = 0; // jumps of a number of rows that is seen to be whole
+  std::vector<Jump> jumps = jumps_of(look);
+  if (look.capture.has_reference())
+    std::erase_if(jumps, [&](const Jump &jump) { return !goes_on(look, jump); });
+  leave_out_of_order(look, jumps);
+  // Whether a jump is one of lost samples if the record loses any: forward, or, where nothing but
+  // the reading tells whole periods, so far back that it is one less than forward.
+  const auto may_be_loss = [&](const Jump &jump) {
+    return jump.gap * jump.per_frame > 0.0 ||
+           (!look.capture.has_reference() && std::abs(jump.gap) >= kWidestSlip);
+  };
+  const bool believed =
+      std::count_if(jumps.begin(), jumps.end(), [&](const Jump &jump) {
+        return samples_lost(look, jump) != 0.0 || (may_be_loss(jump) && seen_before(look, jump));
+      }) >= kProof;
+  const bool by_size = loses_by_size(look, jumps);
+  for (const Jump &jump : jumps) {
+    const double lost = samples_lost(
+        look, jump,
+        may_be_loss(jump) &&
+            (believed || seen_before(look, jump) ||
+             (by_size && too_far_for_a_slip(look, jump) && !is_not_whole(look, jump))));
+    if (lost == 0.0 || !speed_holds(look, jump, lost) ||
+        (look.capture.has_reference() ? pair_turns_on(look, jump)
+                                      : turns_deny(look, look.angle, jump)))
+      continue;
+    events += 1.0;
+    samples += std::round(lost);
+    const double of_speed = rows_by_speed(jump, lost);
+    squares += std::max(1.0, of_speed * of_speed);
+    whole += samples_lost(look, jump) != 0.0;
+    look.jumps.push_back(jump.at);
+    look.jump_rad.push_back(jump.gap);
+    look.jump_lost.push_back(static_cast<std::size_t>(std::lround(lost)));
+    leave_out_about(look, jump.at, 10);
+  }
+  if (events == 0.0)
+    return false;
+  std::vector<std::string> alternatives;
+  if (!look.capture.has_reference() && (events == 1.0 || whole == 0))
+    alternatives = other_jumps(effect);
+  look.findings.push_back(
+      {&effect, {events, samples}, {0.0, std::sqrt(squares)}, alternatives, {}});
+  return true;
+}
+
+} // namespace ada
