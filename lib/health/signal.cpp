@@ -111,9 +111,11 @@ HealthCheck check_radius(const Evidence &e) {
   return check_samples(
       e, "radius", e.tally.radius.faults(),
       fmt::format(
-          "the radius leaves its band, with a median of {:.3f} times that of {}: no magnet, a "
-          "broken wire, or another sensor",
-          median, e.yardstick_name),
+          "the radius leaves its band, with a median of {:.3f} times that of {}: {}", median,
+          e.yardstick_name,
+          median < kRadiusMin || median > kRadiusMax
+              ? "no magnet, a broken wire, or another sensor"
+              : "for a while the magnet is elsewhere, another field adds to it, or a wire is open"),
       fmt::format("median {:.4f}, from {:.4f} to {:.4f}{}", median,
                   any ? e.tally.least_radius : 0.0, any ? e.tally.greatest_radius : 0.0,
                   spikes.empty() ? "" : " but for the spikes"));

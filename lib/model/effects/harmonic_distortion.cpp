@@ -50,6 +50,13 @@ public:
       }
     return out;
   }
+  /// Order n of a channel lengthens the vector with orders n - 1 and n + 1, of the other channel
+  /// with another sign between them. Of order 2 the lower one is an offset's, of order 3 that of
+  /// mismatch and quadrature error, and the sign is theirs.
+  std::string untold_by_length(Values v) const override {
+    return v[0] < 4.0 ? "The length of the vector does not tell which of the channels carries it."
+                      : "";
+  }
   std::optional<OneLine> one_line(Values v) const override {
     return OneLine{OneLine::Per::electrical_period, v[0]};
   }
