@@ -32,8 +32,6 @@ namespace ada {
 
 namespace {
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
 /// The pair as angle and radius, each channel scaled to its range.
 struct Polar {
   std::vector<double> angle;

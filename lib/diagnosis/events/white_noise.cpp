@@ -20,8 +20,6 @@ namespace ada {
 
 namespace {
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
 /// Differences of both channels of one order, at each sample, where all samples they reach over are
 /// of use at both ends.
 struct Differences {
@@ -134,7 +132,7 @@ double white_noise(const Screened &look) {
     return kSigmasOfMedian * quantile(std::move(x), 0.5);
   };
   std::array<double, 4> least;
-  least.fill(kInfinite);
+  least.fill(std::numeric_limits<double>::infinity());
   const auto scales_of = [&](const Differences &d) {
     std::vector<double> along, across;
     for (std::size_t i = 0; i < d.middle.size(); ++i) {
@@ -185,12 +183,12 @@ double white_noise(const Screened &look) {
   // A reference that counts in steps, or errs, leaves more than the noise as well.
   if (has_reference && comes_unevenly(look.capture.time_s)) {
     const std::vector<std::size_t> own = by_place_in_turn(look, true);
-    along_v = kInfinite;
+    along_v = std::numeric_limits<double>::infinity();
     for (const std::vector<double> &weights : {first, second, third})
       if (const Differences d = differences(look, own, weights); !own.empty() && !d.middle.empty())
         if (const double now = scales_of(d)[2]; now > 0.0)
           along_v = std::min(along_v, now);
-    by_own_place = along_v < kInfinite;
+    by_own_place = along_v < std::numeric_limits<double>::infinity();
   }
   // The median of |x y| with x normal and y a sine is 0.745 of what its rms would have it: noise in
   // one direction can look that much less, and where the vector has more it has moved.
@@ -200,8 +198,9 @@ double white_noise(const Screened &look) {
   const bool of_noise = vector < kOfMedian * kMostHidden * channels;
   if (by_own_place && channels / std::numbers::sqrt2 > kOfMedian * kMostHidden * along_v)
     return along_v; // from one row to the next the pair moves
-  return least[0] < kInfinite ? std::max(channels, of_noise ? vector : 0.0) / std::numbers::sqrt2
-                              : 0.0;
+  return least[0] < std::numeric_limits<double>::infinity()
+             ? std::max(channels, of_noise ? vector : 0.0) / std::numbers::sqrt2
+             : 0.0;
 }
 
 } // namespace ada
