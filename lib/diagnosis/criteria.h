@@ -40,6 +40,8 @@ inline constexpr double kMostOfEpisodes = 0.1;
 /// radii, that is: more than any drift or tilt takes a pair which still turns.
 inline constexpr std::size_t kFewestStanding = 12, kPartStanding = 50;
 inline constexpr double kStandsStill = 0.01, kStandsWithin = 8.0, kFarOffCurve = 0.3;
+/// Electrical degrees of the curve that must be seen for that.
+inline constexpr double kSeenOfCurve = 270.0;
 
 /// Readings that are held for several rows each: so many of them, rows a reading in the mean, share
 /// of them that stands for one or two numbers of rows (starts, gaps and readings that happen to be
@@ -124,6 +126,9 @@ inline constexpr double kActsOnLevel = 0.5, kFewestActedOn = 6.0, kWildOnLevel =
 /// Readings beyond a level, of all: spikes, which come on top of what is cut off. With more of them
 /// they are no rare ones.
 inline constexpr double kSpikesAboveLevel = 0.02;
+/// Of a channel that goes beyond the level of the other one more readings than this do: it is not
+/// its level.
+inline constexpr double kBeyondOthersLevel = 0.002;
 /// Readings on a level, peaks that are cut off at any of the four ends, and readings in each.
 inline constexpr double kFewestOnLevel = 12.0;
 inline constexpr std::size_t kFewestCutPeaks = 2, kFewestInPeak = 3;

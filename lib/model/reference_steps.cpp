@@ -257,7 +257,7 @@ double counted_step(std::span<const double> reference_deg, std::span<const doubl
   const double kurtosis = fourths / inside / (squares * squares) - 3.0;
   const double of_even = kOfEven * std::pow(of_steps / (of_steps + noise), 2);
   const double error = std::sqrt(24.0 / inside); // of a normal distribution's
-  const bool even = kurtosis < kHalf * of_even && kHalf * of_even < -kErrors * error;
+  const bool even = kurtosis < std::min(kHalf * of_even, -kErrors * error);
   return even && share > kUneven && share < 1.0 / kUneven ? step * kDegPerRad : 0.0;
 }
 

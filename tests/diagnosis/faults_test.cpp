@@ -19,7 +19,7 @@ double steady(double hz, double t) {
   return kTwoPi * hz * t;
 }
 
-bool says(const Diagnosis &d, const std::string &what) {
+bool leaves_over(const Diagnosis &d, const std::string &what) {
   return std::any_of(d.structure.begin(), d.structure.end(), [&](const Structure &s) {
     return s.description.find(what) != std::string::npos;
   });
@@ -44,7 +44,7 @@ KIND(outputs_without_power_at_an_end_of_the_record_are_told_and_left_out) {
     c.reference_deg.clear();
   const Diagnosis d = diagnose(c, {});
   expect_pair(d, bench.pair);
-  EXPECT_TRUE(says(d, "both outputs stand at")) << left_of(d);
+  EXPECT_TRUE(leaves_over(d, "both outputs stand at")) << left_of(d);
   EXPECT_EQ(d.findings.size(), 2u) << left_of(d);
 }
 
@@ -55,7 +55,7 @@ KIND(a_shaft_that_stops_has_not_lost_its_power) {
       bench.capture(6000, 2000.0, 2, [&](double t) { return steady(hz, std::min(t, stop_s)); });
   const Diagnosis d = diagnose(c, {});
   expect_pair(d, bench.pair);
-  EXPECT_FALSE(says(d, "both outputs stand at")) << left_of(d);
+  EXPECT_FALSE(leaves_over(d, "both outputs stand at")) << left_of(d);
 }
 
 KIND(a_reference_that_is_read_now_and_then_explains_nothing) {
@@ -118,7 +118,33 @@ KIND(blocks_of_rows_in_a_wrong_order_are_no_lost_rows) {
   const Diagnosis d = diagnose(c, {});
   expect_pair(d, bench.pair);
   expect_none(d, {"sample-loss"});
-  EXPECT_TRUE(says(d, "out of order")) << left_of(d);
+  EXPECT_TRUE(leaves_over(d, "out of order")) << left_of(d);
+}
+
+KIND(a_shaft_that_hunts_to_and_fro_loses_no_rows) {
+  Bench bench;
+  const double row_deg = 0.05, far_deg = bench.within(2.0, 4.0);
+  const auto each = static_cast<std::size_t>(bench.within(50.0, 90.0));
+  const bool reference = bench.within(0.0, 1.0) < 0.5;
+  Capture c = bench.capture(4000, 1000.0, 1, [&](double t) {
+    const auto row = static_cast<std::size_t>(std::lround(1000.0 * t));
+    return kRadPerDeg * (row_deg * static_cast<double>(row) + (row / each % 2 ? far_deg : 0.0));
+  });
+  if (!reference)
+    c.reference_deg.clear();
+  expect_none(diagnose(c, {}), {"sample-loss"});
+}
+
+KIND(counts_of_many_rows_each_are_in_order) {
+  Bench bench;
+  bench.pair.noise_v = bench.within(1e-3, 20e-3);
+  const double hz = bench.within(0.3, 0.6), step_deg = bench.within(0.3, 1.0);
+  Capture c = bench.capture(20000, 10000.0, 1, [&](double t) { return steady(hz, t); });
+  for (double &deg : c.reference_deg)
+    deg = step_deg * std::floor(deg / step_deg);
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_FALSE(leaves_over(d, "out of order")) << left_of(d);
+  expect_none(d, {"sample-loss"});
 }
 
 KIND(rows_that_are_missing_in_a_single_turn_are_told) {
@@ -133,7 +159,7 @@ KIND(rows_that_are_missing_in_a_single_turn_are_told) {
   }
   c.time_s.resize(c.vsin_v.size());
   const Diagnosis d = diagnose(c, {});
-  EXPECT_TRUE(says(d, "rows may be missing") || named(d, "sample-loss")) << left_of(d);
+  EXPECT_TRUE(leaves_over(d, "rows may be missing") || named(d, "sample-loss")) << left_of(d);
 }
 
 KIND(a_shaft_at_rest_near_a_peak_has_no_dead_channel) {
@@ -190,7 +216,7 @@ KIND(what_goes_with_the_angle_is_no_line_over_rows) {
   }
   c.reference_deg.clear();
   const Diagnosis d = diagnose(c, {});
-  EXPECT_FALSE(says(d, "a line of")) << left_of(d);
+  EXPECT_FALSE(leaves_over(d, "a line of")) << left_of(d);
 }
 
 KIND(readings_that_wander_stand_in_no_place_whatever_two_wild_rows_are) {

@@ -302,7 +302,7 @@ bool screen_cut_peaks(Screened &look, const Effect &effect) {
     for (std::size_t i = 0; i < capture.size(); ++i)
       beyond += look.usable[i] && sense * (channels[1 - k][i] - level) > band;
     return static_cast<double>(beyond) <=
-           criteria::kSpikesAboveLevel * static_cast<double>(capture.size());
+           criteria::kBeyondOthersLevel * static_cast<double>(capture.size());
   };
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const auto find = [&](const std::optional<Level> &low, const std::optional<Level> &high,

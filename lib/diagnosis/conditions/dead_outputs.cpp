@@ -12,6 +12,7 @@
 #include "base/robust.h"
 #include "calibration/ellipse_fit.h"
 #include "conversion/ellipse.h"
+#include "diagnosis/conditions/over_supply.h"
 #include "diagnosis/criteria.h"
 
 namespace ada {
@@ -21,17 +22,18 @@ namespace {
 /// A record read from one of its ends.
 class FromEnd {
 public:
-  FromEnd(const Capture &c, std::span<const char> usable, bool to_end)
-      : c_(c), usable_(usable), to_end_(to_end) {}
-  std::size_t size() const { return c_.size(); }
+  FromEnd(std::span<const double> sin_v, std::span<const double> cos_v,
+          std::span<const char> usable, bool to_end)
+      : sin_v_(sin_v), cos_v_(cos_v), usable_(usable), to_end_(to_end) {}
+  std::size_t size() const { return sin_v_.size(); }
   std::size_t row(std::size_t k) const { return to_end_ ? size() - 1 - k : k; }
   bool usable(std::size_t k) const { return usable_[row(k)] != 0; }
   double value(int channel, std::size_t k) const {
-    return (channel == 0 ? c_.vsin_v : c_.vcos_v)[row(k)];
+    return (channel == 0 ? sin_v_ : cos_v_)[row(k)];
   }
 
 private:
-  const Capture &c_;
+  std::span<const double> sin_v_, cos_v_;
   std::span<const char> usable_;
   bool to_end_;
 };
@@ -58,36 +60,48 @@ std::optional<EllipseParameters> curve_beyond(const FromEnd &rows, std::size_t f
       vcos.push_back(rows.value(1, k));
     }
   try {
-    return fit_ellipse(vsin, vcos).value;
+    const EllipseFit fit = fit_ellipse(vsin, vcos);
+    // Where it was not seen a curve is no curve to be off.
+    return fit.coverage_deg >= criteria::kSeenOfCurve ? std::optional(fit.value) : std::nullopt;
   } catch (const Error &) {
     return std::nullopt;
   }
 }
 
-std::optional<DeadOutputs> dead_outputs(const Capture &c, std::span<char> usable, bool to_end) {
-  const FromEnd rows(c, usable, to_end);
-  const std::size_t n = c.size();
+struct Standing {
+  std::size_t rows = 0, seen = 0; ///< with those left out on the way there; to where it is seen
+  double sin_v = 0.0, cos_v = 0.0, off_v = 0.0;
+};
+
+std::optional<Standing> standing_off_curve(const FromEnd &rows) {
+  const std::size_t n = rows.size();
   const std::size_t end = std::max(criteria::kFewestStanding, n / criteria::kPartStanding);
   if (n < 4 * end)
     return std::nullopt;
+  std::size_t usable = 0, stands = 0;
+  for (std::size_t k = 0; k < end; ++k)
+    usable += rows.usable(k);
+  if (2 * usable < end)
+    return std::nullopt;
   const std::array<Place, 2> at{place_of(rows, 0, end), place_of(rows, 1, end)};
-  const double range_v = std::max(bulk(c.vsin_v).width(), bulk(c.vcos_v).width());
-  std::size_t stands = 0;
+  std::vector<double> all[2];
+  for (std::size_t k = 0; k < n; ++k)
+    for (int channel = 0; rows.usable(k) && channel < 2; ++channel)
+      all[channel].push_back(rows.value(channel, k));
+  const double still_v =
+      criteria::kStandsStill * std::max(bulk(all[0]).width(), bulk(all[1]).width());
+  if (std::max(at[0].band_v, at[1].band_v) > criteria::kStandsWithin * still_v)
+    return std::nullopt;
   const auto is_there = [&](std::size_t k) {
-    for (int channel = 0; channel < 2; ++channel) {
-      const double off =
-          std::abs(rows.value(channel, k) - at[static_cast<std::size_t>(channel)].value_v);
-      if (off >
-          std::max(at[static_cast<std::size_t>(channel)].band_v, criteria::kStandsStill * range_v))
+    for (const int channel : {0, 1})
+      if (const Place &p = at[static_cast<std::size_t>(channel)];
+          !(std::abs(rows.value(channel, k) - p.value_v) <= std::max(p.band_v, still_v)))
         return false;
-    }
     return true;
   };
   while (stands < n && (!rows.usable(stands) || is_there(stands)))
     ++stands;
-  if (at[0].band_v > criteria::kStandsWithin * criteria::kStandsStill * range_v ||
-      at[1].band_v > criteria::kStandsWithin * criteria::kStandsStill * range_v || stands < end ||
-      n - stands < end)
+  if (stands < end || n - stands < end)
     return std::nullopt;
   const auto curve = curve_beyond(rows, stands);
   if (!curve)
@@ -96,35 +110,48 @@ std::optional<DeadOutputs> dead_outputs(const Capture &c, std::span<char> usable
   const auto off = [&](double sin_v, double cos_v) {
     return std::abs(std::hypot(inverse.sine(sin_v, cos_v), inverse.cosine(sin_v, cos_v)) - 1.0);
   };
-  const double there = off(at[0].value_v, at[1].value_v);
+  Standing out{stands, stands, at[0].value_v, at[1].value_v, 0.0};
+  const double there = off(out.sin_v, out.cos_v);
   if (there < criteria::kFarOffCurve)
     return std::nullopt;
+  out.off_v = there * curve->amplitude_v;
   // On the way there, too, it is on no curve: until it is as near as all others are.
   std::vector<double> usual;
   for (std::size_t k = stands; k < n; ++k)
     if (rows.usable(k))
       usual.push_back(off(rows.value(0, k), rows.value(1, k)));
   const double near = criteria::kStandsWithin * quantile(std::move(usual), 0.5);
-  const std::size_t still = stands;
-  while (stands + end < n && rows.usable(stands) &&
-         off(rows.value(0, stands), rows.value(1, stands)) > near)
-    ++stands;
-  const double at_s = c.time_s[rows.row(stands - 1)];
+  while (out.seen + end < n && rows.usable(out.seen) &&
+         off(rows.value(0, out.seen), rows.value(1, out.seen)) > near)
+    ++out.seen;
   // It left before that was seen: it is given as many rows again.
-  stands += std::min(stands - still, n - end - stands);
-  DeadOutputs out{to_end, at_s, at[0].value_v, at[1].value_v,
-                  stands, there * curve->amplitude_v};
-  for (std::size_t k = 0; k < stands; ++k)
-    usable[rows.row(k)] = 0;
+  out.rows = out.seen + std::min(out.seen - stands, n - end - out.seen);
   return out;
+}
+
+std::optional<DeadOutputs> dead_outputs(const Capture &c,
+                                        const std::optional<PairOfChannels> &steady,
+                                        std::span<char> usable, bool to_end) {
+  const FromEnd rows(c.vsin_v, c.vcos_v, usable, to_end);
+  const auto standing = standing_off_curve(rows);
+  // A supply that is recorded takes both outputs with it.
+  if (!standing ||
+      (steady && !standing_off_curve(FromEnd(steady->sin_v, steady->cos_v, usable, to_end))))
+    return std::nullopt;
+  for (std::size_t k = 0; k < standing->rows; ++k)
+    usable[rows.row(k)] = 0;
+  return DeadOutputs{to_end,          c.time_s[rows.row(standing->seen - 1)],
+                     standing->sin_v, standing->cos_v,
+                     standing->rows,  standing->off_v};
 }
 
 } // namespace
 
 std::vector<DeadOutputs> leave_out_dead_outputs(const Capture &capture, std::span<char> usable) {
   std::vector<DeadOutputs> out;
+  const std::optional<PairOfChannels> steady = over_supply(capture);
   for (const bool to_end : {true, false})
-    if (auto dead = dead_outputs(capture, usable, to_end))
+    if (auto dead = dead_outputs(capture, steady, usable, to_end))
       out.push_back(*dead);
   return out;
 }

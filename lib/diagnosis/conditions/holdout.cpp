@@ -66,20 +66,22 @@ Stops find_stops(const Capture &c, std::span<const double> reference_rad) {
   Stops stops = find_stops(reference_rad, noise_between(reference_rad));
   // From its first row to its last a shaft that goes on goes all of its way from row to row; noise
   // of three rows goes half of it, and of more rows less. What creeps on at a stop goes far less
-  // from row to row than from stop to stop.
-  constexpr double kAllOfWay = 0.75, kMuchOfMove = 0.25;
-  double within_v = 0.0, apart_v = 0.0, rows = 0.0, between_v = 0.0, moves = 0.0;
+  // from row to row than from stop to stop, and what arrives late moves in few of the rows.
+  constexpr double kAllOfWay = 0.75, kMuchOfMove = 0.25, kInMostRows = 0.5;
+  double in_most_v = 0.0, within_v = 0.0, apart_v = 0.0, rows = 0.0, between_v = 0.0, moves = 0.0;
   const auto way_v = [&](std::size_t a, std::size_t b) {
     const double v = std::hypot(c.vsin_v[a] - c.vsin_v[b], c.vcos_v[a] - c.vcos_v[b]);
     return std::isfinite(v) ? v : 0.0;
   };
   for (std::size_t from = 0, to = 0; stops && from < c.size(); from = to) {
     double way = 0.0;
+    std::vector<double> steps_v;
     for (to = from + 1; to < c.size() && stops.of[to] == stops.of[from]; ++to)
-      way += way_v(to, to - 1);
+      way += steps_v.emplace_back(way_v(to, to - 1));
     if (static_cast<double>(to - from) >= criteria::kFewestReadings) {
       within_v += way;
       apart_v += way_v(to - 1, from);
+      in_most_v += quantile(std::move(steps_v), 0.5) * static_cast<double>(to - from - 1);
       rows += static_cast<double>(to - from - 1);
     }
     if (to < c.size()) {
@@ -87,8 +89,8 @@ Stops find_stops(const Capture &c, std::span<const double> reference_rad) {
       moves += 1.0;
     }
   }
-  const bool goes_on =
-      apart_v > kAllOfWay * within_v && within_v * moves > kMuchOfMove * between_v * rows;
+  const bool goes_on = apart_v > kAllOfWay * within_v && in_most_v > kInMostRows * apart_v &&
+                       within_v * moves > kMuchOfMove * between_v * rows;
   return goes_on ? Stops{} : std::move(stops);
 }
 

@@ -47,7 +47,8 @@ bool move_on(const std::vector<double> &vsin, const std::vector<double> &vcos,
   constexpr double kMoves = 0.1;
   std::vector<double> steps_v;
   for (std::size_t i = 1; i < away_v.size(); ++i)
-    steps_v.push_back(std::hypot(vsin[i] - vsin[i - 1], vcos[i] - vcos[i - 1]));
+    if (const double step = std::hypot(vsin[i] - vsin[i - 1], vcos[i] - vcos[i - 1]); step > 0.0)
+      steps_v.push_back(step); // one that is none is of the converter
   return std::pow(quantile(std::move(steps_v), 0.5), 2) <
          2.0 * kMoves * std::pow(quantile(away_v, 0.5), 2);
 }

@@ -307,7 +307,9 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
   for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
     take_figure(pair.axes, *o);
   if (scene.radius_only && scene.all.figure_v > 0.0) {
-    scene.white_noise_v = std::min(scene.white_noise_v, noise_off_figure_v(all));
+    const double rounding_v = converter_step(capture.vsin_v) / std::sqrt(12.0);
+    scene.white_noise_v =
+        std::min(scene.white_noise_v, std::max(noise_off_figure_v(all), rounding_v));
     put_on_figure(scene.all, scene.white_noise_v, scene.periods);
   }
   // By its own angle a pair goes all the way round its centre.

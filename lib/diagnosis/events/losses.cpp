@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "base/angle.h"
 #include "base/robust.h"
@@ -65,44 +66,59 @@ std::vector<std::string> other_jumps(const Effect &effect) {
 namespace {
 
 /// Whether the shaft turns about as fast for as long as rows are lost, on either side: a number of
-/// rows is its jump over the speed, and near a reversal any number.
+/// rows is its jump over the speed, and near a reversal any number. A record that ends before has
+/// to hold its speed the better, and on both sides.
 bool speed_holds(const Screened &look, const Jump &jump, double lost) {
-  constexpr double kAlike = 2.0;
-  const auto rows = static_cast<std::size_t>(std::lround(lost));
+  constexpr double kAlike = 2.0, kNearlyAlike = 1.25;
+  const std::size_t n = look.angle.size();
   const double per_frame = step_at(look, jump);
-  const auto alike = [&](std::size_t from, std::size_t to) {
-    const double ratio = (look.angle[to] - look.angle[from]) / (lost * per_frame);
-    return ratio * kAlike > 1.0 && ratio < kAlike;
+  if (!(lost >= 1.0) || jump.at == 0 || jump.at >= n)
+    return false;
+  const auto reach_of = [&](std::size_t rows) {
+    return static_cast<std::size_t>(std::min(std::ceil(lost), static_cast<double>(rows)));
   };
-  return (jump.at > rows && alike(jump.at - 1 - rows, jump.at - 1)) ||
-         (jump.at + rows < look.angle.size() && alike(jump.at, jump.at + rows));
+  const std::size_t before = reach_of(jump.at - 1), after = reach_of(n - 1 - jump.at);
+  const auto alike = [&](std::size_t from, std::size_t rows, double most) {
+    const double ratio =
+        (look.angle[from + rows] - look.angle[from]) / (static_cast<double>(rows) * per_frame);
+    return rows != 0 && ratio * most > 1.0 && ratio < most;
+  };
+  const auto both = [&](double most) {
+    return std::pair(alike(jump.at - 1 - before, before, most), alike(jump.at, after, most));
+  };
+  const auto [ahead, behind] = both(kAlike);
+  if ((ahead && static_cast<double>(before) >= lost) ||
+      (behind && static_cast<double>(after) >= lost))
+    return true;
+  const auto [nearly_ahead, nearly_behind] = both(kNearlyAlike);
+  return nearly_ahead && nearly_behind;
 }
 
-/// Takes out jumps that undo each other, forward and back by whole rows and no farther apart than
-/// these are: blocks of rows that come in a wrong order. Nothing is lost by that, and no row of
+/// Takes out the three jumps of two neighbouring blocks of rows that change places: the first goes
+/// ahead by the rows of the one, the second back by those of both, and the third ahead by those of
+/// the other, each known up to whole periods of the angle. Nothing is lost by that, and no row of
 /// them is of its time.
 void leave_out_of_order(Screened &look, std::vector<Jump> &jumps) {
-  constexpr double kUndone = 0.1; // of the rows of the largest
+  constexpr double kOff = 2.0, kOfBlock = 0.1; // rows that a place and a size may be off by
+  const double period =
+      kTwoPi / (look.capture.has_reference() ? 1.0 : look.capture.meta.periods_per_turn);
   std::vector<char> wrong(jumps.size(), 0);
-  for (std::size_t from = 0; from < jumps.size(); ++from) {
-    double sum = 0.0, largest = 0.0;
-    bool forward = false, back = false;
-    bool pair_too = false; // a reference alone that jumps is another matter
-    for (std::size_t k = from; k < jumps.size() && !wrong[from]; ++k) {
-      const double rows = jumps[k].gap / step_at(look, jumps[k]);
-      sum += rows;
-      largest = std::max(largest, std::abs(rows));
-      (rows > 0.0 ? forward : back) = true;
-      if (!(static_cast<double>(jumps[k].at - jumps[from].at) <= 2.0 * largest + 1.0))
-        break;
-      pair_too = pair_too || !look.capture.has_reference() || !pair_turns_on(look, jumps[k]);
-      if (forward && back && pair_too && std::abs(sum) < kUndone * largest)
-        std::fill(wrong.begin() + static_cast<std::ptrdiff_t>(from),
-                  wrong.begin() + static_cast<std::ptrdiff_t>(k) + 1, char{1});
-    }
-    for (std::size_t k = from; k + 1 < jumps.size() && wrong[k] && wrong[k + 1]; ++k)
+  for (std::size_t k = 0; k + 2 < jumps.size(); ++k) {
+    const double first =
+                     static_cast<double>(jumps[k + 2].at) - static_cast<double>(jumps[k + 1].at),
+                 second = static_cast<double>(jumps[k + 1].at) - static_cast<double>(jumps[k].at);
+    const auto goes = [&](const Jump &jump, double rows) {
+      const double step = step_at(look, jump);
+      return !jump.at_rest() && std::abs(step) > jump.error &&
+             std::abs(wrap_centred(jump.gap - rows * step, period)) <
+                 std::abs(step) * (kOff + kOfBlock * std::min(first, second));
+    };
+    if (goes(jumps[k], first) && goes(jumps[k + 1], -(first + second)) &&
+        goes(jumps[k + 2], second)) {
+      wrong[k] = wrong[k + 1] = wrong[k + 2] = 1;
       std::fill(look.usable.begin() + static_cast<std::ptrdiff_t>(jumps[k].at),
-                look.usable.begin() + static_cast<std::ptrdiff_t>(jumps[k + 1].at), char{0});
+                look.usable.begin() + static_cast<std::ptrdiff_t>(jumps[k + 2].at), char{0});
+    }
   }
   std::size_t place = 0;
   std::erase_if(jumps, [&](const Jump &jump) {
@@ -115,6 +131,22 @@ void leave_out_of_order(Screened &look, std::vector<Jump> &jumps) {
   });
 }
 
+/// Takes out a jump and the next one where that takes it back, as no loss does: a shaft that goes
+/// to and fro, or a contact.
+void leave_out_undone(std::vector<Jump> &jumps) {
+  constexpr double kErrors = 4.0, kOfJump = 0.02;
+  std::vector<char> undone(jumps.size(), 0);
+  for (std::size_t k = 0; k + 1 < jumps.size(); ++k) {
+    const double left = std::abs(jumps[k].gap + jumps[k + 1].gap);
+    if (left < std::max(kErrors * std::hypot(jumps[k].error, jumps[k + 1].error),
+                        kOfJump * std::abs(jumps[k].gap)) &&
+        left < 0.5 * std::abs(jumps[k].gap))
+      undone[k] = undone[k + 1] = 1;
+  }
+  std::size_t place = 0;
+  std::erase_if(jumps, [&](const Jump &) { return undone[place++] != 0; });
+}
+
 } // namespace
 
 bool screen_losses(Screened &look, const Effect &effect) {
@@ -125,6 +157,7 @@ bool screen_losses(Screened &look, const Effect &effect) {
   if (look.capture.has_reference())
     std::erase_if(jumps, [&](const Jump &jump) { return !goes_on(look, jump); });
   leave_out_of_order(look, jumps);
+  leave_out_undone(jumps);
   // Whether a jump is one of lost samples if the record loses any: forward, or, where nothing but
   // the reading tells whole periods, so far back that it is one less than forward.
   const auto may_be_loss = [&](const Jump &jump) {

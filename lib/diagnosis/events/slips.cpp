@@ -29,9 +29,8 @@ OwnJumps unnamed_jumps(const Screened &look) {
   constexpr std::size_t kNear = 20;                  // samples
   constexpr double kBeyondSteps = 20.0 * kRadPerDeg; // of the period
   OwnJumps out;
-  if (look.capture.has_reference())
-    for (std::size_t k = 0; k < look.disorder.size(); ++k)
-      out += as_own(look, look.disorder[k], look.disorder_rad[k]);
+  for (std::size_t k = 0; k < look.disorder.size(); ++k)
+    out += as_own(look, look.disorder[k], look.disorder_rad[k]);
   if (look.capture.has_reference() || !look.smooth)
     return out;
   for (const Jump &jump : jumps_of(look)) {

@@ -74,8 +74,9 @@ std::vector<Structure> find_lines_of_rows(const Scene &scene, const Observations
   const double rows = static_cast<double>(data.size());
   const double turns = turns_of(data);
   for (Part &part : parts_of(scene, data, residual)) {
-    if (orders > 0)
-      part.value = without_orders(part.value, data, orders, in_turns(scene) ? 1 : scene.periods);
+    if (const int most = std::min(orders, static_cast<int>(rows / criteria::kSamplesPerOrder));
+        most > 0)
+      part.value = without_orders(part.value, data, most, in_turns(scene) ? 1 : scene.periods);
     double squares = 0.0;
     for (double v : part.value)
       squares += v * v;

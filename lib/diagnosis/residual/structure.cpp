@@ -79,7 +79,7 @@ Structure of_gap(const LevelGap &gap) {
       0.5 * gap.jump_v / std::numbers::sqrt2}; // of one channel, half up and half down
 }
 
-/// Stretches in which the pair is not the sensor's: no cause, and none of its errors.
+/// An end of the record without power: no cause, and none of the sensor's errors.
 Structure of_dead_outputs(const DeadOutputs &dead, const Scene &scene) {
   const auto n = static_cast<double>(scene.capture->size());
   return {
@@ -92,6 +92,7 @@ Structure of_dead_outputs(const DeadOutputs &dead, const Scene &scene) {
       dead.off_v * std::sqrt(static_cast<double>(dead.count) / (2.0 * n))};
 }
 
+/// Stretches in which the pair is not the sensor's: no cause, and none of its errors.
 Structure of_episodes(const Scene &scene) {
   const Episodes &e = scene.episodes;
   const auto n = static_cast<double>(scene.capture->size());

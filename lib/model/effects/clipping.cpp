@@ -69,23 +69,30 @@ public:
   /// one by as much; without one a motion read off the pair bends along.
   bool refuted(Values v, const Residual &r) const override {
     constexpr double kNoise = 4.5;    // standard deviations: by chance 3 in a million samples
-    constexpr double kSpikes =
-        0.02; // share of the samples: with more of them they are no rare ones
+    // Shares of the samples that may be spikes: alone or two together, and more in a row.
+    constexpr double kSpikes = 0.02, kInRows = 0.002;
+    constexpr std::size_t kAlone = 2;
     double left_v2 = 0.0;
     for (std::size_t i = 0; i < r.time.size(); ++i)
       left_v2 += 0.5 * (r.sin_v[i] * r.sin_v[i] + r.cos_v[i] * r.cos_v[i]);
     left_v2 /= static_cast<double>(std::max<std::size_t>(1, r.time.size()));
     const double beyond_noise_v = std::sqrt(std::max(0.0, left_v2 - r.noise_v * r.noise_v));
     const double reach = kNoise * r.noise_v + (r.has_reference ? beyond_noise_v : 0.0);
-    std::size_t beyond = 0;
+    std::size_t beyond = 0, in_rows = 0;
     for (double channel : {0.0, 1.0}) {
       if (!std::isnan(v[2]) && v[2] != channel)
         continue;
-      for (const double read : channel < 0.5 ? r.read_sin_v : r.read_cos_v)
-        beyond += read < v[0] - reach || read > v[1] + reach; // never true of NaN
+      std::size_t row = 0;
+      for (const double read : channel < 0.5 ? r.read_sin_v : r.read_cos_v) {
+        const bool is_beyond = read < v[0] - reach || read > v[1] + reach; // never true of NaN
+        row = is_beyond ? row + 1 : 0;
+        beyond += is_beyond;
+        in_rows += row == kAlone + 1 ? row : row > kAlone;
+      }
     }
-    return static_cast<double>(beyond) > 2.0 + kSpikes * static_cast<double>(r.time.size()) ||
-           !lie_on_levels(r, v);
+    const auto n = static_cast<double>(r.time.size());
+    return static_cast<double>(beyond) > 2.0 + kSpikes * n ||
+           static_cast<double>(in_rows) > 2.0 + kInRows * n || !lie_on_levels(r, v);
   }
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     return find_clipping(r);
