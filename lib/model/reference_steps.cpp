@@ -238,6 +238,7 @@ double counted_step(std::span<const double> reference_deg, std::span<const doubl
   constexpr double kOutside = 0.02, kErrors = 3.0;
   constexpr double kUneven = 0.7; // a variance of a hundred even values is known to 9 %
   constexpr double kOfEven = -1.2, kHalf = 0.5;
+  constexpr double kFine = 1.0 / 15; // of a step; more noise than that hides where the counts end
   const std::size_t n = reference_deg.size();
   if (n < kEnough || off_rad.size() != n)
     return 0.0;
@@ -257,7 +258,10 @@ double counted_step(std::span<const double> reference_deg, std::span<const doubl
   const double kurtosis = fourths / inside / (squares * squares) - 3.0;
   const double of_even = kOfEven * std::pow(of_steps / (of_steps + noise), 2);
   const double error = std::sqrt(24.0 / inside); // of a normal distribution's
-  const bool even = kurtosis < std::min(kHalf * of_even, -kErrors * error);
+  // Beside little noise the bounds alone tell: of normal values as wide, eight in a hundred lie
+  // outside them.
+  const bool even =
+      noise_rad < kFine * step || kurtosis < std::min(kHalf * of_even, -kErrors * error);
   return even && share > kUneven && share < 1.0 / kUneven ? step * kDegPerRad : 0.0;
 }
 

@@ -100,6 +100,7 @@ bool speed_holds(const Screened &look, const Jump &jump, double lost) {
 /// them is of its time.
 void leave_out_of_order(Screened &look, std::vector<Jump> &jumps) {
   constexpr double kOff = 2.0, kOfBlock = 0.1; // rows that a place and a size may be off by
+  constexpr double kKnown = 0.1; // of the period: beyond it any jump is any number of rows
   const double period =
       kTwoPi / (look.capture.has_reference() ? 1.0 : look.capture.meta.periods_per_turn);
   std::vector<char> wrong(jumps.size(), 0);
@@ -109,9 +110,9 @@ void leave_out_of_order(Screened &look, std::vector<Jump> &jumps) {
                  second = static_cast<double>(jumps[k + 1].at) - static_cast<double>(jumps[k].at);
     const auto goes = [&](const Jump &jump, double rows) {
       const double step = step_at(look, jump);
-      return !jump.at_rest() && std::abs(step) > jump.error &&
-             std::abs(wrap_centred(jump.gap - rows * step, period)) <
-                 std::abs(step) * (kOff + kOfBlock * std::min(first, second));
+      const double may_be_off = std::abs(step) * (kOff + kOfBlock * std::min(first, second));
+      return !jump.at_rest() && std::abs(step) > jump.error && may_be_off < kKnown * period &&
+             std::abs(wrap_centred(jump.gap - rows * step, period)) < may_be_off;
     };
     if (goes(jumps[k], first) && goes(jumps[k + 1], -(first + second)) &&
         goes(jumps[k + 2], second)) {
