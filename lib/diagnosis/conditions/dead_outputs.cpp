@@ -19,6 +19,8 @@ namespace ada {
 
 namespace {
 
+constexpr std::size_t kMostLookedAt = 20000; ///< rows that tell a range or a curve
+
 /// A record read from one of its ends.
 class FromEnd {
 public:
@@ -52,9 +54,8 @@ Place place_of(const FromEnd &rows, int channel, std::size_t first) {
 }
 
 std::optional<EllipseParameters> curve_beyond(const FromEnd &rows, std::size_t first) {
-  constexpr std::size_t kMost = 20000;
   std::vector<double> vsin, vcos;
-  for (std::size_t k = first; k < rows.size(); k += (rows.size() - first) / kMost + 1)
+  for (std::size_t k = first; k < rows.size(); k += (rows.size() - first) / kMostLookedAt + 1)
     if (rows.usable(k)) {
       vsin.push_back(rows.value(0, k));
       vcos.push_back(rows.value(1, k));
@@ -85,7 +86,7 @@ std::optional<Standing> standing_off_curve(const FromEnd &rows) {
     return std::nullopt;
   const std::array<Place, 2> at{place_of(rows, 0, end), place_of(rows, 1, end)};
   std::vector<double> all[2];
-  for (std::size_t k = 0; k < n; ++k)
+  for (std::size_t k = 0; k < n; k += n / kMostLookedAt + 1)
     for (int channel = 0; rows.usable(k) && channel < 2; ++channel)
       all[channel].push_back(rows.value(channel, k));
   const double still_v =
