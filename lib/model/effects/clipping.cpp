@@ -63,10 +63,10 @@ public:
   std::vector<double> steps(Values v) const override {
     return std::vector<double>(to_coordinates(v).size(), 1e-3);
   }
-  /// A channel that stops at a level stays on it, which is seen, and never passes it by more than
-  /// noise. Isolated spikes may. While
-  /// the model leaves more than noise against a reference, the fit may lay the level below the true
-  /// one by as much; without one a motion read off the pair bends along.
+  /// A channel that stops at a level stays on it, which is seen, and never passes it by more
+  /// than noise. Isolated spikes may. While the model leaves more than noise against a
+  /// reference, the fit may lay the level below the true one by as much; without one a motion
+  /// read off the pair bends along.
   bool refuted(Values v, const Residual &r) const override {
     constexpr double kNoise = 4.5;    // standard deviations: by chance 3 in a million samples
     // Shares of the samples that may be spikes: alone or two together, and more in a row.
