@@ -288,6 +288,8 @@ inline constexpr std::size_t kFewestStretchesOfGain = 4;
 /// A cause must be this part of what nobody knows of the residual: of an unknown structure the
 /// likeliest of some fifty shapes takes a tenth of the power, or a third of the rms.
 inline constexpr double kOfUnknown = 0.3;
+/// Of so many shapes the likeliest takes ln 60 times the mean power of what it is a shape of.
+inline constexpr double kLikeliestOfShapes = 4.0;
 
 /// A rival takes a cause's place where it leaves less than this part of the mean square without a
 /// name: the likeliest of some fifty shapes takes a tenth of an unknown structure, and no more than
@@ -416,6 +418,9 @@ inline constexpr double kTurnsBack = 2.0;
 /// nothing to do with each other, leave a tenth of their power in one case of seven, more of them
 /// in fewer. On every bench that has been looked at it was 4 or less.
 inline constexpr double kCancels = 10.0;
+/// The same where one of them is what every pair has: two of one size leave a hundredth in one case
+/// of twenty-two.
+inline constexpr double kCancelsWhatIsThere = 100.0;
 /// A rival that comes this close, in nats, cannot be rejected: odds of e^8 are 3000 to one.
 inline constexpr double kRivalNats = 8.0;
 /// What a cause leaves over of the one that yields to it: as a part of what either explains, and as

@@ -421,8 +421,16 @@ bool Work::spikes() {
     return false;
   // Those that no first look took out have bent the fits.
   const SplitQuality with = nested_.first;
+  const DataSplit whole = split_;
+  NestedModels beside = nested_;
   leave_out(spikes.hit);
   take(nested_models(split_, found_));
+  // Rows that leave as much behind as they take were a part of what is left, and no spikes in it.
+  if (!judge_ && nested_.first.heldout.residual_rms_v > with.heldout.residual_rms_v) {
+    split_ = whole;
+    take(std::move(beside));
+    return false;
+  }
   if (given(&the_effect_that_spoils(Spoils::readings))) {
     given_seen_ = true;
     return true;

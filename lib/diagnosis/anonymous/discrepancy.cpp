@@ -29,6 +29,29 @@ struct Power {
   double mean() const { return weight > 0.0 ? std::max(0.0, sum / weight) : 0.0; }
 };
 
+/// Mean power of the orders next to one, without that of its own. `along`: and without the largest,
+/// as the length of the vector has one that stands alone, once a turn, where a magnet runs out of
+/// true; flaws of a magnet that turn the vector have a series of orders.
+Power power_about(const std::map<int, Power> &orders, int order, bool along) {
+  std::vector<std::pair<double, Power>> near; // mean power, and its part
+  for (int d : {-2, -1, 1, 2})
+    if (const auto at = orders.find(order + d); at != orders.end()) {
+      const double w = criteria::kNeighbourWeight[static_cast<std::size_t>(std::abs(d)) - 1];
+      const Power &p = at->second;
+      near.push_back({p.mean(), {w * p.sum, w * p.weight, w * w * p.weight2}});
+    }
+  if (along && near.size() > 1)
+    near.erase(std::max_element(near.begin(), near.end(),
+                                [](const auto &a, const auto &b) { return a.first < b.first; }));
+  Power out;
+  for (const auto &[mean, p] : near) {
+    out.sum += p.sum;
+    out.weight += p.weight;
+    out.weight2 += p.weight2;
+  }
+  return out;
+}
+
 } // namespace
 
 Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const Products &from,
@@ -66,7 +89,7 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   const auto power = [&](Eigen::Index k) { return values[k] * values[k] - variance[k]; };
   // Angle, by order, along the vector and across it: flaws of a magnet turn the vector and leave
   // its length, so that what changes the length stands out of them.
-  std::array<std::map<int, Power>, 2> of_order, own;
+  std::array<std::map<int, Power>, 2> own, met;             // the latter: as its neighbours meet it
   std::map<std::tuple<Axis, bool, int>, Power> of_function; // others, by axis and exponent
   const auto term_of = [&](Eigen::Index k) -> const Basis::Term & {
     return basis.terms()[static_cast<std::size_t>(out.columns[static_cast<std::size_t>(k)] / 2)];
@@ -88,21 +111,20 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
       const std::vector<std::size_t> parts = parts_of(k);
       for (std::size_t part : parts) // of all its coefficients: where an angle is zero is no matter
         own[part][g.order].add(power(k), 1.0);
-      for (int d : {-2, -1, 1, 2})
-        for (std::size_t part : parts.size() == 1 ? parts : std::vector<std::size_t>{1})
-          of_order[part][g.order + d].add(
-              power(k), criteria::kNeighbourWeight[static_cast<std::size_t>(std::abs(d)) - 1]);
+      for (std::size_t part : parts.size() == 1 ? parts : std::vector<std::size_t>{1})
+        met[part][g.order].add(power(k), 1.0);
     } else
       of_function[{g.axis, g.of_step, term_of(k).exponent}].add(power(k), 1.0);
   }
   out.variance_v2.resize(n);
   // Orders above the highest that held-out data admit hold nothing.
   const int highest = selection.orders[static_cast<std::size_t>(Axis::angle)];
-  for (int d : {1, 2})
-    for (int e = 0; e <= d - 1; ++e)
-      for (auto &of_part : of_order)
-        of_part[highest + 1 + e - d].add(
-            0.0, 2.0 * criteria::kNeighbourWeight[static_cast<std::size_t>(d) - 1]);
+  for (auto &of_part : met)
+    for (int order : {highest + 1, highest + 2})
+      of_part[order].add(0.0, 2.0);
+  const auto about = [&](std::size_t part, int order) {
+    return power_about(met[part], order, part == 0);
+  };
   // The sense and the speed of a shaft that has one look alike, and may be large and cancel each
   // other. All of that axis together are no larger than what they make. On the other axes functions
   // are orthogonal: lines that cancel before and after a burst add up in it.
@@ -125,7 +147,7 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
     };
     if (g.axis == Axis::angle)
       for (std::size_t part : parts_of(k))
-        take(of_order[part][g.order], 1.0 / static_cast<double>(parts_of(k).size()));
+        take(about(part, g.order), 1.0 / static_cast<double>(parts_of(k).size()));
     else
       take(of_function[{g.axis, g.of_step, term_of(k).exponent}],
            g.axis == Axis::speed && apart > 0.0 ? std::clamp(together / apart, 0.0, 1.0) : 1.0);

@@ -127,13 +127,24 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
     scene.coarse_step_v = step;
   if (stands_still(capture, look.white_noise_v)) {
     const double moved_deg = capture.has_reference() ? moved_by_reference_deg(capture) : 0.0;
-    scene.insufficient = fmt::format(
-        "{}: both signals stand still, but for {:.3g} mV rms by which their readings scatter",
-        moved_deg > 0.0 ? fmt::format("the reference moves by {:.3g} degrees and the pair does not "
-                                      "show it",
-                                      moved_deg)
-                        : "the shaft does not turn",
-        1e3 * std::max(spread_but_for_rare(capture.vsin_v), spread_but_for_rare(capture.vcos_v)));
+    // No sensor's noise is a tenth of its supply.
+    constexpr double kNoNoise = 0.1;
+    const double scatter_v =
+        std::max(spread_but_for_rare(capture.vsin_v), spread_but_for_rare(capture.vcos_v));
+    const std::string what =
+        moved_deg > 0.0
+            ? fmt::format("the reference moves by {:.0f} degrees and the pair does not show it",
+                          moved_deg)
+        : scatter_v > kNoNoise * capture.meta.supply_v
+            ? "no motion is seen from row to row: the shaft stands, or turns too far in between"
+            : "the shaft does not turn";
+    scene.insufficient =
+        scatter_v > kNoNoise * capture.meta.supply_v
+            ? fmt::format("{}; the readings of both signals scatter by {:.0f} mV rms", what,
+                          1e3 * scatter_v)
+            : fmt::format("{}: both signals stand still, but for {:.3g} mV rms by which their "
+                          "readings scatter",
+                          what, 1e3 * scatter_v);
     return scene;
   }
   describe_temperature(capture, scene);

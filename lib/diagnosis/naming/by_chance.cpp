@@ -3,6 +3,7 @@
 
 #include "diagnosis/naming/by_chance.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -11,7 +12,9 @@
 #include <vector>
 
 #include "base/angle.h"
+#include "base/solve.h"
 #include "diagnosis/anonymous/beside_anonymous.h"
+#include "diagnosis/anonymous/discrepancy.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/noise/along_and_across.h"
 #include "diagnosis/residual/repetition.h"
@@ -50,12 +53,28 @@ double in_time_v2(const Anonymous &left, const DataSplit &split, const Model &mo
          std::pow(goes_on_v(rest), 2);
 }
 
-/// Mean square across the vector that a model leaves of held-out data, V^2.
-double across_v2(const DataSplit &split, const Model &model) {
+/// Mean square along the vector and across it that a model leaves of held-out data, V^2.
+struct LeftOver {
+  double along_v2, across_v2;
+};
+LeftOver left_over(const DataSplit &split, const Model &model) {
   std::vector<double> along, across;
   along_and_across(split.heldout, residual_columns(split.heldout, as_seen_by(split.heldout, model)),
                    along, across);
-  return mean_square(across);
+  return {mean_square(along), mean_square(across)};
+}
+
+/// Whether a cause takes more than half of what is left above the noise in one direction: no shape
+/// does by chance. Without a reference what lies across is the motion's.
+bool takes_most_of_one_direction(const DataSplit &split, const Model &with, const Model &without,
+                                 double noise_v2) {
+  const LeftOver less = left_over(split, with), all = left_over(split, without);
+  const auto most = [&](double left_v2, double left_without_v2) {
+    return left_without_v2 - left_v2 > std::pow(criteria::kOfUnknown, 2) * noise_v2 &&
+           left_v2 - noise_v2 <= criteria::kOfRival * (left_without_v2 - noise_v2);
+  };
+  return most(less.along_v2, all.along_v2) ||
+         (split.has_reference && most(less.across_v2, all.across_v2));
 }
 
 /// Amplitudes of the half waves over the record, from none on, of what is seen in order: their
@@ -117,6 +136,40 @@ double walked_v2(const Observations &some, const Anonymous &left, const Model &w
                         walked_v2(shape.sin, rest.sin) + walked_v2(shape.cos, rest.cos));
 }
 
+/// Mean square, V^2 of a channel, that the likeliest of many shapes would take by chance at those
+/// orders of the angle at which a cause acts: what has no name has there what its neighbours have.
+double by_neighbours_v2(const Anonymous &left, const Observations &some, const Model &with,
+                        const Model &without) {
+  constexpr double kActs = 0.05; // of the largest square
+  const Discrepancy about =
+      discrepancy_of(left.basis, left.selection, left.from, Stands::to_be_named);
+  std::vector<Eigen::Index> columns;
+  std::vector<double> variances_v2;
+  for (std::size_t k = 0; k < about.columns.size(); ++k)
+    if (about.basis.groups()[static_cast<std::size_t>(about.columns[k] / 2)].axis == Axis::angle) {
+      columns.push_back(about.columns[k]);
+      variances_v2.push_back(about.variance_v2[static_cast<Eigen::Index>(k)]);
+    }
+  if (columns.empty())
+    return 0.0;
+  const auto values = static_cast<Eigen::Index>(2 * some.size());
+  Eigen::MatrixXd all(static_cast<Eigen::Index>(about.basis.columns()), values);
+  about.basis.evaluate(some, 0, some.size(), all);
+  const Eigen::MatrixXd rows = all(columns, Eigen::all);
+  const ResidualColumns rest = residual_columns(some, with), more = residual_columns(some, without);
+  Eigen::VectorXd shape(values);
+  for (std::size_t i = 0; i < some.size(); ++i)
+    shape.segment<2>(static_cast<Eigen::Index>(2 * i)) << more.sin[i] - rest.sin[i],
+        more.cos[i] - rest.cos[i];
+  const Eigen::VectorXd acts =
+      solved(rows * rows.transpose(), rows * shape).array().square().matrix();
+  double sum = 0.0;
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    if (acts[static_cast<Eigen::Index>(k)] >= kActs * acts.maxCoeff())
+      sum += 0.5 * variances_v2[k];
+  return criteria::kLikeliestOfShapes * sum;
+}
+
 } // namespace
 
 void drop_what_chance_would_take(const Scene &scene, DataSplit split, SearchResult &found) {
@@ -155,9 +208,17 @@ void drop_what_chance_would_take(const Scene &scene, DataSplit split, SearchResu
         least = of_walk;
         least_place = place;
       }
-      if (part < least && (!split.has_reference ||
-                           across_v2(split, model) > criteria::kOfRival * across_v2(split, less))) {
-        least = part;
+      if (part >= least || takes_most_of_one_direction(split, model, less, left.selection.noise_v2))
+        continue;
+      // Structure at other orders than the cause's is none that it could be a part of.
+      double nearer_v2 = unnamed_v2;
+      if (info.axis == axis_name(Axis::angle)) {
+        const double share_v2 =
+            std::max(0.0, left.selection.share_v2[static_cast<std::size_t>(Axis::angle)]);
+        nearer_v2 -= std::max(0.0, share_v2 - by_neighbours_v2(left, some, model, less));
+      }
+      if (const double nearer = takes_v2 / (takes_v2 + nearer_v2); nearer < least) {
+        least = nearer;
         least_place = place;
       }
     }

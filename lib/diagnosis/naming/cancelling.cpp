@@ -105,31 +105,36 @@ std::optional<Model> name_what_the_direction_tells(const DataSplit &split, Searc
   return found.order.size() > named ? std::optional(told.model) : std::nullopt;
 }
 
-void drop_what_cancels(const DataSplit &split, SearchResult &found) {
+void drop_what_cancels(const Scene &scene, const DataSplit &split, SearchResult &found) {
   if (!split.has_reference || found.disturbed != Direction::none)
     return;
   const Model &model = found.fit.model;
   SearchResult fewer = found;
-  bool any = false; // beside what every pair has
-  std::vector<std::size_t> at_rest;
+  std::size_t at_rest = 0;
+  double of_every_pair_v2 = 0.0, of_others_v2 = 0.0;
   for (std::size_t place = fewer.order.size(); place-- > 0;) {
     const Effect &effect = *fewer.fit.model.effects[fewer.order[place]].effect;
     if (!is_static(effect))
       continue;
-    any = any || effect.info().prior_rank != 0;
-    at_rest.push_back(found.order[place]);
+    ++at_rest;
+    (effect.info().prior_rank == 0 ? of_every_pair_v2 : of_others_v2) +=
+        turned_beside_baseline_v2(split.train, model, found.order[place]);
     fewer.forget(place);
   }
   constexpr std::size_t kFewest = 2; // that can cancel
-  if (!any || at_rest.size() < kFewest)
+  if (of_others_v2 <= 0.0 || at_rest < kFewest)
     return;
-  double each_v2 = 0.0;
-  for (std::size_t at : at_rest)
-    each_v2 += turned_beside_baseline_v2(split.train, model, at);
   fewer.fit.model = fit(split.train, fewer.fit.model, kRefit).model;
   std::vector<double> along, across;
   along_and_across(split.train, residual_columns(split.train, fewer.fit.model), along, across);
-  if (each_v2 > criteria::kCancels * mean_square(across))
+  const double turned_v2 = mean_square(across);
+  // What every pair has was there before any data, and the length of a whole turn tells it by
+  // itself: a cause that happens to take it back is no conspiracy yet. On a part of a turn all that
+  // is smooth is much of one shape.
+  const bool whole = scene.rounds(1.0) >= 1.0;
+  if (of_others_v2 + of_every_pair_v2 >
+          (whole ? criteria::kCancelsWhatIsThere : criteria::kCancels) * turned_v2 ||
+      of_others_v2 > criteria::kCancels * (turned_v2 + of_every_pair_v2))
     found = std::move(fewer);
 }
 

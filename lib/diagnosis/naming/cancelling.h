@@ -20,7 +20,7 @@ std::optional<Model> name_what_the_direction_tells(const DataSplit &split, Searc
 /// Causes that turn the vector to and fro and take it back among them stand for something that
 /// turns it hardly at all: of their sum any length is made, as of any other set of shapes. Causes
 /// that are independent turn it together by about as much as each for itself.
-void drop_what_cancels(const DataSplit &split, SearchResult &found);
+void drop_what_cancels(const Scene &scene, const DataSplit &split, SearchResult &found);
 
 /// A length that goes with the angle for no reason of the pair's, as under a gain control, bends a
 /// fit to both, and further causes of the angle take back what that turned. Where the length is not

@@ -410,7 +410,7 @@ SearchResult name_against_anonymous(const SearchStart &start, DataSplit &split,
         found = search().run(true, &known);
       }
       prefer_what_every_pair_has(start.scene, start.judge, split, found);
-      drop_what_cancels(split, found);
+      drop_what_cancels(start.scene, split, found);
       drop_what_turns_back(split, found);
       name_what_the_direction_tells(split, found);
       return found;
@@ -447,7 +447,7 @@ SearchResult name_against_anonymous(const SearchStart &start, DataSplit &split,
     drop_what_chance_would_take(start.scene, split, found);
   }
   prefer_what_every_pair_has(start.scene, start.judge, split, found);
-  drop_what_cancels(split, found);
+  drop_what_cancels(start.scene, split, found);
   drop_what_turns_back(split, found);
   colour(start.scene, split, found.fit.model);
   name_what_the_direction_tells(split, found);

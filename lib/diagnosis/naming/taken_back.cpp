@@ -116,10 +116,14 @@ bool exchange_what_stands_in(const Scene &scene, const DataSplit &split, const M
   const double n = static_cast<double>(split.heldout.size());
   Model now = fit(split.train, found.fit.model, kRefit).model;
   double left = left_v2(split, now), nats = nats_beside_anonymous(scene, split, now);
-  for (const EffectInstance &instead : missing)
+  for (const EffectInstance &instead : missing) {
+    Model both = now;
+    both.effects.push_back(instead);
+    both = fit(split.train, both, kRefit).model;
     for (std::size_t place : places) {
       const std::size_t at = found.order[place];
-      if (holds(now, instead.effect) || holds(first, now.effects[at].effect))
+      if (holds(now, instead.effect) || holds(first, now.effects[at].effect) ||
+          is_needed(split, both, at)) // beside the other: it stands in for nothing
         continue;
       Model other = now;
       other.effects[at] = instead;
@@ -141,6 +145,7 @@ bool exchange_what_stands_in(const Scene &scene, const DataSplit &split, const M
       found.contribution[place] = std::sqrt(std::max(0.0, left_v2(split, less) - left));
       any = true;
     }
+  }
   return any;
 }
 

@@ -44,11 +44,12 @@ Axes axes_at(const Observations &data, double sin_v, double cos_v) {
   return {vs / length, vc / length, s, c, length, std::max((vs * s + vc * c) / length, 1e-3)};
 }
 
-/// How far a residual leads out of the figure. The figure bends: where the angle is off by much the
-/// pair lies on it and inside its tangent.
+/// How far a residual leads out of the figure. The figure bends, here as a circle about its centre:
+/// where the angle is off by much the pair lies on it and inside its tangent.
 double out_of_figure(const Axes &at, double sin_v, double cos_v) {
   const double tangent = sin_v * at.out_c - cos_v * at.out_s;
-  return sin_v * at.out_s + cos_v * at.out_c + 0.5 * tangent * tangent / at.length_v;
+  const double out = sin_v * at.out_s + cos_v * at.out_c;
+  return std::hypot(at.length_v + out, tangent) - at.length_v;
 }
 
 } // namespace

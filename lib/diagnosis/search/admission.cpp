@@ -519,9 +519,18 @@ double Search::moved_off_angle_v(const Model &model, std::size_t effect) const {
 /// repeats with the angle has no shape by chance that changes with the speed, say, so that beyond
 /// the angle a cause need stand out only of what is unknown there.
 bool Search::stands_out(const State &now, std::size_t effect, double size_v) const {
-  if (size_v > criteria::kOfUnknown * unknown_v(now))
-    return true;
   const Model &model = now.fit.model;
+  // Beside what has no name a cause with a law of its own is held against that in the likelihood,
+  // with the variance that it has at the cause's own orders: unknown is what that leaves as well. A
+  // signature has no law, and is one shape of many.
+  const double unknown =
+      data_.train.coloured && !model.effects[effect].effect->info().signature
+          ? std::sqrt(
+                std::max(0.0, data_.train.coloured->rest_v2() -
+                                  std::pow(std::max(noise_v_, data_.scene->white_noise_v), 2)))
+          : unknown_v(now);
+  if (size_v > criteria::kOfUnknown * unknown)
+    return true;
   return unnamed_.angle_v2 > 0.0 && shows_beyond_angle(*model.effects[effect].effect) &&
          moved_off_angle_v(model, effect) > criteria::kOfUnknown * std::sqrt(unnamed_.elsewhere_v2);
 }
