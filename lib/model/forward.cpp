@@ -187,6 +187,13 @@ void ForwardModel::motion(Wave &w, double *shaft, float *speed) const {
       behind[i] = w.at.alpha[i] - reach[i];
       ahead[i] = w.at.alpha[i] + reach[i];
     }
+    const auto to_reading = [&](double sign) {
+      if (w.at.moved != nullptr)
+        for (double *angle : {shaft, behind, ahead})
+          for (std::size_t i = 0; i < w.n; ++i)
+            angle[i] -= sign * static_cast<double>(w.at.moved[i]);
+    };
+    to_reading(1.0);
     for (const Step &step : reference_) {
       for (double *angle : {shaft, behind, ahead})
         step.effect->shaft_from_reference(step.values, w.at, {angle, w.n});
@@ -196,6 +203,7 @@ void ForwardModel::motion(Wave &w, double *shaft, float *speed) const {
         speed[i] = static_cast<float>(of_reference[i] * (ahead[i] - behind[i]) / (2.0 * reach[i]));
       w.at.omega = speed;
     }
+    to_reading(-1.0);
     w.at.alpha = shaft;
   }
   std::copy(shaft, shaft + w.n, w.alpha);

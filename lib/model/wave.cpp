@@ -34,6 +34,7 @@ Conditions Conditions::slice(std::size_t first, std::size_t count) const {
   advance(out.accel, first);
   advance(out.direction, first);
   advance(out.travel, first);
+  advance(out.moved, first);
   advance(out.temp_rate, first);
   return out;
 }

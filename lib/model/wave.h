@@ -23,6 +23,9 @@ struct Conditions {
   const float *accel = nullptr;           ///< d omega/dt, rad/s^2, optional
   const signed char *direction = nullptr; ///< -1 or +1, the sense of the last motion
   const float *travel = nullptr;          ///< rad, since it last turned back; nullptr: long ago
+  /// What was added to the reading of the reference to make it `alpha`, rad, where several records
+  /// have a zero angle each: a reference errs at places of its own reading. nullptr: nothing.
+  const float *moved = nullptr;
   const float *temp = nullptr;            ///< VTEMP, V, free of noise; optional
   const float *temp_rate = nullptr;       ///< d VTEMP/dt, V/s; optional
   const float *supply = nullptr;          ///< (VDD/mean - 1) scaled to an rms of 1; optional

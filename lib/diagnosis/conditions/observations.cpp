@@ -19,7 +19,10 @@ namespace ada {
 
 namespace {
 
-constexpr double kLeastTemperatureV = 0.03; ///< about 2 degrees Celsius at 5 V
+/// Least range of VTEMP, V: 0.6 degrees Celsius of the ADA4571 at 5 V, 5 of a diode's 2 mV per
+/// degree.
+constexpr double kLeastTemperatureV = 0.01;
+constexpr double kLeastOfItsNoise = 10.0; ///< of one temperature the range is 4 standard deviations
 
 } // namespace
 
@@ -32,6 +35,7 @@ Conditions Observations::conditions() const {
           .accel = data(accel),
           .direction = data(direction),
           .travel = data(travel),
+          .moved = data(moved),
           .temp = data(temp),
           .temp_rate = data(temp_rate),
           .supply = data(supply),
@@ -125,6 +129,7 @@ template <class Data, class Act> void for_each_column(Data &data, Act act) {
   act(data.accel, &Observations::accel);
   act(data.direction, &Observations::direction);
   act(data.travel, &Observations::travel);
+  act(data.moved, &Observations::moved);
   act(data.temp, &Observations::temp);
   act(data.temp_rate, &Observations::temp_rate);
   act(data.supply, &Observations::supply);
@@ -175,7 +180,9 @@ void describe_temperature(const Capture &capture, Scene &scene) {
   const std::vector<float> &temp = scene.all.temp;
   scene.vtemp_mean_v = std::accumulate(capture.vtemp_v.begin(), capture.vtemp_v.end(), 0.0) /
                        static_cast<double>(capture.size());
-  if (quantile(temp, 0.98) - quantile(temp, 0.02) < kLeastTemperatureV)
+  const double noise_v = noise_between(std::vector<double>(temp.begin(), temp.end()));
+  if (quantile(temp, 0.98) - quantile(temp, 0.02) <
+      std::max(kLeastTemperatureV, kLeastOfItsNoise * noise_v))
     scene.why_no_temperature = "one temperature only";
   scene.all.vtemp_scanned = true;
 }

@@ -37,6 +37,9 @@ struct Observations {
   std::vector<float> vsin, vcos, omega, accel;
   std::vector<signed char> direction;
   std::vector<float> travel; ///< empty without a reference
+  /// From the reading of the reference to alpha, rad; empty unless several records have a zero
+  /// angle each.
+  std::vector<float> moved;
   std::vector<float> temp;   ///< empty without VTEMP, and so is its rate
   std::vector<float> temp_rate;
   std::vector<float> supply, supply_rate, supply_bend; ///< empty without VDD

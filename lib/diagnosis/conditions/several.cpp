@@ -35,6 +35,7 @@ void append(Observations &to, const Observations &from) {
   add(to.accel, from.accel);
   add(to.direction, from.direction);
   add(to.travel, from.travel);
+  add(to.moved, from.moved);
   add(to.temp, from.temp);
   add(to.temp_rate, from.temp_rate);
   add(to.supply, from.supply);
@@ -86,6 +87,17 @@ void move_angle(Scene &scene, double by_rad) {
       a += by_rad;
 }
 
+namespace {
+
+/// The same, with what the reference reads kept beside it.
+void move_from_reading(Scene &scene, double by_rad) {
+  move_angle(scene, by_rad);
+  for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
+    o->moved.assign(o->size(), static_cast<float>(by_rad));
+}
+
+} // namespace
+
 Scene prepare_several(const Capture &joined, bool needs_split, const Model *known,
                       std::optional<double> vdd_level_v) {
   Scene out;
@@ -103,9 +115,8 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
     }
     if (scene.has_reference) {
       ReferenceZero zero(scene);
-      if (first)
-        move_angle(scene, first->move_of(zero));
-      else
+      move_from_reading(scene, first ? first->move_of(zero) : 0.0);
+      if (!first)
         first = std::move(zero);
     }
     steady = steady && scene.has_reference && !scene.several_speeds && !scene.both_directions;

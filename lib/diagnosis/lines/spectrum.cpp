@@ -37,16 +37,32 @@ template <class T> struct Grid {
   }
 };
 
+/// Runs `with` on a transform that keeps the factors of earlier lengths, which cost a third of the
+/// transform itself. Those of long records are given back: they are as large as the record.
+template <class With> void on_transform(std::size_t n, bool half, const With &with) {
+  constexpr std::size_t kKept = std::size_t{1} << 18;
+  const auto flagged = [&](Eigen::FFT<float> &fft) -> Eigen::FFT<float> & {
+    if (half)
+      fft.SetFlag(Eigen::FFT<float>::HalfSpectrum);
+    return fft;
+  };
+  if (n > kKept) {
+    Eigen::FFT<float> fft;
+    with(flagged(fft));
+    return;
+  }
+  thread_local Eigen::FFT<float> whole_kept, half_kept;
+  with(flagged(half ? half_kept : whole_kept));
+}
+
 } // namespace
 
 Spectrum spectrum_over_time(std::span<const double> time, double sample_period_s,
                             const std::function<std::complex<double>(std::size_t)> &value) {
   const Grid<std::complex<float>> in(time, sample_period_s, value);
   Spectrum out{{}, in.bin_hz};
-  if (!in.at.empty()) {
-    Eigen::FFT<float> fft;
-    fft.fwd(out.line, in.at);
-  }
+  if (!in.at.empty())
+    on_transform(in.at.size(), false, [&](Eigen::FFT<float> &fft) { fft.fwd(out.line, in.at); });
   return out;
 }
 
@@ -57,9 +73,7 @@ void add_power_over_time(std::span<const double> time, double sample_period_s,
   if (in.at.empty())
     return;
   std::vector<std::complex<float>> line;
-  Eigen::FFT<float> fft;
-  fft.SetFlag(Eigen::FFT<float>::HalfSpectrum);
-  fft.fwd(line, in.at);
+  on_transform(in.at.size(), true, [&](Eigen::FFT<float> &fft) { fft.fwd(line, in.at); });
   out.power.resize(in.at.size() / 2);
   for (std::size_t k = 0; k < out.power.size(); ++k)
     out.power[k] += std::norm(line[k]);

@@ -435,17 +435,19 @@ SearchResult name_against_anonymous(const SearchStart &start, DataSplit &split,
   for (const Axis axis : {Axis::angle, Axis::frequency})
     drop_what_is_of_a_comb(start.scene, split, found, axis);
   drop_signatures_that_bring_forth(start.scene, start.judge, split, found);
-  if (take_back_what_explains_most(start.scene, split, first, found))
+  std::vector<const Effect *> unasked;
+  if (take_back_what_explains_most(start.scene, split, first, found, unasked))
     colour(start.scene, split, found.fit.model);
   drop_what_has_no_name(start.scene, split, found);
   const std::size_t named = found.order.size();
   drop_what_chance_would_take(start.scene, split, found);
   // It may have stood in the place of what explains most.
   if (found.order.size() < named &&
-      take_back_what_explains_most(start.scene, split, first, found)) {
+      take_back_what_explains_most(start.scene, split, first, found, unasked)) {
     colour(start.scene, split, found.fit.model);
     drop_what_chance_would_take(start.scene, split, found);
   }
+  ask_for_rivals(start.scene, split, found, unasked);
   prefer_what_every_pair_has(start.scene, start.judge, split, found);
   drop_what_cancels(start.scene, split, found);
   drop_what_turns_back(split, found);

@@ -43,13 +43,14 @@ std::vector<Rival> rivals_of(const Scene &scene, const DataSplit &split, const M
 }
 
 /// Puts causes of a fitted model, from one place on, to those that were found.
-void take_back(const Scene &scene, const DataSplit &split, const Model &less, FitResult fitted,
-               SearchResult &found) {
+void take_back(const DataSplit &split, const Model &less, FitResult fitted, SearchResult &found,
+               std::vector<const Effect *> &unasked) {
   const double without_v2 = left_v2(split, less), with_v2 = left_v2(split, fitted.model);
   for (std::size_t k = less.effects.size(); k < fitted.model.effects.size(); ++k) {
     found.order.push_back(k);
     found.contribution.push_back(std::sqrt(std::max(0.0, without_v2 - with_v2)));
-    found.alternatives.push_back(rivals_of(scene, split, fitted.model, k));
+    found.alternatives.emplace_back();
+    unasked.push_back(fitted.model.effects[k].effect);
   }
   found.fit.model = std::move(fitted.model);
 }
@@ -107,7 +108,7 @@ void drop_what_stood_in(const DataSplit &split, const Model &first, SearchResult
 /// to that, the one that needs less of it: what a low pass takes of the length has no name beside a
 /// delay.
 bool exchange_what_stands_in(const Scene &scene, const DataSplit &split, const Model &first,
-                             SearchResult &found) {
+                             SearchResult &found, std::vector<const Effect *> &unasked) {
   const std::vector<EffectInstance> missing = missing_of(first, found.fit.model);
   const std::vector<std::size_t> places = stand_ins(first, found);
   if (missing.empty() || places.empty())
@@ -140,7 +141,8 @@ bool exchange_what_stands_in(const Scene &scene, const DataSplit &split, const M
       left = left_with;
       nats = nats_with;
       found.fit.model = now;
-      found.alternatives[place] = rivals_of(scene, split, now, at); // those were of the other
+      found.alternatives[place].clear(); // those were of the other
+      unasked.push_back(now.effects[at].effect);
       const Model less = fit(split.train, now.without(at), kRefit).model;
       found.contribution[place] = std::sqrt(std::max(0.0, left_v2(split, less) - left));
       any = true;
@@ -152,7 +154,7 @@ bool exchange_what_stands_in(const Scene &scene, const DataSplit &split, const M
 } // namespace
 
 bool take_back_what_explains_most(const Scene &scene, DataSplit split, const Model &first,
-                                  SearchResult &found) {
+                                  SearchResult &found, std::vector<const Effect *> &unasked) {
   bool any = false;
   split.train = thinned(split.train);
   split.train.coloured.reset();
@@ -166,10 +168,10 @@ bool take_back_what_explains_most(const Scene &scene, DataSplit split, const Mod
                     anonymous_of(scene, split, less)) ||
         (causes.size() > 1 && !each_is_needed(split, fitted.model, less.effects.size())))
       return;
-    take_back(scene, split, less, std::move(fitted), found);
+    take_back(split, less, std::move(fitted), found, unasked);
     any = true;
   };
-  any = exchange_what_stands_in(scene, split, first, found);
+  any = exchange_what_stands_in(scene, split, first, found, unasked);
   for (const EffectInstance &e : missing_of(first, found.fit.model))
     try_back({e});
   if (const auto missing = missing_of(first, found.fit.model); missing.size() == 2)
@@ -177,6 +179,21 @@ bool take_back_what_explains_most(const Scene &scene, DataSplit split, const Mod
   if (any)
     drop_what_stood_in(split, first, found);
   return any;
+}
+
+void ask_for_rivals(const Scene &scene, DataSplit split, SearchResult &found,
+                    const std::vector<const Effect *> &unasked) {
+  if (unasked.empty())
+    return;
+  split.train = thinned(split.train);
+  split.train.coloured.reset();
+  const Model model = fit(split.train, found.fit.model, kRefit).model;
+  for (std::size_t place = 0; place < found.order.size(); ++place) {
+    const std::size_t at = found.order[place];
+    if (found.alternatives[place].empty() &&
+        std::find(unasked.begin(), unasked.end(), model.effects[at].effect) != unasked.end())
+      found.alternatives[place] = rivals_of(scene, split, model, at);
+  }
 }
 
 } // namespace ada

@@ -4,6 +4,8 @@
 // Causes that were given up in favour of what has no name, and come back.
 #pragma once
 
+#include <vector>
+
 #include "diagnosis/search/data_split.h"
 #include "diagnosis/search/search.h"
 
@@ -13,8 +15,13 @@ namespace ada {
 /// could stand for it: many free columns follow a capture into corners that one cause does not
 /// have. So are two that explain most of it together and neither by itself, as they cancel each
 /// other in part.
-/// `first`: the model before anything was held against what has no name.
+/// `first`: the model before anything was held against what has no name. `unasked`: causes whose
+/// alternatives nobody has asked for are added, as some of them will be given up again.
 bool take_back_what_explains_most(const Scene &scene, DataSplit split, const Model &first,
-                                  SearchResult &found);
+                                  SearchResult &found, std::vector<const Effect *> &unasked);
+
+/// Asks for the alternatives of those that are still there.
+void ask_for_rivals(const Scene &scene, DataSplit split, SearchResult &found,
+                    const std::vector<const Effect *> &unasked);
 
 } // namespace ada
