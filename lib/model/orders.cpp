@@ -257,10 +257,16 @@ std::vector<double> orders_of(const Residual &r) {
   if (n < 256)
     return {};
   const double low = *std::min_element(r.alpha.begin(), r.alpha.end()), turns = r.arc_turns();
-  double travel = 0.0;
+  // From one record to the next the shaft was not seen to travel.
+  constexpr double kLeap = 20.0; // of the usual step, and half a turn
+  std::vector<double> steps;
   for (std::size_t i = 1; i < n; ++i)
-    travel += std::abs(r.alpha[i] - r.alpha[i - 1]) / kTwoPi;
-  if (!(turns > 0.0))
+    steps.push_back(std::abs(r.alpha[i] - r.alpha[i - 1]) / kTwoPi);
+  const double leap = std::max(0.5, kLeap * quantile(steps, 0.5));
+  double travel = 0.0;
+  for (double step : steps)
+    travel += step < leap ? step : 0.0;
+  if (!(turns > 0.0) || !(travel > 0.0))
     return {};
   // Where no turn follows another in one sense, all are one: whole orders show.
   const bool folded = turns >= 1.0 && turns < kFewestTurns;
