@@ -221,6 +221,13 @@ void Work::judge_model() {
       out_.extended.baseline = nested_.baseline.baseline;
       last_ = plain;
     }
+  // What was taken for noise before any fit may have held what the model explains: beside a
+  // reference all noise is in what is left.
+  if (!noise_stated_ && scene_.has_reference && found_.disturbed == Direction::none)
+    if (const double left_v = last_.heldout.residual_rms_v; left_v > 0.0 && left_v < noise_) {
+      noise_ = out_.noise_rms_v = left_v;
+      scene_.white_noise_v = std::min(scene_.white_noise_v, left_v);
+    }
   compare_with_anonymous();
   if (spikes())
     compare_with_anonymous();

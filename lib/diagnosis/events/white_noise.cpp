@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -59,8 +60,9 @@ Differences differences(const Screened &look, const std::vector<std::size_t> &or
   return out;
 }
 
-/// What an ellipse over the angle of the reference leaves of each sample: no noise is larger,
-/// however unevenly the rows come, of which differences would hold the motion.
+/// What an ellipse over the angle of the reference leaves of each sample, with parabolas of the
+/// time and of VTEMP for its numbers: no noise is larger, however unevenly the rows come, of which
+/// differences would hold the motion.
 Differences beside_reference(const Screened &look) {
   const Capture &c = look.capture;
   Differences out;
@@ -71,11 +73,30 @@ Differences beside_reference(const Screened &look) {
   const auto n = static_cast<Eigen::Index>(out.middle.size());
   if (n < static_cast<Eigen::Index>(criteria::kFewestSamples))
     return {};
-  Eigen::MatrixXd circle(n, 3), pair(n, 2);
+  constexpr Eigen::Index kRowsOfColumn = 10; // by which it is told
+  std::vector<std::function<double(std::size_t)>> slow;
+  const auto add_slow = [&](const std::vector<double> &of) {
+    const double low = quantile(of, 0.02), half = 0.5 * (quantile(of, 0.98) - low);
+    if (!(half > 0.0) || !std::isfinite(half) ||
+        n < kRowsOfColumn * 3 * static_cast<Eigen::Index>(slow.size() + 3))
+      return;
+    for (const bool square : {false, true})
+      slow.push_back([&of, low, half, square](std::size_t i) {
+        const double x = std::isfinite(of[i]) ? (of[i] - low) / half - 1.0 : 0.0;
+        return square ? x * x : x;
+      });
+  };
+  add_slow(c.time_s);
+  if (c.has_vtemp())
+    add_slow(c.vtemp_v);
+  Eigen::MatrixXd circle(n, static_cast<Eigen::Index>(3 * (slow.size() + 1))), pair(n, 2);
   for (Eigen::Index k = 0; k < n; ++k) {
     const std::size_t i = out.middle[static_cast<std::size_t>(k)];
     const double psi = c.meta.periods_per_turn * kRadPerDeg * c.reference_deg[i];
-    circle.row(k) << 1.0, std::cos(psi), std::sin(psi);
+    const Eigen::RowVector3d at(1.0, std::cos(psi), std::sin(psi));
+    circle.row(k).head<3>() = at;
+    for (std::size_t f = 0; f < slow.size(); ++f)
+      circle.row(k).segment<3>(static_cast<Eigen::Index>(3 * (f + 1))) = slow[f](i) * at;
     pair.row(k) << c.vsin_v[i], c.vcos_v[i];
   }
   const Eigen::MatrixXd rest =
