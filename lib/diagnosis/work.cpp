@@ -41,7 +41,9 @@ Work::Work(const Capture &capture, const DiagnosisOptions &options, bool guess,
     judge_ = scene_of(*options.heldout, false);
   if (judge_ && judge_->insufficient.empty() && scene_.insufficient.empty() &&
       judge_->has_reference && scene_.has_reference && judge_->periods == scene_.periods)
-    move_angle(*judge_, ReferenceZero(scene_).move_if_needed(ReferenceZero(*judge_)));
+    if (const double by_rad = ReferenceZero(scene_).move_if_needed(ReferenceZero(*judge_));
+        by_rad != 0.0)
+      move_angle(*judge_, by_rad);
   if (judge_ && scene_.radius_only != judge_->radius_only)
     judge_radius_only(scene_.radius_only ? *judge_ : scene_);
 }
@@ -224,7 +226,9 @@ void Work::judge_model() {
   // What was taken for noise before any fit may have held what the model explains: beside a
   // reference all noise is in what is left.
   if (!noise_stated_ && scene_.has_reference && found_.disturbed == Direction::none)
-    if (const double left_v = last_.heldout.residual_rms_v; left_v > 0.0 && left_v < noise_) {
+    if (const double left_v =
+            std::max(last_.heldout.residual_rms_v, last_.in_sample.residual_rms_v);
+        left_v > 0.0 && left_v < noise_) {
       noise_ = out_.noise_rms_v = left_v;
       scene_.white_noise_v = std::min(scene_.white_noise_v, left_v);
     }
@@ -429,13 +433,17 @@ bool Work::spikes() {
   // Those that no first look took out have bent the fits.
   const SplitQuality with = nested_.first;
   const DataSplit whole = split_;
-  NestedModels beside = nested_;
+  const NestedModels beside = nested_;
+  const Model extended = out_.extended;
+  const SplitQuality last = last_;
   leave_out(spikes.hit);
   take(nested_models(split_, found_));
   // Rows that leave as much behind as they take were a part of what is left, and no spikes in it.
-  if (!judge_ && nested_.first.heldout.residual_rms_v > with.heldout.residual_rms_v) {
+  if (!judge_ && nested_.last.heldout.residual_rms_v > beside.last.heldout.residual_rms_v) {
     split_ = whole;
-    take(std::move(beside));
+    take(beside);
+    out_.extended = extended;
+    last_ = last;
     return false;
   }
   if (given(&the_effect_that_spoils(Spoils::readings))) {

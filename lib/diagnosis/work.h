@@ -222,10 +222,10 @@ private:
   /// Names slow processes and the shape of the noise.
   void name_random_causes();
 
-  /// Whether the speed, with fewer functions, explains as well what a slow process would, up to
-  /// what chance lets them follow. `whole_v2`: what there is without either.
-  bool goes_with_speed(const Anonymous &slow, double whole_v2, const DataSplit &white,
-                       const Model &named) const;
+  /// Whether the speed or the temperature, with fewer functions, explains as well what a slow
+  /// process would, up to what chance lets them follow. `whole_v2`: what there is without either.
+  bool goes_with_a_condition(const Anonymous &slow, double whole_v2, const DataSplit &white,
+                             const Model &named) const;
 
   /// Whether a spectrum over time means anything: an even clock, and a motion that is known.
   bool even_clock() const;

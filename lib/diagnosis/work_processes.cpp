@@ -30,8 +30,8 @@ bool Work::take_out_processes() {
   Model named = out_.extended;
   named.remainder.reset();
   // A slow process goes along with speed and temperature by chance. It is named where it alone
-  // explains most of what changes with any of them, unless the speed alone does so as well: what
-  // wanders is not expected to follow its few functions.
+  // explains most of what changes with any of them, unless the speed or the temperature alone does
+  // so as well: what wanders is not expected to follow their few functions.
   Anonymous slow = anonymous_of(scene_, white, named, {.speed = false, .others = false});
   const double whole =
       slow.from.heldout(slow.from.heldout.rows() - 1, slow.from.heldout.rows() - 1) /
@@ -42,7 +42,7 @@ bool Work::take_out_processes() {
   std::vector<RandomCause> found =
       slow_causes(slow, white, named, periods_in_all(), reference_step_rad() > 0.0);
   std::erase_if(found, [&](const RandomCause &c) { return goes_on(c); });
-  if (found.empty() || goes_with_speed(slow, whole, white, named))
+  if (found.empty() || goes_with_a_condition(slow, whole, white, named))
     return false;
   // The largest alone: what it hid may be no process, as a step that a course of the same pattern
   // would take in.
@@ -134,13 +134,16 @@ void Work::name_random_causes() {
     explained_noise_ = std::max(noise_, left);
 }
 
-bool Work::goes_with_speed(const Anonymous &slow, double whole_v2, const DataSplit &white,
-                           const Model &named) const {
-  if (!scene_.several_speeds && !scene_.both_directions)
-    return false;
-  const Anonymous speed = anonymous_of(scene_, white, named, {.over_time = false, .others = false});
+bool Work::goes_with_a_condition(const Anonymous &slow, double whole_v2, const DataSplit &white,
+                                 const Model &named) const {
   const double of_slow = whole_v2 - slow.selection.noise_v2;
-  return speed.selection.noise_v2 - slow.selection.noise_v2 < criteria::kNearlyAll * of_slow;
+  const auto explained_by = [&](Asked asked) {
+    asked.over_time = false;
+    return anonymous_of(scene_, white, named, asked).selection.noise_v2 - slow.selection.noise_v2 <
+           criteria::kNearlyAll * of_slow;
+  };
+  return ((scene_.several_speeds || scene_.both_directions) && explained_by({.others = false})) ||
+         (scene_.why_no_temperature.empty() && explained_by({.speed = false}));
 }
 
 bool Work::even_clock() const {

@@ -22,7 +22,9 @@ namespace {
 /// Least range of VTEMP, V: 0.6 degrees Celsius of the ADA4571 at 5 V, 5 of a diode's 2 mV per
 /// degree.
 constexpr double kLeastTemperatureV = 0.01;
-constexpr double kLeastOfItsNoise = 10.0; ///< of one temperature the range is 4 standard deviations
+/// In a range of less than 2 degrees it is to be ten times the noise, where that of one temperature
+/// is four times. In a larger one rows may come in any order of the temperatures.
+constexpr double kLeastOfItsNoise = 10.0, kAnyOrderV = 0.03;
 
 } // namespace
 
@@ -180,9 +182,10 @@ void describe_temperature(const Capture &capture, Scene &scene) {
   const std::vector<float> &temp = scene.all.temp;
   scene.vtemp_mean_v = std::accumulate(capture.vtemp_v.begin(), capture.vtemp_v.end(), 0.0) /
                        static_cast<double>(capture.size());
+  const double range_v = quantile(temp, 0.98) - quantile(temp, 0.02);
   const double noise_v = noise_between(std::vector<double>(temp.begin(), temp.end()));
-  if (quantile(temp, 0.98) - quantile(temp, 0.02) <
-      std::max(kLeastTemperatureV, kLeastOfItsNoise * noise_v))
+  if (range_v < kLeastTemperatureV ||
+      (range_v < kAnyOrderV && range_v < kLeastOfItsNoise * noise_v))
     scene.why_no_temperature = "one temperature only";
   scene.all.vtemp_scanned = true;
 }

@@ -191,8 +191,12 @@ bool move_zeros(Scene &scene, const Capture &joined, const Model &found, double 
   if (!any)
     return false;
   for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
-    for (std::size_t i = 0; i < o->size(); ++i)
-      o->alpha[i] += move[capture_at(joined, o->time[i])];
+    for (std::size_t i = 0; i < o->size(); ++i) {
+      const double by = move[capture_at(joined, o->time[i])];
+      o->alpha[i] += by;
+      if (!o->moved.empty())
+        o->moved[i] += static_cast<float>(by);
+    }
   return true;
 }
 

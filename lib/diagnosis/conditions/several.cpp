@@ -82,21 +82,14 @@ void append(std::vector<std::uint32_t> &to, const std::vector<std::uint32_t> &fr
 } // namespace
 
 void move_angle(Scene &scene, double by_rad) {
-  for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
-    for (double &a : o->alpha)
-      a += by_rad;
+  for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts}) {
+    o->moved.resize(o->size(), 0.0f);
+    for (std::size_t i = 0; i < o->size(); ++i) {
+      o->alpha[i] += by_rad;
+      o->moved[i] += static_cast<float>(by_rad);
+    }
+  }
 }
-
-namespace {
-
-/// The same, with what the reference reads kept beside it.
-void move_from_reading(Scene &scene, double by_rad) {
-  move_angle(scene, by_rad);
-  for (Observations *o : {&scene.all, &scene.spiked, &scene.rough, &scene.bursts})
-    o->moved.assign(o->size(), static_cast<float>(by_rad));
-}
-
-} // namespace
 
 Scene prepare_several(const Capture &joined, bool needs_split, const Model *known,
                       std::optional<double> vdd_level_v) {
@@ -115,7 +108,7 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
     }
     if (scene.has_reference) {
       ReferenceZero zero(scene);
-      move_from_reading(scene, first ? first->move_of(zero) : 0.0);
+      move_angle(scene, first ? first->move_of(zero) : 0.0);
       if (!first)
         first = std::move(zero);
     }

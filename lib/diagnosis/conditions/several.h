@@ -13,7 +13,7 @@ namespace ada {
 Scene prepare_several(const Capture &joined, bool needs_split, const Model *known,
                       std::optional<double> vdd_level_v);
 
-/// Moves the angle of everything that a scene holds.
+/// Moves the angle of everything that a scene holds; by how much stays known beside it (`moved`).
 void move_angle(Scene &scene, double by_rad);
 
 } // namespace ada

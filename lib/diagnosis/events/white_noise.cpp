@@ -74,10 +74,12 @@ Differences beside_reference(const Screened &look) {
   if (n < static_cast<Eigen::Index>(criteria::kFewestSamples))
     return {};
   constexpr Eigen::Index kRowsOfColumn = 10; // by which it is told
+  constexpr double kLittleNoise = 0.1;       // of half the range: a hundredth of the power
   std::vector<std::function<double(std::size_t)>> slow;
   const auto add_slow = [&](const std::vector<double> &of) {
     const double low = quantile(of, 0.02), half = 0.5 * (quantile(of, 0.98) - low);
-    if (!(half > 0.0) || !std::isfinite(half) ||
+    // What scatters from row to row could take noise with it that is the pair's as well.
+    if (!(half > 0.0) || !std::isfinite(half) || noise_between(of) > kLittleNoise * half ||
         n < kRowsOfColumn * 3 * static_cast<Eigen::Index>(slow.size() + 3))
       return;
     for (const bool square : {false, true})

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <numbers>
 #include <numeric>
+#include <set>
 #include <vector>
 
 #include "base/angle.h"
@@ -64,17 +65,17 @@ LeftOver left_over(const DataSplit &split, const Model &model) {
   return {mean_square(along), mean_square(across)};
 }
 
-/// Whether a cause takes more than half of what is left above the noise in one direction: no shape
-/// does by chance. Without a reference what lies across is the motion's.
+/// Whether a cause takes more than half of what is left above the noise in one direction, beside a
+/// reference: no shape does by chance.
 bool takes_most_of_one_direction(const DataSplit &split, const Model &with, const Model &without,
                                  double noise_v2) {
   const LeftOver less = left_over(split, with), all = left_over(split, without);
   const auto most = [&](double left_v2, double left_without_v2) {
-    return left_without_v2 - left_v2 > std::pow(criteria::kOfUnknown, 2) * noise_v2 &&
+    return left_without_v2 > noise_v2 &&
+           left_without_v2 - left_v2 > std::pow(criteria::kOfUnknown, 2) * noise_v2 &&
            left_v2 - noise_v2 <= criteria::kOfRival * (left_without_v2 - noise_v2);
   };
-  return most(less.along_v2, all.along_v2) ||
-         (split.has_reference && most(less.across_v2, all.across_v2));
+  return most(less.along_v2, all.along_v2) || most(less.across_v2, all.across_v2);
 }
 
 /// Amplitudes of the half waves over the record, from none on, of what is seen in order: their
@@ -136,22 +137,35 @@ double walked_v2(const Observations &some, const Anonymous &left, const Model &w
                         walked_v2(shape.sin, rest.sin) + walked_v2(shape.cos, rest.cos));
 }
 
-/// Mean square, V^2 of a channel, that the likeliest of many shapes would take by chance at those
-/// orders of the angle at which a cause acts: what has no name has there what its neighbours have.
-double by_neighbours_v2(const Anonymous &left, const Observations &some, const Model &with,
-                        const Model &without) {
-  constexpr double kActs = 0.05; // of the largest square
+/// What has no name at those orders of the angle at which a cause acts, V^2 of a channel.
+struct AtOwnOrders {
+  double by_chance_v2 =
+      0.0; ///< that the likeliest of many shapes takes, by what the neighbours have
+  double left_along_v2 = 0.0; ///< beside the cause, along the vector
+};
+
+AtOwnOrders at_own_orders(const Anonymous &left, Observations some, const Model &with,
+                          const Model &without) {
+  constexpr double kActs = 0.05;        // of the largest square
+  constexpr std::size_t kEnough = 1000; // samples, for what an effect does by its law
   const Discrepancy about =
       discrepancy_of(left.basis, left.selection, left.from, Stands::to_be_named);
+  const auto &groups = left.basis.groups();
+  const auto group_of = [&](Eigen::Index column) -> const Group & {
+    return groups[static_cast<std::size_t>(column / 2)];
+  };
   std::vector<Eigen::Index> columns;
   std::vector<double> variances_v2;
   for (std::size_t k = 0; k < about.columns.size(); ++k)
-    if (about.basis.groups()[static_cast<std::size_t>(about.columns[k] / 2)].axis == Axis::angle) {
+    if (group_of(about.columns[k]).axis == Axis::angle) {
       columns.push_back(about.columns[k]);
       variances_v2.push_back(about.variance_v2[static_cast<Eigen::Index>(k)]);
     }
   if (columns.empty())
-    return 0.0;
+    return {};
+  std::vector<std::uint32_t> every(some.size());
+  std::iota(every.begin(), every.end(), 0u);
+  some.keep(thin(every, kEnough, 100));
   const auto values = static_cast<Eigen::Index>(2 * some.size());
   Eigen::MatrixXd all(static_cast<Eigen::Index>(about.basis.columns()), values);
   about.basis.evaluate(some, 0, some.size(), all);
@@ -163,11 +177,27 @@ double by_neighbours_v2(const Anonymous &left, const Observations &some, const M
         more.cos[i] - rest.cos[i];
   const Eigen::VectorXd acts =
       solved(rows * rows.transpose(), rows * shape).array().square().matrix();
-  double sum = 0.0;
+  AtOwnOrders out;
+  std::set<int> orders;
   for (std::size_t k = 0; k < columns.size(); ++k)
-    if (acts[static_cast<Eigen::Index>(k)] >= kActs * acts.maxCoeff())
-      sum += 0.5 * variances_v2[k];
-  return criteria::kLikeliestOfShapes * sum;
+    if (acts[static_cast<Eigen::Index>(k)] >= kActs * acts.maxCoeff()) {
+      out.by_chance_v2 += 0.5 * criteria::kLikeliestOfShapes * variances_v2[k];
+      orders.insert(group_of(columns[k]).order);
+    }
+  // Real coefficients of a modulated vector lie along it; of the one side that the order of a
+  // period has half does.
+  for (std::size_t k = 0; k < left.selection.columns.size(); ++k) {
+    const Eigen::Index column = left.selection.columns[k];
+    const Group &group = group_of(column);
+    const bool whole = left.basis.terms()[static_cast<std::size_t>(column / 2)].modulation.kind ==
+                       Modulation::none;
+    if (group.axis == Axis::angle && group.order != kOfBaseline && orders.contains(group.order))
+      out.left_along_v2 += (whole             ? 0.5
+                            : column % 2 == 0 ? 1.0
+                                              : 0.0) *
+                           0.5 * std::pow(left.selection.values[static_cast<Eigen::Index>(k)], 2);
+  }
+  return out;
 }
 
 } // namespace
@@ -208,16 +238,25 @@ void drop_what_chance_would_take(const Scene &scene, DataSplit split, SearchResu
         least = of_walk;
         least_place = place;
       }
-      if (part >= least || takes_most_of_one_direction(split, model, less, left.selection.noise_v2))
+      if (part >= least)
         continue;
-      // Structure at other orders than the cause's is none that it could be a part of.
+      // Structure at other orders than the cause's is none that it could be a part of. Flaws of a
+      // magnet turn the vector: a length that changes as much at the cause's own orders as it turns
+      // the vector is the rest of what it is a part of.
+      // Without a reference what turns it is the motion's.
+      const bool repeats = split.has_reference && info.axis == axis_name(Axis::angle);
+      const AtOwnOrders own = repeats ? at_own_orders(left, some, model, less) : AtOwnOrders{};
+      if (split.has_reference && own.left_along_v2 <= criteria::kOfRival * takes_v2 &&
+          takes_most_of_one_direction(split, model, less, left.selection.noise_v2))
+        continue;
       double nearer_v2 = unnamed_v2;
-      if (info.axis == axis_name(Axis::angle)) {
+      if (repeats) {
         const double share_v2 =
             std::max(0.0, left.selection.share_v2[static_cast<std::size_t>(Axis::angle)]);
-        nearer_v2 -= std::max(0.0, share_v2 - by_neighbours_v2(left, some, model, less));
+        nearer_v2 -= std::max(0.0, share_v2 - own.by_chance_v2 - own.left_along_v2);
       }
-      if (const double nearer = takes_v2 / (takes_v2 + nearer_v2); nearer < least) {
+      if (const double nearer = takes_v2 > 0.0 ? takes_v2 / (takes_v2 + nearer_v2) : 0.0;
+          nearer < least) {
         least = nearer;
         least_place = place;
       }
