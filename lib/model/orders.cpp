@@ -257,12 +257,12 @@ std::vector<double> orders_of(const Residual &r) {
   if (n < 256)
     return {};
   const double low = *std::min_element(r.alpha.begin(), r.alpha.end()), turns = r.arc_turns();
-  // From one record to the next the shaft was not seen to travel.
-  constexpr double kLeap = 20.0; // of the usual step, and half a turn
+  // From one record to the next the shaft was not seen to travel; a turn that is held out it went.
+  constexpr double kLeap = 20.0, kTurns = 2.0; // of the usual step, and at least
   std::vector<double> steps;
   for (std::size_t i = 1; i < n; ++i)
     steps.push_back(std::abs(r.alpha[i] - r.alpha[i - 1]) / kTwoPi);
-  const double leap = std::max(0.5, kLeap * quantile(steps, 0.5));
+  const double leap = std::max(kTurns, kLeap * quantile(steps, 0.5));
   double travel = 0.0;
   for (double step : steps)
     travel += step < leap ? step : 0.0;
