@@ -439,7 +439,9 @@ bool Work::spikes() {
   leave_out(spikes.hit);
   take(nested_models(split_, found_));
   // Rows that leave as much behind as they take were a part of what is left, and no spikes in it.
-  if (!judge_ && nested_.last.heldout.residual_rms_v > beside.last.heldout.residual_rms_v) {
+  const bool more =
+      std::any_of(spikes.hit.begin(), spikes.hit.end(), [](char h) { return h != 0; });
+  if (more && !judge_ && nested_.last.heldout.residual_rms_v > beside.last.heldout.residual_rms_v) {
     split_ = whole;
     take(beside);
     out_.extended = extended;

@@ -257,15 +257,15 @@ std::vector<double> orders_of(const Residual &r) {
   if (n < 256)
     return {};
   const double low = *std::min_element(r.alpha.begin(), r.alpha.end()), turns = r.arc_turns();
-  // From one record to the next the shaft was not seen to travel; a turn that is held out it went.
-  constexpr double kLeap = 20.0, kTurns = 2.0; // of the usual step, and at least
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < n; ++i)
-    steps.push_back(std::abs(r.alpha[i] - r.alpha[i - 1]) / kTwoPi);
-  const double leap = std::max(kTurns, kLeap * quantile(steps, 0.5));
+  // From one record to the next the angle leaps by more than the speed and the time between say.
+  constexpr double kFarther = 2.0, kAndTurns = 0.5;
   double travel = 0.0;
-  for (double step : steps)
-    travel += step < leap ? step : 0.0;
+  for (std::size_t i = 1; i < n; ++i) {
+    const double step = std::abs(r.alpha[i] - r.alpha[i - 1]) / kTwoPi,
+                 went = std::max(std::abs(r.omega[i]), std::abs(r.omega[i - 1])) *
+                        (r.time[i] - r.time[i - 1]) / kTwoPi;
+    travel += step < kFarther * went + kAndTurns ? step : 0.0;
+  }
   if (!(turns > 0.0) || !(travel > 0.0))
     return {};
   // Where no turn follows another in one sense, all are one: whole orders show.
