@@ -186,16 +186,26 @@ AtOwnOrders at_own_orders(const Anonymous &left, Observations some, const Model 
     }
   // Real coefficients of a modulated vector lie along it; of the one side that the order of a
   // period has half does.
+  const auto part_along = [&](Eigen::Index column) {
+    const bool whole = left.basis.terms()[static_cast<std::size_t>(column / 2)].modulation.kind ==
+                       Modulation::none;
+    return whole ? 0.5 : column % 2 == 0 ? 1.0 : 0.0;
+  };
+  // A cause that changes the length itself says by how much, and need not account for more of it.
+  constexpr double kOnlyTurns = 0.1; // of its power lies along the vector
+  double acts_along = 0.0;
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    if (left.basis.terms()[static_cast<std::size_t>(columns[k] / 2)].modulation.kind !=
+        Modulation::none)
+      acts_along += part_along(columns[k]) * acts[static_cast<Eigen::Index>(k)];
+  if (acts_along > kOnlyTurns * acts.sum())
+    return out;
   for (std::size_t k = 0; k < left.selection.columns.size(); ++k) {
     const Eigen::Index column = left.selection.columns[k];
     const Group &group = group_of(column);
-    const bool whole = left.basis.terms()[static_cast<std::size_t>(column / 2)].modulation.kind ==
-                       Modulation::none;
     if (group.axis == Axis::angle && group.order != kOfBaseline && orders.contains(group.order))
-      out.left_along_v2 += (whole             ? 0.5
-                            : column % 2 == 0 ? 1.0
-                                              : 0.0) *
-                           0.5 * std::pow(left.selection.values[static_cast<Eigen::Index>(k)], 2);
+      out.left_along_v2 += 0.5 * part_along(column) *
+                           std::pow(left.selection.values[static_cast<Eigen::Index>(k)], 2);
   }
   return out;
 }
