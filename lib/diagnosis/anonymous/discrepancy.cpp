@@ -122,9 +122,6 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
   for (auto &of_part : met)
     for (int order : {highest + 1, highest + 2})
       of_part[order].add(0.0, 2.0);
-  const auto about = [&](std::size_t part, int order) {
-    return power_about(met[part], order, part == 0);
-  };
   // The sense and the speed of a shaft that has one look alike, and may be large and cancel each
   // other. All of that axis together are no larger than what they make. On the other axes functions
   // are orthogonal: lines that cancel before and after a burst add up in it.
@@ -147,7 +144,8 @@ Discrepancy discrepancy_of(const Basis &basis, const Selection &selection, const
     };
     if (g.axis == Axis::angle)
       for (std::size_t part : parts_of(k))
-        take(about(part, g.order), 1.0 / static_cast<double>(parts_of(k).size()));
+        take(power_about(met[part], g.order, part == 0),
+             1.0 / static_cast<double>(parts_of(k).size()));
     else
       take(of_function[{g.axis, g.of_step, term_of(k).exponent}],
            g.axis == Axis::speed && apart > 0.0 ? std::clamp(together / apart, 0.0, 1.0) : 1.0);

@@ -183,9 +183,9 @@ void describe_temperature(const Capture &capture, Scene &scene) {
   scene.vtemp_mean_v = std::accumulate(capture.vtemp_v.begin(), capture.vtemp_v.end(), 0.0) /
                        static_cast<double>(capture.size());
   const double range_v = quantile(temp, 0.98) - quantile(temp, 0.02);
-  const double noise_v = noise_between(std::vector<double>(temp.begin(), temp.end()));
+  const auto noise_v = [&] { return noise_between(std::vector<double>(temp.begin(), temp.end())); };
   if (range_v < kLeastTemperatureV ||
-      (range_v < kAnyOrderV && range_v < kLeastOfItsNoise * noise_v))
+      (range_v < kAnyOrderV && range_v < kLeastOfItsNoise * noise_v()))
     scene.why_no_temperature = "one temperature only";
   scene.all.vtemp_scanned = true;
 }

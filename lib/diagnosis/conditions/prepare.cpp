@@ -87,6 +87,24 @@ double moved_by_reference_deg(const Capture &capture) {
   return moved > kOfNoise * noise_between(alpha) ? moved * kDegPerRad : 0.0;
 }
 
+/// `moved_deg`: by the reference, if it moves.
+std::string why_at_rest(const Capture &capture, double moved_deg) {
+  constexpr double kNoNoise = 0.1; // of the supply: no sensor's noise is as much
+  const double scatter_v =
+      std::max(spread_but_for_rare(capture.vsin_v), spread_but_for_rare(capture.vcos_v));
+  const std::string of_reference =
+      fmt::format("the reference moves by {:.0f} degrees and the pair does not show it", moved_deg);
+  if (scatter_v > kNoNoise * capture.meta.supply_v)
+    return fmt::format("{}; the readings of both signals scatter by {:.0f} mV rms",
+                       moved_deg > 0.0 ? of_reference
+                                       : "no motion is seen from row to row: the shaft stands, or "
+                                         "turns too far in between",
+                       1e3 * scatter_v);
+  return fmt::format(
+      "{}: both signals stand still, but for {:.3g} mV rms by which their readings scatter",
+      moved_deg > 0.0 ? of_reference : "the shaft does not turn", 1e3 * scatter_v);
+}
+
 } // namespace
 
 Scene prepare_record(const Capture &capture, bool needs_split, const Model *known,
@@ -127,24 +145,7 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
     scene.coarse_step_v = step;
   if (stands_still(capture, look.white_noise_v)) {
     const double moved_deg = capture.has_reference() ? moved_by_reference_deg(capture) : 0.0;
-    // No sensor's noise is a tenth of its supply.
-    constexpr double kNoNoise = 0.1;
-    const double scatter_v =
-        std::max(spread_but_for_rare(capture.vsin_v), spread_but_for_rare(capture.vcos_v));
-    const std::string what =
-        moved_deg > 0.0
-            ? fmt::format("the reference moves by {:.0f} degrees and the pair does not show it",
-                          moved_deg)
-        : scatter_v > kNoNoise * capture.meta.supply_v
-            ? "no motion is seen from row to row: the shaft stands, or turns too far in between"
-            : "the shaft does not turn";
-    scene.insufficient =
-        scatter_v > kNoNoise * capture.meta.supply_v
-            ? fmt::format("{}; the readings of both signals scatter by {:.0f} mV rms", what,
-                          1e3 * scatter_v)
-            : fmt::format("{}: both signals stand still, but for {:.3g} mV rms by which their "
-                          "readings scatter",
-                          what, 1e3 * scatter_v);
+    scene.insufficient = why_at_rest(capture, moved_deg);
     return scene;
   }
   describe_temperature(capture, scene);

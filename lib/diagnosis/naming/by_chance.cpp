@@ -3,20 +3,18 @@
 
 #include "diagnosis/naming/by_chance.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <numeric>
-#include <set>
+#include <optional>
 #include <vector>
 
 #include "base/angle.h"
-#include "base/solve.h"
 #include "diagnosis/anonymous/beside_anonymous.h"
-#include "diagnosis/anonymous/discrepancy.h"
 #include "diagnosis/criteria.h"
+#include "diagnosis/naming/own_orders.h"
 #include "diagnosis/noise/along_and_across.h"
 #include "diagnosis/residual/repetition.h"
 #include "diagnosis/search/admission.h"
@@ -137,79 +135,6 @@ double walked_v2(const Observations &some, const Anonymous &left, const Model &w
                         walked_v2(shape.sin, rest.sin) + walked_v2(shape.cos, rest.cos));
 }
 
-/// What has no name at those orders of the angle at which a cause acts, V^2 of a channel.
-struct AtOwnOrders {
-  double by_chance_v2 =
-      0.0; ///< that the likeliest of many shapes takes, by what the neighbours have
-  double left_along_v2 = 0.0; ///< beside the cause, along the vector
-};
-
-AtOwnOrders at_own_orders(const Anonymous &left, Observations some, const Model &with,
-                          const Model &without) {
-  constexpr double kActs = 0.05;        // of the largest square
-  constexpr std::size_t kEnough = 1000; // samples, for what an effect does by its law
-  const Discrepancy about =
-      discrepancy_of(left.basis, left.selection, left.from, Stands::to_be_named);
-  const auto &groups = left.basis.groups();
-  const auto group_of = [&](Eigen::Index column) -> const Group & {
-    return groups[static_cast<std::size_t>(column / 2)];
-  };
-  std::vector<Eigen::Index> columns;
-  std::vector<double> variances_v2;
-  for (std::size_t k = 0; k < about.columns.size(); ++k)
-    if (group_of(about.columns[k]).axis == Axis::angle) {
-      columns.push_back(about.columns[k]);
-      variances_v2.push_back(about.variance_v2[static_cast<Eigen::Index>(k)]);
-    }
-  if (columns.empty())
-    return {};
-  std::vector<std::uint32_t> every(some.size());
-  std::iota(every.begin(), every.end(), 0u);
-  some.keep(thin(every, kEnough, 100));
-  const auto values = static_cast<Eigen::Index>(2 * some.size());
-  Eigen::MatrixXd all(static_cast<Eigen::Index>(about.basis.columns()), values);
-  about.basis.evaluate(some, 0, some.size(), all);
-  const Eigen::MatrixXd rows = all(columns, Eigen::all);
-  const ResidualColumns rest = residual_columns(some, with), more = residual_columns(some, without);
-  Eigen::VectorXd shape(values);
-  for (std::size_t i = 0; i < some.size(); ++i)
-    shape.segment<2>(static_cast<Eigen::Index>(2 * i)) << more.sin[i] - rest.sin[i],
-        more.cos[i] - rest.cos[i];
-  const Eigen::VectorXd acts =
-      solved(rows * rows.transpose(), rows * shape).array().square().matrix();
-  AtOwnOrders out;
-  std::set<int> orders;
-  for (std::size_t k = 0; k < columns.size(); ++k)
-    if (acts[static_cast<Eigen::Index>(k)] >= kActs * acts.maxCoeff()) {
-      out.by_chance_v2 += 0.5 * criteria::kLikeliestOfShapes * variances_v2[k];
-      orders.insert(group_of(columns[k]).order);
-    }
-  // Real coefficients of a modulated vector lie along it; of the one side that the order of a
-  // period has half does.
-  const auto part_along = [&](Eigen::Index column) {
-    const bool whole = left.basis.terms()[static_cast<std::size_t>(column / 2)].modulation.kind ==
-                       Modulation::none;
-    return whole ? 0.5 : column % 2 == 0 ? 1.0 : 0.0;
-  };
-  // A cause that changes the length itself says by how much, and need not account for more of it.
-  constexpr double kOnlyTurns = 0.1; // of its power lies along the vector
-  double acts_along = 0.0;
-  for (std::size_t k = 0; k < columns.size(); ++k)
-    if (left.basis.terms()[static_cast<std::size_t>(columns[k] / 2)].modulation.kind !=
-        Modulation::none)
-      acts_along += part_along(columns[k]) * acts[static_cast<Eigen::Index>(k)];
-  if (acts_along > kOnlyTurns * acts.sum())
-    return out;
-  for (std::size_t k = 0; k < left.selection.columns.size(); ++k) {
-    const Eigen::Index column = left.selection.columns[k];
-    const Group &group = group_of(column);
-    if (group.axis == Axis::angle && group.order != kOfBaseline && orders.contains(group.order))
-      out.left_along_v2 += 0.5 * part_along(column) *
-                           std::pow(left.selection.values[static_cast<Eigen::Index>(k)], 2);
-  }
-  return out;
-}
-
 } // namespace
 
 void drop_what_chance_would_take(const Scene &scene, DataSplit split, SearchResult &found) {
@@ -225,6 +150,9 @@ void drop_what_chance_would_take(const Scene &scene, DataSplit split, SearchResu
     const Model model = fit(split.train, with_expected(found.fit.model), kRefit).model;
     const Anonymous left = anonymous_of(scene, split, model);
     const double with_v2 = left_v2(split, model), slow_v2 = in_time_v2(left, split, model);
+    const double share_of_angle_v2 =
+        std::max(0.0, left.selection.share_v2[static_cast<std::size_t>(Axis::angle)]);
+    std::optional<OwnOrders> orders;
     std::size_t least_place = found.order.size();
     double least = criteria::kOfRival;
     for (std::size_t place = 0; place < found.order.size(); ++place) {
@@ -250,20 +178,20 @@ void drop_what_chance_would_take(const Scene &scene, DataSplit split, SearchResu
       }
       if (part >= least)
         continue;
-      // Structure at other orders than the cause's is none that it could be a part of. Flaws of a
-      // magnet turn the vector: a length that changes as much at the cause's own orders as it turns
-      // the vector is the rest of what it is a part of.
-      // Without a reference what turns it is the motion's.
-      const bool repeats = split.has_reference && info.axis == axis_name(Axis::angle);
-      const AtOwnOrders own = repeats ? at_own_orders(left, some, model, less) : AtOwnOrders{};
-      if (split.has_reference && own.left_along_v2 <= criteria::kOfRival * takes_v2 &&
-          takes_most_of_one_direction(split, model, less, left.selection.noise_v2))
-        continue;
+      // Structure at other orders than the cause's is none that it could be a part of. Without a
+      // reference what turns the vector is the motion's.
       double nearer_v2 = unnamed_v2;
-      if (repeats) {
-        const double share_v2 =
-            std::max(0.0, left.selection.share_v2[static_cast<std::size_t>(Axis::angle)]);
-        nearer_v2 -= std::max(0.0, share_v2 - own.by_chance_v2 - own.left_along_v2);
+      if (split.has_reference) {
+        AtOwnOrders own;
+        if (info.axis == axis_name(Axis::angle)) {
+          if (!orders)
+            orders.emplace(left, some);
+          own = orders->of(model, less);
+          nearer_v2 -= std::max(0.0, share_of_angle_v2 - own.by_chance_v2 - own.left_along_v2);
+        }
+        if (own.left_along_v2 <= criteria::kOfRival * takes_v2 &&
+            takes_most_of_one_direction(split, model, less, left.selection.noise_v2))
+          continue;
       }
       if (const double nearer = takes_v2 > 0.0 ? takes_v2 / (takes_v2 + nearer_v2) : 0.0;
           nearer < least) {
