@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/plain_numbers.h"
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/pair_alone.h"
@@ -275,12 +276,30 @@ Diagnosis diagnose_rows(const Capture &capture, const DiagnosisOptions &given) {
 
 } // namespace
 
+namespace {
+
+void write_numbers_plainly(Diagnosis &d) {
+  const auto plainly = [](std::string &sentence) { sentence = in_plain_numbers(sentence); };
+  plainly(d.reason);
+  for (Finding &f : d.findings) {
+    plainly(f.explanation);
+    plainly(f.separate_by);
+  }
+  for (Structure &s : d.structure)
+    plainly(s.description);
+  for (Experiment &e : d.next_experiments)
+    plainly(e.sentence);
+}
+
+} // namespace
+
 Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &options) {
   Diagnosis out = diagnose_rows(capture, options);
   out.next_experiments = next_experiments(out, capture, [&] {
     if (options.progress)
       options.progress(1.0, "what to record next");
   });
+  write_numbers_plainly(out);
   return out;
 }
 

@@ -9,20 +9,21 @@
 #include <fmt/format.h>
 
 #include "base/frame.h"
+#include "base/plain_numbers.h"
 #include "base/text.h"
 #include "health/criteria.h"
 
 namespace ada::health {
 
 HealthCheck verdict(std::string id, bool passed, double measured, double limit, std::string unit,
-                    std::string explanation) {
+                    const std::string &explanation) {
   return {std::move(id),   passed ? HealthState::passed : HealthState::failed,
           measured,        limit,
-          std::move(unit), std::move(explanation)};
+          std::move(unit), in_plain_numbers(explanation)};
 }
 
-HealthCheck cannot_tell(std::string id, std::string why) {
-  return {std::move(id), HealthState::unknown, kAbsent, kAbsent, "", std::move(why)};
+HealthCheck cannot_tell(std::string id, const std::string &why) {
+  return {std::move(id), HealthState::unknown, kAbsent, kAbsent, "", in_plain_numbers(why)};
 }
 
 std::string no_figures(const Evidence &e) {

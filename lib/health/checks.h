@@ -43,8 +43,8 @@ HealthCheck check_reference(const Evidence &e);
 /// The reason is told by check_rotation.
 inline constexpr const char *kNoCircle = "there is no circle to measure it on";
 HealthCheck verdict(std::string id, bool passed, double measured, double limit, std::string unit,
-                    std::string explanation);
-HealthCheck cannot_tell(std::string id, std::string why);
+                    const std::string &explanation);
+HealthCheck cannot_tell(std::string id, const std::string &why);
 
 /// Why a figure of the circle proves nothing here; empty where it does. A channel that does not
 /// follow the magnet bends the circle of the other one, too.

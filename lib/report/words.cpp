@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "base/plain_numbers.h"
 #include "diagnosis/diagnose.h"
 
 namespace ada {
@@ -136,8 +137,9 @@ Shown show(const ParameterInfo &info, double value, double std_error) {
 }
 
 std::string millivolts(double volts) {
-  return std::abs(volts) < 1e-4 && volts != 0.0 ? fmt::format("{:.3g} \u00b5V", 1e6 * volts)
-                                                : fmt::format("{:.3g} mV", 1e3 * volts);
+  return std::abs(volts) < 1e-4 && volts != 0.0
+             ? fmt::format("{:.3g} \u00b5V", 1e6 * volts)
+             : in_plain_numbers(fmt::format("{:.3g} mV", 1e3 * volts));
 }
 
 std::string degrees(double deg) {

@@ -14,6 +14,7 @@
 #include "diagnosis/anonymous/steps.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/events/edges.h"
+#include "diagnosis/lines/line.h"
 #include "diagnosis/noise/along_and_across.h"
 #include "diagnosis/search/candidates.h"
 #include "model/forward.h"
@@ -107,20 +108,22 @@ Anonymous chosen(Anonymous from) {
   return from;
 }
 
-/// The strongest lines of what the selection leaves.
+/// The strongest lines of what the selection leaves. Tones first, and taken out: in the frame that
+/// turns with the vector each of them would be two lines.
 std::vector<SpectralLine> lines_of(const Scene &scene, const Halves &halves, const Anonymous &left,
-                                   const Model &model, bool turns) {
+                                   const Model &model) {
   ResidualColumns rest = halves.train_left;
   subtract(left.basis, left.selection, halves.train, rest);
   const Residual view = residual_view(scene, halves.train, rest, std::sqrt(left.selection.train_v2),
                                       model.baseline.amplitude_v);
   std::vector<SpectralLine> out;
-  if (turns)
-    for (double hz : find_modulations(view))
-      out.push_back({hz, true});
-  else
-    for (const auto &values : find_tones(view))
-      out.push_back({values[0], false});
+  for (const auto &values : find_tones(view))
+    out.push_back({values[0], false});
+  const std::size_t tones = out.size();
+  for (std::size_t k = 0; k < tones; ++k)
+    take_out_line(halves.train.time, out[k].frequency_hz, rest.sin, rest.cos);
+  for (double hz : find_modulations(view)) // a view of the same columns
+    out.push_back({hz, true});
   return out;
 }
 
@@ -225,16 +228,8 @@ Anonymous compute(const Scene &scene, const Halves &halves, const Model &model, 
   }
   if (!asked.speed || halves.train.size() < criteria::kFewestForLines)
     return out;
-  // Tones first: in the frame that turns with the vector each of them would be two lines.
-  std::vector<SpectralLine> lines;
-  for (const bool turns : {false, true}) {
-    const std::vector<SpectralLine> more = lines_of(scene, halves, out, model, turns);
-    if (more.empty())
-      continue;
-    lines.insert(lines.end(), more.begin(), more.end());
-    out = with(std::max(2, out.selection.orders[0]), lines);
-  }
-  return out;
+  const std::vector<SpectralLine> lines = lines_of(scene, halves, out, model);
+  return lines.empty() ? out : with(std::max(2, out.selection.orders[0]), lines);
 }
 
 } // namespace
@@ -246,7 +241,7 @@ const Anonymous *RecentAnonymous::find(const Question &question) const {
 }
 
 void RecentAnonymous::keep(Question question, const Anonymous &answer) {
-  constexpr std::size_t kMost = 2;
+  constexpr std::size_t kMost = 6;
   if (kept_.size() == kMost)
     kept_.erase(kept_.begin());
   kept_.emplace_back(std::move(question), answer);

@@ -36,6 +36,8 @@ public:
   Nested(const Products &from, std::vector<Eigen::Index> columns, const Eigen::VectorXd &stiffness,
          double left = 1.0, std::optional<double> known_ridge = std::nullopt)
       : from_(from), columns_(std::move(columns)), stiffness_(stiffness(columns_)), left_(left) {
+    train_ = from_.train(columns_, columns_);
+    train_onto_ = from_.train(columns_, from_.train.rows() - 1);
     if (known_ridge) {
       decompose(*known_ridge);
       return;
@@ -93,16 +95,18 @@ private:
   void decompose(double ridge) {
     ridge_ = ridge;
     const auto m = static_cast<Eigen::Index>(columns_.size());
-    factor_ =
-        ridged(from_.train(columns_, columns_), ridge, stiffness_, from_.n_train).llt().matrixL();
-    const Eigen::VectorXd onto = from_.train(columns_, from_.train.rows() - 1);
-    forward_ = m == 0 ? onto : Eigen::VectorXd(factor_.triangularView<Eigen::Lower>().solve(onto));
+    factor_ = ridged(train_, ridge, stiffness_, from_.n_train);
+    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(factor_);
+    forward_ = m == 0 ? train_onto_
+                      : Eigen::VectorXd(factor_.triangularView<Eigen::Lower>().solve(train_onto_));
   }
 
   const Products &from_;
   std::vector<Eigen::Index> columns_;
   Eigen::VectorXd stiffness_;
   double left_, ridge_ = 0.0;
+  Eigen::MatrixXd train_; ///< products of the training part in the order of the columns
+  Eigen::VectorXd train_onto_;
   Eigen::MatrixXd factor_;  ///< lower triangle
   Eigen::VectorXd forward_; ///< its inverse times the products with the residual
   /// Products of the held-out part in the order of the columns, once they are asked for.

@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "base/angle.h"
-#include "base/sincos.h"
 #include "base/solve.h"
+#include "diagnosis/lines/line.h"
 
 namespace ada {
 
@@ -35,16 +35,16 @@ bool AlongRadius::is_most() const {
 
 /// What the columns take of the radius, V^2. `columns`: of sample i with the sine and cosine of
 /// the phase there.
-template <int N, class Columns> double AlongRadius::taken(double frequency, Columns columns) const {
+template <int N, class Columns>
+double AlongRadius::taken(std::span<const double> sine, std::span<const double> cosine,
+                          Columns columns) const {
   Eigen::Matrix<double, N, N> normal = Eigen::Matrix<double, N, N>::Zero();
   Eigen::Matrix<double, N, 1> onto = Eigen::Matrix<double, N, 1>::Zero();
-  for_each_sincos(
-      along_.size(), [&](std::size_t i) { return kTwoPi * frequency * r_.time[i]; },
-      [&](std::size_t i, double s, double c) {
-        const Eigen::Matrix<double, N, 1> row = columns(i, s, c);
-        normal += row * row.transpose();
-        onto += along_[i] * row;
-      });
+  for (std::size_t i = 0; i < along_.size(); ++i) {
+    const Eigen::Matrix<double, N, 1> row = columns(i, sine[i], cosine[i]);
+    normal += row * row.transpose();
+    onto += along_[i] * row;
+  }
   return onto.cwiseProduct(solved(normal, onto)).sum();
 }
 
@@ -52,9 +52,12 @@ template <int N, class Columns> double AlongRadius::taken(double frequency, Colu
 template <int N, class Columns>
 double AlongRadius::most_taken(double frequency, Columns columns) const {
   constexpr int kSteps = 5; // on either side; half of one loses less than a hundredth
+  const double half = 0.5 * spectrum_.bin_hz;
   double best = 0.0;
-  for (int step = -kSteps; step <= kSteps; ++step)
-    best = std::max(best, taken<N>(frequency + 0.5 * step / kSteps * spectrum_.bin_hz, columns));
+  for_each_frequency(r_.time, frequency - half, half / kSteps, 2 * kSteps + 1,
+                     [&](int, const std::vector<double> &s, const std::vector<double> &c) {
+                       best = std::max(best, taken<N>(s, c, columns));
+                     });
   return best;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "diagnosis/lines/spectrum.h"
@@ -26,7 +27,8 @@ public:
   bool is_gain(double frequency, bool slow) const;
 
 private:
-  template <int N, class Columns> double taken(double frequency, Columns columns) const;
+  template <int N, class Columns>
+  double taken(std::span<const double> sine, std::span<const double> cosine, Columns columns) const;
   template <int N, class Columns> double most_taken(double frequency, Columns columns) const;
   double of_tone(double frequency) const;
   double strongest_of_gain(double from_hz, double to_hz) const;

@@ -3,18 +3,53 @@
 
 #include "diagnosis/lines/line.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "base/solve.h"
 #include "diagnosis/lines/spectrum.h"
 
 namespace ada {
 
+namespace {
+
+Line line_of(const Residual &r, std::span<const double> sine, std::span<const double> cosine) {
+  const auto n = static_cast<Eigen::Index>(r.time.size());
+  const auto column = [n](std::span<const double> of) {
+    return Eigen::Map<const Eigen::VectorXd>(of.data(), n);
+  };
+  const auto s = column(sine), c = column(cosine), x = column(r.sin_v), y = column(r.cos_v);
+  const double scale = 2.0 / static_cast<double>(n);
+  Line line{0.0, {scale * x.dot(s), scale * x.dot(c), scale * y.dot(s), scale * y.dot(c)}};
+  for (double a : line.amplitudes)
+    line.power += a * a;
+  return line;
+}
+
+} // namespace
+
 Line line_at(const Residual &r, double frequency) {
   return line_along(r, [&](std::size_t i) { return kTwoPi * frequency * r.time[i]; });
+}
+
+void take_out_line(std::span<const double> time, double frequency, std::span<double> sin_v,
+                   std::span<double> cos_v) {
+  const auto phase = [&](std::size_t i) { return kTwoPi * frequency * time[i]; };
+  Eigen::Matrix2d products = Eigen::Matrix2d::Zero(), onto = products; // onto: by channel
+  for_each_sincos(time.size(), phase, [&](std::size_t i, double s, double c) {
+    const Eigen::Vector2d row(s, c);
+    products += row * row.transpose();
+    onto += row * Eigen::RowVector2d(sin_v[i], cos_v[i]);
+  });
+  const Eigen::MatrixXd of = solved(products, onto);
+  for_each_sincos(time.size(), phase, [&](std::size_t i, double s, double c) {
+    sin_v[i] -= of(0, 0) * s + of(1, 0) * c;
+    cos_v[i] -= of(0, 1) * s + of(1, 1) * c;
+  });
 }
 
 bool rotates(const Line &tone) {
@@ -53,6 +88,7 @@ strongest_lines(const Residual &r, double above_hz,
   std::sort(peaks.rbegin(), peaks.rend());
   std::vector<std::pair<double, Line>> out;
   std::size_t looked_at = 0;
+  constexpr int kEitherSide = 4; // steps
   for (const auto &[p, k] : peaks) {
     if (out.size() == 2 || ++looked_at > 40)
       break;
@@ -62,14 +98,15 @@ strongest_lines(const Residual &r, double above_hz,
     if (skip(centre, best)) // most are; that shows at the bin already
       continue;
     for (int pass = 0; pass < 3; ++pass, step *= 0.25) {
-      const double from = centre;
-      for (int d = -4; d <= 4; ++d) {
-        const Line line = line_at(r, from + d * step);
-        if (line.power > best.power) {
-          best = line;
-          centre = from + d * step;
-        }
-      }
+      const double from = centre - kEitherSide * step;
+      for_each_frequency(r.time, from, step, 2 * kEitherSide + 1,
+                         [&](int at, const std::vector<double> &s, const std::vector<double> &c) {
+                           const Line line = line_of(r, s, c);
+                           if (line.power > best.power) {
+                             best = line;
+                             centre = from + at * step;
+                           }
+                         });
     }
     if (!skip(centre, best))
       out.emplace_back(centre, best);
@@ -124,12 +161,7 @@ void keep_single_lines(Residual r, std::vector<std::pair<double, Line>> &lines) 
     const double frequency = found.first;
     const Line line = line_at(r, frequency);
     const bool turning = rotates(line) || is_of_the_turning_pair(r, frequency, line);
-    for (std::size_t i = 0; i < left[0].size(); ++i) {
-      double s, c;
-      sincos(kTwoPi * frequency * r.time[i], &s, &c);
-      for (std::size_t k : {0, 1})
-        left[k][i] -= line.amplitudes[2 * k] * s + line.amplitudes[2 * k + 1] * c;
-    }
+    take_out_line(r.time, frequency, left[0], left[1]);
     PowerOverTime after = spectrum();
     const auto strongest = [&](const PowerOverTime &of) {
       const auto at = [&](double hz) {

@@ -7,9 +7,11 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "base/angle.h"
 #include "base/sincos.h"
 #include "model/residual.h"
 
@@ -38,8 +40,39 @@ template <class Phase> Line line_along(const Residual &r, Phase phase) {
   return line;
 }
 
+/// use(k, sine, cosine), of each time's phase, for the frequencies first_hz + k step_hz, k from 0
+/// to count - 1: the phases are turned on from one to the next.
+template <class Use>
+void for_each_frequency(std::span<const double> time, double first_hz, double step_hz, int count,
+                        Use use) {
+  const std::size_t n = time.size();
+  std::vector<double> s(n), c(n), turn_s(n), turn_c(n);
+  const auto fill = [&](double hz, std::vector<double> &sine, std::vector<double> &cosine) {
+    for_each_sincos(
+        n, [&](std::size_t i) { return kTwoPi * hz * time[i]; },
+        [&](std::size_t i, double x, double y) {
+          sine[i] = x;
+          cosine[i] = y;
+        });
+  };
+  fill(first_hz, s, c);
+  fill(step_hz, turn_s, turn_c);
+  for (int k = 0; k < count; ++k) {
+    use(k, s, c);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double next = s[i] * turn_c[i] + c[i] * turn_s[i];
+      c[i] = c[i] * turn_c[i] - s[i] * turn_s[i];
+      s[i] = next;
+    }
+  }
+}
+
 /// The line at a frequency in Hz.
 Line line_at(const Residual &r, double frequency);
+
+/// Takes the line at a frequency in Hz out of two channels by least squares.
+void take_out_line(std::span<const double> time, double frequency, std::span<double> sin_v,
+                   std::span<double> cos_v);
 
 /// Two channels a quarter of a period apart and of one size: something that turns, such as a gain
 /// that wanders, or a pickup that happens to reach the wires so.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/plain_numbers.h"
 #include "base/text.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/words/explain.h"
@@ -60,7 +61,7 @@ std::string to_text(const Diagnosis &d) {
                        "read; along the curve residuals weigh by their own scatter\n",
                        d.readings_a_stop);
   if (d.verdict == Verdict::insufficient_data)
-    return out + verdict_sentence(d) + "\n" + failed_checks(d);
+    return in_plain_numbers(out + verdict_sentence(d)) + "\n" + failed_checks(d);
   const Quality &base = d.baseline_quality.heldout;
   out += fmt::format("model: {}: residual {:.4g} mV rms on held-out data{}\n",
                      printable(d.baseline_name), 1e3 * base.residual_rms_v, error_of(base));
@@ -106,7 +107,7 @@ std::string to_text(const Diagnosis &d) {
     for (const Invisible &i : d.invisible)
       out += fmt::format("  {} ({})\n", i.cause, i.reason);
   }
-  return out + failed_checks(d);
+  return in_plain_numbers(out) + failed_checks(d);
 }
 
 } // namespace ada
