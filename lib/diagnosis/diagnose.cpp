@@ -12,6 +12,7 @@
 
 #include "base/plain_numbers.h"
 #include "diagnosis/conditions/alternation.h"
+#include "diagnosis/conditions/between_captures.h"
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/pair_alone.h"
 #include "diagnosis/conditions/reference_course.h"
@@ -293,7 +294,12 @@ void write_numbers_plainly(Diagnosis &d) {
 
 } // namespace
 
-Diagnosis diagnose(const Capture &capture, const DiagnosisOptions &options) {
+Diagnosis diagnose(const Capture &given, const DiagnosisOptions &asked) {
+  const auto moved = in_step(given, asked.heldout);
+  const Capture &capture = moved ? moved->capture : given;
+  DiagnosisOptions options = asked;
+  if (moved && moved->heldout)
+    options.heldout = &*moved->heldout;
   Diagnosis out = diagnose_rows(capture, options);
   out.next_experiments = next_experiments(out, capture, [&] {
     if (options.progress)

@@ -40,10 +40,13 @@ Work::Work(const Capture &capture, const DiagnosisOptions &options, bool guess,
   if (options.heldout)
     judge_ = scene_of(*options.heldout, false);
   if (judge_ && judge_->insufficient.empty() && scene_.insufficient.empty() &&
-      judge_->has_reference && scene_.has_reference && judge_->periods == scene_.periods)
-    if (const double by_rad = ReferenceZero(scene_).move_if_needed(ReferenceZero(*judge_));
+      judge_->has_reference == scene_.has_reference && judge_->periods == scene_.periods) {
+    const ReferenceZero mine(scene_), other(*judge_);
+    if (const double by_rad =
+            scene_.has_reference ? mine.move_if_needed(other) : mine.period_of(other);
         by_rad != 0.0)
       move_angle(*judge_, by_rad);
+  }
   if (judge_ && scene_.radius_only != judge_->radius_only)
     judge_radius_only(scene_.radius_only ? *judge_ : scene_);
 }

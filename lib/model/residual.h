@@ -52,6 +52,7 @@ public:
   double amplitude_v = 1.0, noise_v = 0.0, supply_v = 5.0;
   double centre_sin_v = 2.5, centre_cos_v = 2.5; ///< middle of the circle
   double sample_period_s = 0.0;
+  double stretch_s = 0.0; ///< the longest without a pause of the record; 0: as long as the times
   std::span<const double> time;
   std::span<const float> omega;
   std::span<const signed char> sense; ///< of rotation, +-1; at rest that of the way there

@@ -192,6 +192,24 @@ void describe_temperature(const Capture &capture, Scene &scene) {
 
 namespace {
 
+/// Steps of the record by which the shaft is taken to have gone on as fast as at their end.
+constexpr double kMostSteps = 10.0;
+
+/// The longest stretch of a record without a pause, s: one of a twentieth of all the time that was
+/// recorded, at the least.
+double longest_stretch_s(const Observations &all) {
+  constexpr double kPause = 0.05;
+  const auto step = [&](std::size_t i) { return std::abs(all.time[i] - all.time[i - 1]); };
+  double recorded = 0.0, here = 0.0, longest = 0.0;
+  for (std::size_t i = 1; i < all.size(); ++i)
+    recorded += std::min(step(i), kMostSteps * all.frame_period_s);
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    here = step(i) > kPause * recorded ? 0.0 : here + step(i);
+    longest = std::max(longest, here);
+  }
+  return longest;
+}
+
 /// Mean speed over one electrical period from each sample on, rad/s, along the stretches between
 /// two reversals; none where no stretch holds a period.
 std::vector<double> speed_of_periods(const Observations &all, int periods) {
@@ -233,14 +251,18 @@ double fastest_over_periods(const Scene &scene) {
 
 void describe_motion(Scene &scene) {
   const Observations &all = scene.all;
+  scene.stretch_s = longest_stretch_s(all);
   struct Way {
     double time = 0.0, travel = 0.0;
   } forward, backward;
   std::vector<double> speed;
   for (std::size_t i = 0; i < all.size(); ++i) {
     speed.push_back(std::abs(all.omega[i]));
-    double dt = i > 0 ? all.time[i] - all.time[i - 1] : 0.0;
-    double step = std::min(std::abs(dt), 10.0 * all.frame_period_s) * all.omega[i];
+    // What went on in a pause of the record nobody saw.
+    double dt =
+        i > 0 ? std::min(std::abs(all.time[i] - all.time[i - 1]), kMostSteps * all.frame_period_s)
+              : 0.0;
+    double step = dt * all.omega[i];
     if (scene.stops && i > 0) { // it turns from one place to the next, and each way counts alike
       dt = 1.0;
       step = std::copysign(std::abs(all.alpha[i] - all.alpha[i - 1]), all.direction[i]);

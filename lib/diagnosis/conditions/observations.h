@@ -142,6 +142,7 @@ struct Scene {
   bool lag_in_zeros = false;
   std::string why_no_temperature;
   double turns = 0.0, fastest_omega = 0.0;
+  double stretch_s = 0.0;  ///< the longest of the record without a pause
   double seen_turns = 1.0; ///< from one end of the motion to the other, at most one
   /// How often the shaft comes round a part of a turn: on less than that, to and fro.
   double rounds(double part_of_turn) const {

@@ -113,6 +113,10 @@ double ReferenceZero::move_of(const ReferenceZero &other) const {
   return best_period(pattern(0.0), other, other.zero_rad_ - zero_rad_);
 }
 
+double ReferenceZero::period_of(const ReferenceZero &other) const {
+  return best_period(pattern(0.0), other, 0.0);
+}
+
 double ReferenceZero::move_if_needed(const ReferenceZero &other) const {
   const Pattern mine = pattern(0.0);
   const double moved = best_period(mine, other, other.zero_rad_ - zero_rad_);

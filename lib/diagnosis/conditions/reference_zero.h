@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 //
-// Two records of one sensor whose references begin at different places of the shaft. The pair tells
-// the difference up to a period; which of the periods of a turn it is, what else repeats with the
-// turn tells: a stray field, a magnet's flaw.
+// Two records of one sensor whose references begin at different places of the shaft, or that have
+// none. The pair tells the difference up to a period; which of the periods of a turn it is, what
+// else repeats with the turn tells: a stray field, a magnet's flaw, a shaft that turns unevenly.
 #pragma once
 
 #include <vector>
@@ -18,6 +18,8 @@ public:
 
   /// By how much the angle of `other` must be moved to be counted as that of this record, rad.
   double move_of(const ReferenceZero &other) const;
+  /// The same where the angle is the pair's own: whole periods, 0 where nothing tells them apart.
+  double period_of(const ReferenceZero &other) const;
   /// The same of a record that most likely has the same reference: 0 unless the move fits better.
   double move_if_needed(const ReferenceZero &other) const;
 

@@ -106,10 +106,11 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
       scene.insufficient = fmt::format("capture {}: {}", k + 1, scene.insufficient);
       return scene;
     }
-    if (scene.has_reference) {
+    if (scene.has_reference || scene.periods > 1) {
       ReferenceZero zero(scene);
-      move_angle(scene, first ? first->move_of(zero) : 0.0);
-      if (!first)
+      if (first)
+        move_angle(scene, scene.has_reference ? first->move_of(zero) : first->period_of(zero));
+      else
         first = std::move(zero);
     }
     steady = steady && scene.has_reference && !scene.several_speeds && !scene.both_directions;

@@ -15,8 +15,6 @@
 
 namespace ada {
 
-namespace {
-
 Line line_of(const Residual &r, std::span<const double> sine, std::span<const double> cosine) {
   const auto n = static_cast<Eigen::Index>(r.time.size());
   const auto column = [n](std::span<const double> of) {
@@ -30,7 +28,10 @@ Line line_of(const Residual &r, std::span<const double> sine, std::span<const do
   return line;
 }
 
-} // namespace
+double tells_apart_s(const Residual &r) {
+  const double span = r.time.back() - r.time.front();
+  return r.stretch_s > 0.0 ? std::min(span, r.stretch_s) : span;
+}
 
 Line line_at(const Residual &r, double frequency) {
   return line_along(r, [&](std::size_t i) { return kTwoPi * frequency * r.time[i]; });
@@ -66,7 +67,7 @@ strongest_lines(const Residual &r, double above_hz,
   const double span = n > 1 ? r.time.back() - r.time.front() : 0.0;
   if (n < kFewestForTones || !(r.sample_period_s > 0.0) || span <= 0.0)
     return {};
-  const double resolution = 1.0 / span;
+  const double resolution = 1.0 / tells_apart_s(r);
   PowerOverTime spectrum;
   for (const std::span<const double> channel : {r.sin_v, r.cos_v})
     add_power_over_time(

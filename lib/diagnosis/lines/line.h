@@ -67,6 +67,13 @@ void for_each_frequency(std::span<const double> time, double first_hz, double st
   }
 }
 
+/// The line whose phase has this sine and cosine.
+Line line_of(const Residual &r, std::span<const double> sine, std::span<const double> cosine);
+
+/// How long a line must swing to be told from another, s: in one stretch, for nobody saw it swing
+/// in a pause of the record, however long that makes the whole.
+double tells_apart_s(const Residual &r);
+
 /// The line at a frequency in Hz.
 Line line_at(const Residual &r, double frequency);
 

@@ -19,12 +19,9 @@
 namespace ada {
 
 double rounds_of(const Residual &r) {
-  double speed = 0.0;
-  for (double w : r.omega)
-    speed += std::abs(w) / static_cast<double>(r.omega.size());
   const auto [low, high] = std::minmax_element(r.alpha.begin(), r.alpha.end());
-  const double travel = speed * (r.time.back() - r.time.front());
-  return travel / std::clamp(2.0 * (*high - *low), std::numeric_limits<double>::min(), kTwoPi);
+  return kTwoPi * r.turns /
+         std::clamp(2.0 * (*high - *low), std::numeric_limits<double>::min(), kTwoPi);
 }
 
 double comes_round(const Residual &r) {
@@ -155,8 +152,7 @@ double comes_back(const Residual &r) {
       at = hz;
     }
   }
-  const double span = r.time.back() - r.time.front();
-  return best > kEven && at * span > kFewest ? at : 0.0;
+  return best > kEven && at * tells_apart_s(r) > kFewest ? at : 0.0;
 }
 
 bool of_way_there_and_back(const Residual &r, double back_hz, double frequency) {
@@ -164,10 +160,9 @@ bool of_way_there_and_back(const Residual &r, double back_hz, double frequency) 
   if (!(back_hz > 0.0))
     return false;
   const double multiple = std::round(frequency / back_hz);
-  const double span = r.time.back() - r.time.front();
   const double highest = highest_named(r) * 0.5 * kTwoPi * r.arc_turns() + kBeyond;
   return multiple >= 1.0 && multiple <= highest &&
-         std::abs(frequency - multiple * back_hz) < kWidth / span &&
+         std::abs(frequency - multiple * back_hz) < kWidth / tells_apart_s(r) &&
          !told_from(
              r, [&](std::size_t i) { return kTwoPi * multiple * back_hz * r.time[i]; }, frequency);
 }
@@ -181,7 +176,7 @@ int order_seen_at(const Residual &r, double round_hz, double frequency) {
   if (!(round_hz > 0.0))
     return 0;
   const auto direct = static_cast<int>(std::round(frequency / round_hz));
-  const double within = kOrderWidth / (r.time.back() - r.time.front());
+  const double within = kOrderWidth / tells_apart_s(r);
   if (std::abs(frequency - direct * round_hz) < within)
     return direct;
   // So many orders that a tone lies on one of them by chance in no more than this part of cases.

@@ -98,7 +98,7 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
     return {};
   Rounded rounded(residual);
   const Residual &r = rounded.view;
-  const double span = r.time.back() - r.time.front();
+  const double span = r.time.back() - r.time.front(), apart_s = tells_apart_s(r);
   const double round = comes_round(r), back = comes_back(r);
   const bool few = too_few_rounds_for_lines(r);
   // Of a long record in few rounds, tones of up to so many half periods in all: there is one line
@@ -113,9 +113,9 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
     if (!most)
       most = mostly_at(r);
     const int of_round = order_seen_at(r, round, frequency);
-    const int of_speed = order_near(r, frequency, 1.0 / span);
-    const bool near_round =
-        of_round >= 1 && std::abs(frequency - seen_at_hz(r, of_round * round)) < kOrderWidth / span;
+    const int of_speed = order_near(r, frequency, 1.0 / apart_s);
+    const bool near_round = of_round >= 1 && std::abs(frequency - seen_at_hz(r, of_round * round)) <
+                                                 kOrderWidth / apart_s;
     const bool at_round = near_round && !told_from_order(r, of_round, frequency);
     const bool at_speed = turns_with_shaft(r, of_speed, line) ||
                           (of_speed != 0 && !(near_round && of_speed == of_round) &&

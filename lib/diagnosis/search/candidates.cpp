@@ -117,6 +117,7 @@ Residual residual_view(const Scene &scene, const Observations &data, const Resid
   r.centre_cos_v = data.centre_cos_v;
   r.sense = data.direction;
   r.sample_period_s = data.frame_period_s;
+  r.stretch_s = scene.stretch_s;
   r.time = data.time;
   r.omega = data.omega;
   r.alpha = data.alpha;
