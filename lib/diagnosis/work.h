@@ -221,6 +221,9 @@ private:
 
   /// Names slow processes and the shape of the noise.
   void name_random_causes();
+  /// A cause that goes as slowly as a named process has what it may have of that as an error.
+  void widen_beside_processes();
+  void widen(EffectInstance &cause, const std::vector<double> &errors, const Effect &process);
 
   /// Whether the speed or the temperature, with fewer functions, explains as well what a slow
   /// process would, up to what chance lets them follow. `whole_v2`: what there is without either.

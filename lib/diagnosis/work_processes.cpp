@@ -12,6 +12,7 @@
 #include "diagnosis/conditions/gains.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/events/change_points.h"
+#include "diagnosis/noise/beside_process.h"
 #include "diagnosis/noise/random_causes.h"
 #include "diagnosis/residual/few_rows.h"
 #include "model/wires.h"
@@ -125,6 +126,7 @@ void Work::name_random_causes() {
   for (const std::vector<RandomCause> *causes : {&processes_, &noise})
     for (const RandomCause &c : *causes)
       name_process(c);
+  widen_beside_processes();
   if (!reads_noise)
     return;
   // Without a reference the motion has taken in what lies along the circle.
@@ -132,6 +134,48 @@ void Work::name_random_causes() {
                                scene_.has_reference ? 0.0 : out_.noise.along_v);
   if (!random_.empty() || !noise.empty())
     explained_noise_ = std::max(noise_, left);
+}
+
+void Work::widen_beside_processes() {
+  constexpr std::size_t kEnough = 4000; // of the record, for how it goes over all of it
+  if (processes_.empty())
+    return;
+  std::vector<std::uint32_t> some(scene_.all.size());
+  std::iota(some.begin(), some.end(), 0u);
+  const Observations data = scene_.all.select(thin(some, kEnough, 100));
+  for (const RandomCause &process : processes_) {
+    std::vector<std::vector<double>> errors;
+    int slow = 0; // causes that take of it
+    for (std::size_t k = 0; k < out_.extended.effects.size(); ++k) {
+      errors.push_back(errors_beside(data, out_.extended, k, process, std::max(1, slow_waves_)));
+      slow += std::ranges::any_of(errors.back(), [](double e) { return e > 0.0; });
+    }
+    const double more = std::sqrt(more_of_walk(slow));
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+      for (double &e : errors[k])
+        e *= more;
+      widen(out_.extended.effects[k], errors[k], *process.effect);
+    }
+  }
+}
+
+void Work::widen(EffectInstance &cause, const std::vector<double> &errors, const Effect &process) {
+  for (Finding &f : nested_.findings) {
+    if (f.effect != cause.effect || f.values != cause.values)
+      continue;
+    bool untold = false, clear = false;
+    for (std::size_t p = 0; p < f.std_errors.size(); ++p) {
+      f.std_errors[p] = std::hypot(f.std_errors[p], errors[p]);
+      (std::abs(f.values[p]) > criteria::kClearErrors * f.std_errors[p] ? clear : untold) |=
+          errors[p] > 0.0;
+    }
+    const std::string id(process.info().id);
+    if (untold && !clear && std::ranges::find(f.alternatives, id) == f.alternatives.end())
+      f.alternatives.push_back(id);
+    put_in_words(f);
+  }
+  for (std::size_t p = 0; p < cause.std_errors.size(); ++p)
+    cause.std_errors[p] = std::hypot(cause.std_errors[p], errors[p]);
 }
 
 bool Work::goes_with_a_condition(const Anonymous &slow, double whole_v2, const DataSplit &white,

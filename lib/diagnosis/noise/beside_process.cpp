@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: The libada4571 authors
+
+#include "diagnosis/noise/beside_process.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "base/angle.h"
+#include "diagnosis/noise/along_and_across.h"
+#include "diagnosis/search/fit.h"
+
+namespace ada {
+
+namespace {
+
+using Channels = std::array<std::vector<double>, 2>;
+
+/// How a parameter moves what the process moves as well: both channels, or the length.
+Channels moved(const Observations &data, const Model &model, const Model &other, Pattern pattern) {
+  const ResidualColumns here = residual_columns(data, model), there = residual_columns(data, other);
+  ResidualColumns by = here;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    by.sin[i] = there.model_sin[i] - here.model_sin[i];
+    by.cos[i] = there.model_cos[i] - here.model_cos[i];
+  }
+  if (pattern == Pattern::offset)
+    return {std::move(by.sin), std::move(by.cos)};
+  Channels out;
+  std::vector<double> across;
+  along_and_across(data, by, out[0], across);
+  out[1].assign(out[0].size(), 0.0);
+  return out;
+}
+
+double mean_of(const std::vector<double> &x) {
+  return std::accumulate(x.begin(), x.end(), 0.0) /
+         static_cast<double>(std::max<std::size_t>(1, x.size()));
+}
+
+/// The part of a walk's mean square that its k-th half wave has, k from 1 on: 1 / k^2 of their sum.
+double of_half_wave(int k) {
+  return 6.0 / std::pow(k * std::numbers::pi, 2);
+}
+
+/// Mean square about the mean, the part of it in the first half waves over the record, and what a
+/// walk of mean square 1 has of that shape: of its power the k-th half wave has a part that falls
+/// with the square of k.
+struct Power {
+  double all = 0.0, slow = 0.0, of_walk = 0.0;
+};
+
+Power power_of(const std::vector<double> &x, const std::vector<double> &time, int waves) {
+  const double mean = mean_of(x), n = static_cast<double>(std::max<std::size_t>(1, x.size()));
+  Power out;
+  for (double v : x)
+    out.all += (v - mean) * (v - mean) / n;
+  const double span = std::max(time.back() - time.front(), 1e-300);
+  for (int k = 1; k <= waves; ++k) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i)
+      sum += (x[i] - mean) * std::cos(k * std::numbers::pi * (time[i] - time.front()) / span);
+    const double power = 2.0 * sum * sum / (n * n);
+    out.slow += power;
+    out.of_walk += power * of_half_wave(k);
+  }
+  return out;
+}
+
+} // namespace
+
+std::vector<double> errors_beside(const Observations &data, const Model &model, std::size_t effect,
+                                  const RandomCause &process, int waves) {
+  constexpr double kSlow = 0.1; // of its power: of what goes with the angle chance has less
+  const EffectInstance &cause = model.effects[effect];
+  std::vector<double> out(cause.values.size(), 0.0);
+  const Pattern pattern = process.effect->info().pattern;
+  if (data.size() < 2 || waves < 1 || cause.std_errors.size() != out.size())
+    return out;
+  const double of_gain = std::abs(model.baseline.amplitude_v) * process.values.front();
+  const std::array<double, 2> process_v{pattern == Pattern::gain ? of_gain : process.values[0],
+                                        pattern == Pattern::gain ? 0.0 : process.values[1]};
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const double step = cause.std_errors[k];
+    if (!(step > 0.0))
+      continue;
+    Model other = model;
+    other.effects[effect].values[k] += step;
+    const Channels by = moved(data, model, other, pattern);
+    double sum = 0.0, all = 0.0;
+    for (std::size_t c = 0; c < by.size(); ++c) {
+      const Power of = power_of(by[c], data.time, waves);
+      if (of.slow > kSlow * of.all)
+        sum += process_v[c] * process_v[c] * of.of_walk;
+      all += of.all;
+    }
+    if (all > 0.0)
+      out[k] = step * std::sqrt(sum) / all;
+  }
+  return out;
+}
+
+double more_of_walk(int taken) {
+  double left = 1.0;
+  for (int k = 1; k <= taken; ++k)
+    left -= of_half_wave(k);
+  return 1.0 / left;
+}
+
+} // namespace ada
