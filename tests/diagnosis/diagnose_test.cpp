@@ -132,7 +132,7 @@ TEST(Diagnose, a_swing_within_a_turn_shows_mismatch_and_quadrature_without_a_ref
     shaft.direction.push_back(std::cos(phase) < 0.0 ? -1 : 1);
   }
   const Diagnosis d = diagnose(pair_of(model, shaft, drive.rate_hz, drive.noise_v, rng), {});
-  ASSERT_EQ(d.findings.size(), 2u) << d.reason;
+  ASSERT_EQ(d.findings.size(), 2u) << to_text(d);
   for (const Finding &f : d.findings) {
     const double truth = f.effect == find_effect("amplitude-mismatch") ? 0.05 : -2.0;
     EXPECT_NEAR(f.values[0], truth, 5.0 * f.std_errors[0]) << f.explanation;

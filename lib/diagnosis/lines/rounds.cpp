@@ -19,12 +19,8 @@
 namespace ada {
 
 double rounds_of(const Residual &r) {
-  double speed = 0.0;
-  for (double w : r.omega)
-    speed += std::abs(w) / static_cast<double>(r.omega.size());
   const auto [low, high] = std::minmax_element(r.alpha.begin(), r.alpha.end());
-  const double travel = speed * (r.time.back() - r.time.front());
-  return travel /
+  return kTwoPi * r.turns /
          std::clamp(2.0 * (*high - *low), std::numeric_limits<double>::min(), kTwoPi);
 }
 

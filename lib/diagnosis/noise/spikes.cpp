@@ -414,7 +414,10 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   Spikes out;
   out.hit.assign(scene.all.size(), 0);
   ResidualColumns plain = residuals_alone(scene.all, model);
-  ResidualColumns apart = residual_columns(scene.spiked, model);
+  // Where the angle is the pair's own it is theirs as well: at that of a motion which nobody knows
+  // they would stand out of neighbours that are at their own.
+  ResidualColumns apart =
+      residual_columns(scene.radius_only ? at_own_angle(scene.spiked, model) : scene.spiked, model);
   ResidualColumns weighed, apart_weighed;
   if (scene.all.weight_along != 1.0)
     weighed = whitened(scene.all, residual_columns(scene.all, model));
