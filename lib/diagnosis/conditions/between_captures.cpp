@@ -34,11 +34,7 @@ public:
     std::vector<std::uint32_t> every(scene_.all.size());
     std::iota(every.begin(), every.end(), 0u);
     some_ = scene_.all.select(thin(every, criteria::kAnonymousTrain, 100));
-    Model model = first_model(scene_, nullptr);
-    for (const Effect *effect : catalogue())
-      if (effect->info().prior_rank == 0)
-        model.effects.push_back(
-            {effect, std::vector<double>(effect->info().parameters.size(), 0.0), {}});
+    Model model = with_expected(first_model(scene_, nullptr));
     model = fit(some_, model, 10).model;
     left_ = residual_columns(some_, model);
     amplitude_v_ = model.baseline.amplitude_v;

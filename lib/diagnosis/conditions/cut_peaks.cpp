@@ -64,29 +64,36 @@ struct End {
 };
 
 /// How the readings on a level go with what they would be lower by on an ellipse: as 1 on one, 0 on
-/// a level, in between at a peak that is only flat.
+/// a level, in between at a peak that is only flat. Beside that they may go with the other channel:
+/// on a part of a turn the middle of its range is not that of the ellipse.
 class Flatness {
 public:
-  void add(double fallen_v, double top_v) {
+  void add(double other_v, double fallen_v, double top_v) {
     n_ += 1.0;
-    const double dx = fallen_v - mean_x_, dy = top_v - mean_y_;
-    mean_x_ += dx / n_;
-    mean_y_ += dy / n_;
-    xx_ += dx * (fallen_v - mean_x_);
-    xy_ += dx * (top_v - mean_y_);
-    yy_ += dy * (top_v - mean_y_);
+    const Eigen::Vector3d now(other_v, fallen_v, top_v), step = now - mean_;
+    mean_ += step / n_;
+    products_ += step * (now - mean_).transpose();
   }
   bool flat() const {
-    if (n_ < 4.0 || !(xx_ > 0.0))
+    if (n_ < 5.0 || !(products_(0, 0) > 0.0))
       return false;
-    const double slope = xy_ / xx_;
-    const double error = std::sqrt(std::max(0.0, yy_ - slope * xy_) / ((n_ - 2.0) * xx_));
+    // Of the fall and of the top, what the other channel leaves.
+    const Eigen::Vector2d along = products_.col(0).tail<2>();
+    const Eigen::Matrix2d left =
+        products_.bottomRightCorner<2, 2>() - along * along.transpose() / products_(0, 0);
+    if (!(left(0, 0) > 0.0))
+      return false;
+    const double slope = left(0, 1) / left(0, 0);
+    const double error =
+        std::sqrt(std::max(0.0, left(1, 1) - slope * left(0, 1)) / ((n_ - 3.0) * left(0, 0)));
     return error < criteria::kFlatKnown &&
            std::abs(slope) < std::max(criteria::kFlatErrors * error, criteria::kFlat);
   }
 
 private:
-  double n_ = 0.0, mean_x_ = 0.0, mean_y_ = 0.0, xx_ = 0.0, xy_ = 0.0, yy_ = 0.0;
+  double n_ = 0.0;
+  Eigen::Vector3d mean_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();
 };
 
 /// The readings at such an end, where they are on a level.
@@ -120,7 +127,7 @@ std::optional<Level> level_at(const Channels &c, const End &end) {
       ++out.peaks;
       in_peaks += to - from;
       for (std::size_t k = from + 1; k + 1 < to; ++k) // the first and the last may be on the way
-        flatness.add(c.fallen(c.other[k]), c.top(k));
+        flatness.add(c.other[k], c.fallen(c.other[k]), c.top(k));
     }
     i = to - 1;
   }

@@ -22,11 +22,7 @@ struct ReferenceZero::Pattern {
 };
 
 ReferenceZero::ReferenceZero(const Scene &record) : periods_(record.periods) {
-  Model model = first_model(record, nullptr);
-  for (const Effect *effect : catalogue())
-    if (effect->info().prior_rank == 0)
-      model.effects.push_back(
-          {effect, std::vector<double>(effect->info().parameters.size(), 0.0), {}});
+  Model model = with_expected(first_model(record, nullptr));
   std::vector<std::uint32_t> every(record.all.size());
   std::iota(every.begin(), every.end(), 0u);
   const Observations some = record.all.select(thin(every, criteria::kAnonymousHeldout, 50));
