@@ -108,9 +108,11 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
     }
     if (scene.has_reference || scene.periods > 1) {
       ReferenceZero zero(scene);
-      if (first)
-        move_angle(scene, scene.has_reference ? first->move_of(zero) : first->period_of(zero));
-      else
+      // The first one as well, by nothing: all records have the same columns.
+      move_angle(scene, !first                ? 0.0
+                        : scene.has_reference ? first->move_of(zero)
+                                              : first->period_of(zero));
+      if (!first)
         first = std::move(zero);
     }
     steady = steady && scene.has_reference && !scene.several_speeds && !scene.both_directions;
