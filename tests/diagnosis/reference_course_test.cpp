@@ -227,20 +227,26 @@ KIND(a_lag_behind_a_noisy_reference_on_a_coast_down_is_a_lag) {
 TEST(WindowOfSpeed, IsWideWhereTheSpeedIsNoisyAndNarrowWhereItChanges) {
   Bench bench;
   constexpr std::size_t kLeast = 4;
+  // Two window speeds depart from each other by chance, too: in 17 of 1000 draws one width is
+  // missed. Three of five draws miss it in one of 20,000.
+  constexpr int kDraws = 5;
   for (const double noise_rad : {0.0, 1e-3}) {
-    std::vector<double> time, even, turning;
-    for (int i = 0; i < 4000; ++i) {
-      const double t = i / kRate;
-      time.push_back(t);
-      even.push_back(2.0 * t + 0.3 * std::sin(0.5 * t) + bench.normal(noise_rad));
-      turning.push_back(40.0 * std::abs(t - 10.0) + bench.normal(noise_rad));
+    int wide = 0;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      std::vector<double> time, even, turning;
+      for (int i = 0; i < 4000; ++i) {
+        const double t = i / kRate;
+        time.push_back(t);
+        even.push_back(2.0 * t + 0.3 * std::sin(0.5 * t) + bench.normal(noise_rad));
+        turning.push_back(40.0 * std::abs(t - 10.0) + bench.normal(noise_rad));
+      }
+      wide += window_of_speed(time, even, kLeast) >= 8 * kLeast;
+      EXPECT_EQ(window_of_speed(time, turning, kLeast), kLeast);
     }
-    const std::size_t wide = window_of_speed(time, even, kLeast);
     if (noise_rad == 0.0)
-      EXPECT_EQ(wide, kLeast);
+      EXPECT_EQ(wide, 0);
     else
-      EXPECT_GE(wide, 8 * kLeast);
-    EXPECT_EQ(window_of_speed(time, turning, kLeast), kLeast);
+      EXPECT_GT(wide, kDraws / 2);
   }
 }
 
