@@ -241,13 +241,15 @@ TEST(WindowOfSpeed, IsWideWhereTheSpeedIsNoisyAndNarrowWhereItChanges) {
         turning.push_back(40.0 * std::abs(t - 10.0) + bench.normal(noise_rad));
       }
       const std::size_t window = window_of_speed(time, even, kLeast);
-      if (noise_rad == 0.0)
+      if (noise_rad == 0.0) {
         EXPECT_EQ(window, kLeast);
+      }
       wide += window >= 8 * kLeast;
       EXPECT_EQ(window_of_speed(time, turning, kLeast), kLeast);
     }
-    if (noise_rad > 0.0)
+    if (noise_rad > 0.0) {
       EXPECT_GT(wide, kDraws / 2);
+    }
   }
 }
 
