@@ -458,6 +458,21 @@ std::vector<std::string> alternatives_of(const std::vector<Rival> &rivals,
 
 } // namespace
 
+namespace {
+
+/// Every number hangs on which of its alternatives a cause is.
+void widen_by_alternatives(const Observations &data, const SearchResult &found, FitResult &whole) {
+  if (!whole.determined ||
+      std::ranges::all_of(found.alternatives, [](const auto &rivals) { return rivals.empty(); }))
+    return;
+  const Model as_found = fit(data, whole.model, 5).model;
+  for (std::size_t i = 0; i < found.order.size(); ++i)
+    if (!found.alternatives[i].empty())
+      widen_by_rivals(data, as_found, found.order[i], found.alternatives[i], whole);
+}
+
+} // namespace
+
 NestedModels nested_models(DataSplit &split, const SearchResult &found) {
   // A supply that is not recorded counts as a finding, and so from its own step on.
   const bool supply = found.disturbed == Direction::supply;
@@ -486,6 +501,7 @@ NestedModels nested_models(DataSplit &split, const SearchResult &found) {
   const std::vector<Clearness> as_said = clearness_of(whole, split.train.size());
   for (std::size_t k = 0; k < clear.size(); ++k)
     clear[k].as_said = as_said[k].as_said;
+  widen_by_alternatives(split.train, found, whole);
   attach_errors(whole);
   out.extended = std::move(whole.model);
   const Model &model = out.extended;

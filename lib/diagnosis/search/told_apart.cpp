@@ -13,6 +13,7 @@
 #include "base/angle.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/search/admission.h"
+#include "model/effect_text.h"
 
 namespace ada {
 
@@ -196,6 +197,51 @@ void widen_by_choices(const Observations &data, FitResult &result) {
         result.covariance(at, at) += weight * (1.0 - weight) * std::pow(y[k] - x[k], 2);
       }
     }
+  }
+}
+
+namespace {
+
+/// The model with a rival in the place of one of its causes; nothing where that is no such model.
+std::optional<Model> with_rival(Model model, std::size_t effect, const Rival &rival) {
+  for (const EffectInstance &e : rival.model.effects)
+    if (e.effect->info().id == rival.id &&
+        std::ranges::none_of(model.effects,
+                             [&](const EffectInstance &o) { return repeats(e, o); })) {
+      model.effects[effect] = e;
+      return model;
+    }
+  return std::nullopt;
+}
+
+} // namespace
+
+void widen_by_rivals(const Observations &data, const Model &as_found, std::size_t effect,
+                     const std::vector<Rival> &rivals, FitResult &result) {
+  constexpr double kEither = 0.25; // variance of one of two numbers that lie 1 apart
+  const std::vector<double> x = coordinates_of(as_found);
+  std::size_t begin = coordinates_of(Model{}).size();
+  for (std::size_t e = 0; e < effect; ++e)
+    begin += coordinates(as_found.effects[e]);
+  const std::size_t end = begin + coordinates(as_found.effects[effect]);
+  std::vector<double> wider(x.size(), 0.0); // with several the farthest decides
+  for (const Rival &rival : rivals) {
+    const std::optional<Model> model = with_rival(as_found, effect, rival);
+    if (!model)
+      continue;
+    const FitResult other = fit(data, *model, 5);
+    if (!other.determined || !in_range(other.model))
+      continue;
+    const std::vector<double> y = coordinates_of(other.model);
+    for (std::size_t k = 0; k < x.size(); ++k)
+      if (k < begin || k >= end) {
+        const double apart = y[k < begin ? k : k + y.size() - x.size()] - x[k];
+        wider[k] = std::max(wider[k], kEither * apart * apart);
+      }
+  }
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    result.covariance(at, at) += wider[k];
   }
 }
 

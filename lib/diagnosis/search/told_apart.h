@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "diagnosis/search/fit.h"
+#include "diagnosis/search/search.h"
 
 namespace ada {
 
@@ -25,5 +26,11 @@ std::vector<Untold> widen_by_what_is_not_told_apart(const Observations &data, Fi
 /// The same for the choices of an effect, such as where a transfer is straight: where another does
 /// nearly as well, every number hangs on it.
 void widen_by_choices(const Observations &data, FitResult &result);
+
+/// The same for what else a cause of the model may be. Held-out data reject none of its rivals, so
+/// each is as likely as the cause itself, and every other number is that beside the one or the
+/// other. `as_found`: the model as these data alone have it, to be compared with.
+void widen_by_rivals(const Observations &data, const Model &as_found, std::size_t effect,
+                     const std::vector<Rival> &rivals, FitResult &result);
 
 } // namespace ada
