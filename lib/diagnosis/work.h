@@ -208,6 +208,10 @@ private:
   /// Slow processes, read off what everything else leaves over; their courses are taken out of the
   /// data. Whether they moved the pair by more than its noise, and so may have hidden something.
   bool take_out_processes();
+  /// Samples of the whole record, few enough to look at what goes slowly.
+  Observations over_the_record() const;
+  /// Takes back causes that explain no more of what wanders than any slow shape would.
+  bool drop_shapes_of(const RandomCause &process, int waves);
 
   /// Whether a process has a name already, and this is more of it.
   bool goes_on(const RandomCause &c) const;
@@ -223,6 +227,8 @@ private:
   void name_random_causes();
   /// A cause that goes as slowly as a named process has what it may have of that as an error.
   void widen_beside_processes();
+  /// What other causes may have taken of a process, as a part of its size, is an error of its own.
+  void widen_process(const Effect &process, double taken);
   void widen(EffectInstance &cause, const std::vector<double> &errors, const Effect &process);
 
   /// Whether the speed or the temperature, with fewer functions, explains as well what a slow

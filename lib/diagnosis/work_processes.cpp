@@ -49,11 +49,43 @@ bool Work::take_out_processes() {
   // would take in.
   const RandomCause largest = *std::ranges::max_element(found, {}, &RandomCause::slow_v2);
   const int waves = slow.selection.orders[static_cast<std::size_t>(Axis::time)];
+  if (drop_shapes_of(largest, waves)) // then the process is another one
+    return take_out_processes();
   if (!take_out_courses(std::move(slow), {largest}))
     return false;
   slow_waves_ = std::max(slow_waves_, waves);
   processes_.push_back(largest);
   return largest.slow_v2 > unnamed_.selection.noise_v2;
+}
+
+Observations Work::over_the_record() const {
+  constexpr std::size_t kEnough = 4000; // for how slow things go
+  std::vector<std::uint32_t> some(scene_.all.size());
+  std::iota(some.begin(), some.end(), 0u);
+  return scene_.all.select(thin(some, kEnough, 100));
+}
+
+bool Work::drop_shapes_of(const RandomCause &process, int waves) {
+  const Observations data = over_the_record();
+  const Pattern pattern = process.effect->info().pattern;
+  for (std::size_t place = 0; place < found_.order.size(); ++place) {
+    const std::size_t at = found_.order[place];
+    const std::vector<double> errors =
+        errors_beside(data, out_.extended, at, process, std::max(1, waves));
+    if (has_moment(*out_.extended.effects[at].effect) ||
+        std::ranges::none_of(errors, [](double e) { return e > 0.0; }))
+      continue;
+    const Model less = fit(split_.train, out_.extended.without(at), 5).model;
+    if (nats_as_walk(data, out_.extended, pattern, waves) -
+            nats_as_walk(data, less, pattern, waves) >
+        criteria::kAdmittedNats)
+      continue;
+    found_.forget(place);
+    take(nested_models(split_, found_));
+    judge_model();
+    return true;
+  }
+  return false;
 }
 
 bool Work::goes_on(const RandomCause &c) const {
@@ -137,12 +169,9 @@ void Work::name_random_causes() {
 }
 
 void Work::widen_beside_processes() {
-  constexpr std::size_t kEnough = 4000; // of the record, for how it goes over all of it
   if (processes_.empty())
     return;
-  std::vector<std::uint32_t> some(scene_.all.size());
-  std::iota(some.begin(), some.end(), 0u);
-  const Observations data = scene_.all.select(thin(some, kEnough, 100));
+  const Observations data = over_the_record();
   for (const RandomCause &process : processes_) {
     std::vector<std::vector<double>> errors;
     int slow = 0; // causes that take of it
@@ -151,12 +180,27 @@ void Work::widen_beside_processes() {
       slow += std::ranges::any_of(errors.back(), [](double e) { return e > 0.0; });
     }
     const double more = std::sqrt(more_of_walk(slow));
+    widen_process(*process.effect, more - 1.0);
     for (std::size_t k = 0; k < errors.size(); ++k) {
       for (double &e : errors[k])
         e *= more;
       widen(out_.extended.effects[k], errors[k], *process.effect);
     }
   }
+}
+
+void Work::widen_process(const Effect &process, double taken) {
+  const auto wider = [&](auto &named) {
+    for (auto &one : named)
+      if (one.effect == &process)
+        for (std::size_t p = 0; p < one.std_errors.size(); ++p)
+          one.std_errors[p] = std::hypot(one.std_errors[p], taken * one.values[p]);
+  };
+  wider(random_);
+  wider(recorded_);
+  for (Finding &f : random_)
+    if (f.effect == &process)
+      put_in_words(f);
 }
 
 void Work::widen(EffectInstance &cause, const std::vector<double> &errors, const Effect &process) {

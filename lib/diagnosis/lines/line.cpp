@@ -37,6 +37,34 @@ Line line_at(const Residual &r, double frequency) {
   return line_along(r, [&](std::size_t i) { return kTwoPi * frequency * r.time[i]; });
 }
 
+void take_out_line_of_radius(const Residual &r, double frequency, std::span<double> sin_v,
+                             std::span<double> cos_v) {
+  const std::size_t n = r.time.size();
+  const auto phase = [&](std::size_t i) { return kTwoPi * frequency * r.time[i]; };
+  const auto unit = [&](std::size_t i) {
+    const Eigen::Vector2d to(r.model_sin_v[i] - r.centre_sin_v, r.model_cos_v[i] - r.centre_cos_v);
+    return Eigen::Vector2d(to / std::max(to.norm(), 1e-9));
+  };
+  const auto row = [](const Eigen::Vector2d &u, double s, double c) {
+    return Eigen::Vector4d(s * u[0], c * u[0], s * u[1], c * u[1]);
+  };
+  Eigen::Matrix4d products = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d onto = Eigen::Vector4d::Zero();
+  for_each_sincos(n, phase, [&](std::size_t i, double s, double c) {
+    const Eigen::Vector2d u = unit(i);
+    const Eigen::Vector4d of = row(u, s, c);
+    products += of * of.transpose();
+    onto += of * u.dot(Eigen::Vector2d(sin_v[i], cos_v[i]));
+  });
+  const Eigen::Vector4d of = solved(products, onto).col(0);
+  for_each_sincos(n, phase, [&](std::size_t i, double s, double c) {
+    const Eigen::Vector2d u = unit(i);
+    const double along = of.dot(row(u, s, c));
+    sin_v[i] -= along * u[0];
+    cos_v[i] -= along * u[1];
+  });
+}
+
 void take_out_line(std::span<const double> time, double frequency, std::span<double> sin_v,
                    std::span<double> cos_v) {
   const auto phase = [&](std::size_t i) { return kTwoPi * frequency * time[i]; };
@@ -162,7 +190,10 @@ void keep_single_lines(Residual r, std::vector<std::pair<double, Line>> &lines) 
     const double frequency = found.first;
     const Line line = line_at(r, frequency);
     const bool turning = rotates(line) || is_of_the_turning_pair(r, frequency, line);
-    take_out_line(r.time, frequency, left[0], left[1]);
+    if (r.own_motion)
+      take_out_line_of_radius(r, frequency, left[0], left[1]);
+    else
+      take_out_line(r.time, frequency, left[0], left[1]);
     PowerOverTime after = spectrum();
     const auto strongest = [&](const PowerOverTime &of) {
       const auto at = [&](double hz) {

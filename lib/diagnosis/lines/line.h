@@ -81,11 +81,16 @@ Line line_at(const Residual &r, double frequency);
 void take_out_line(std::span<const double> time, double frequency, std::span<double> sin_v,
                    std::span<double> cos_v);
 
+/// The same of a residual along the radius, where a line that stands shows as far as the pair
+/// points its way: over a few rounds of the shaft much beside its frequency is its own.
+void take_out_line_of_radius(const Residual &r, double frequency, std::span<double> sin_v,
+                             std::span<double> cos_v);
+
 /// Two channels a quarter of a period apart and of one size: something that turns, such as a gain
 /// that wanders, or a pickup that happens to reach the wires so.
 bool rotates(const Line &tone);
 
-constexpr std::size_t kFewestForTones = 256; // samples, of a spectrum that shows a line
+constexpr std::size_t kFewestForTones = 64; // samples, of a spectrum that shows a line
 
 /// The two strongest lines of the spectrum above a frequency in Hz that `skip` lets pass, with
 /// their frequencies.

@@ -91,6 +91,61 @@ bool may_be_of_the_angle(const Residual &r, const MostlyAt &at, int order, doubl
          (of_channel && !(few && stands_alone(r, order, line)));
 }
 
+/// What the orders of the angle up to the highest named leave of the residual. Of a line between
+/// them most is left, though the shaft came round but a few times; where it came round too seldom
+/// for that, they take everything.
+class WithoutOrders {
+public:
+  explicit WithoutOrders(const Residual &r)
+      : r_(r), sin_(r.sin_v.begin(), r.sin_v.end()), cos_(r.cos_v.begin(), r.cos_v.end()) {
+    const auto orders = static_cast<Eigen::Index>(highest_named(r));
+    const Eigen::Index columns = 2 * orders + 1;
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(columns, columns);
+    Eigen::MatrixXd onto = Eigen::MatrixXd::Zero(columns, 2);
+    Eigen::VectorXd row(columns);
+    const auto fill = [&](double s, double c) { // each order from the one before
+      row[0] = 1.0;
+      double sk = 0.0, ck = 1.0;
+      for (Eigen::Index k = 1; k <= orders; ++k) {
+        const double next = sk * c + ck * s;
+        ck = ck * c - sk * s;
+        sk = next;
+        row[2 * k - 1] = sk;
+        row[2 * k] = ck;
+      }
+    };
+    const auto angle = [&](std::size_t i) { return r.alpha[i]; };
+    for_each_sincos(r.time.size(), angle, [&](std::size_t i, double s, double c) {
+      fill(s, c);
+      normal.selfadjointView<Eigen::Lower>().rankUpdate(row);
+      onto += row * Eigen::RowVector2d(r.sin_v[i], r.cos_v[i]);
+    });
+    normal = normal.selfadjointView<Eigen::Lower>();
+    const Eigen::MatrixXd of = solved(normal, onto);
+    for_each_sincos(r.time.size(), angle, [&](std::size_t i, double s, double c) {
+      fill(s, c);
+      sin_[i] -= row.dot(of.col(0));
+      cos_[i] -= row.dot(of.col(1));
+    });
+  }
+
+  Residual view() const {
+    Residual left = r_;
+    left.sin_v = sin_;
+    left.cos_v = cos_;
+    return left;
+  }
+
+  bool leave(double frequency, const Line &line) const {
+    constexpr double kMost = 0.5; // of power
+    return line_at(view(), frequency).power > kMost * line.power;
+  }
+
+private:
+  const Residual &r_;
+  std::vector<double> sin_, cos_;
+};
+
 } // namespace
 
 std::vector<std::vector<double>> find_tones(const Residual &residual) {
@@ -108,8 +163,20 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
     rounded.view.sample_period_s = std::max(r.sample_period_s, span / kMostHalfPeriods);
   std::optional<MostlyAt> most;
   std::optional<AlongRadius> along;
+  std::optional<WithoutOrders> between;
+  // At one speed, or a few, the orders reach no further than this.
+  double ordered_hz = 0.0;
+  if (few)
+    for (double w : r.omega)
+      ordered_hz = std::max(ordered_hz, std::abs(w) / kTwoPi * highest_named(r));
   std::vector<std::vector<double>> tones;
   const auto no_tone = [&](double frequency, const Line &line) {
+    if (frequency < ordered_hz) {
+      if (!between)
+        between.emplace(r);
+      if (!between->leave(frequency, line))
+        return true;
+    }
     if (!most)
       most = mostly_at(r);
     const int of_round = order_seen_at(r, round, frequency);
@@ -139,14 +206,12 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
     return (slow && (turns || fellow)) ||
            (turns && (fellow || one_sided(r, *most, frequency)) && along->is_gain(frequency, slow));
   };
-  double fastest = 0.0;
-  if (few)
-    for (double w : r.omega)
-      fastest = std::max(fastest, std::abs(w) / kTwoPi);
-  const double above_hz = fastest * highest_named(r);
-  auto lines = strongest_lines(r, above_hz, no_tone);
-  if (few)
-    keep_single_lines(r, lines);
+  auto lines = strongest_lines(r, 0.0, no_tone);
+  if (few && !lines.empty()) {
+    if (!between)
+      between.emplace(r);
+    keep_single_lines(between->view(), lines);
+  }
   for (const auto &[frequency, line] : lines) {
     const auto a = line_at(residual, frequency).amplitudes;
     tones.push_back({frequency, std::hypot(a[0], a[1]), std::hypot(a[2], a[3]),

@@ -20,14 +20,8 @@ namespace {
 
 using Channels = std::array<std::vector<double>, 2>;
 
-/// How a parameter moves what the process moves as well: both channels, or the length.
-Channels moved(const Observations &data, const Model &model, const Model &other, Pattern pattern) {
-  const ResidualColumns here = residual_columns(data, model), there = residual_columns(data, other);
-  ResidualColumns by = here;
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    by.sin[i] = there.model_sin[i] - here.model_sin[i];
-    by.cos[i] = there.model_cos[i] - here.model_cos[i];
-  }
+/// What a process of this pattern moves: both channels, or the length.
+Channels seen_by(const Observations &data, ResidualColumns by, Pattern pattern) {
   if (pattern == Pattern::offset)
     return {std::move(by.sin), std::move(by.cos)};
   Channels out;
@@ -35,6 +29,17 @@ Channels moved(const Observations &data, const Model &model, const Model &other,
   along_and_across(data, by, out[0], across);
   out[1].assign(out[0].size(), 0.0);
   return out;
+}
+
+/// How a parameter moves it.
+Channels moved(const Observations &data, const Model &model, const Model &other, Pattern pattern) {
+  const ResidualColumns here = residual_columns(data, model), there = residual_columns(data, other);
+  ResidualColumns by = here;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    by.sin[i] = there.model_sin[i] - here.model_sin[i];
+    by.cos[i] = there.model_cos[i] - here.model_cos[i];
+  }
+  return seen_by(data, std::move(by), pattern);
 }
 
 double mean_of(const std::vector<double> &x) {
@@ -47,9 +52,24 @@ double of_half_wave(int k) {
   return 6.0 / std::pow(k * std::numbers::pi, 2);
 }
 
-/// Mean square about the mean, the part of it in the first half waves over the record, and what a
-/// walk of mean square 1 has of that shape: of its power the k-th half wave has a part that falls
-/// with the square of k.
+/// Power of the first half waves over the record.
+std::vector<double> half_waves_of(const std::vector<double> &x, const std::vector<double> &time,
+                                  int waves) {
+  const double mean = mean_of(x), n = static_cast<double>(std::max<std::size_t>(1, x.size()));
+  const double span = std::max(time.back() - time.front(), 1e-300);
+  std::vector<double> out;
+  for (int k = 1; k <= waves; ++k) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i)
+      sum += (x[i] - mean) * std::cos(k * std::numbers::pi * (time[i] - time.front()) / span);
+    out.push_back(2.0 * sum * sum / (n * n));
+  }
+  return out;
+}
+
+/// Mean square about the mean, the part of it in the first half waves, and what a walk of mean
+/// square 1 has of that shape: of its power the k-th half wave has a part that falls with the
+/// square of k.
 struct Power {
   double all = 0.0, slow = 0.0, of_walk = 0.0;
 };
@@ -59,14 +79,10 @@ Power power_of(const std::vector<double> &x, const std::vector<double> &time, in
   Power out;
   for (double v : x)
     out.all += (v - mean) * (v - mean) / n;
-  const double span = std::max(time.back() - time.front(), 1e-300);
-  for (int k = 1; k <= waves; ++k) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i)
-      sum += (x[i] - mean) * std::cos(k * std::numbers::pi * (time[i] - time.front()) / span);
-    const double power = 2.0 * sum * sum / (n * n);
+  int k = 0;
+  for (double power : half_waves_of(x, time, waves)) {
     out.slow += power;
-    out.of_walk += power * of_half_wave(k);
+    out.of_walk += power * of_half_wave(++k);
   }
   return out;
 }
@@ -102,6 +118,19 @@ std::vector<double> errors_beside(const Observations &data, const Model &model, 
       out[k] = step * std::sqrt(sum) / all;
   }
   return out;
+}
+
+double nats_as_walk(const Observations &data, const Model &model, Pattern pattern, int waves) {
+  constexpr double kLeast = 1e-300; // V^2
+  double nats = 0.0;
+  for (const std::vector<double> &x : seen_by(data, residual_columns(data, model), pattern)) {
+    double walk = 0.0;
+    int k = 0;
+    for (double power : half_waves_of(x, data.time, waves))
+      walk += power / of_half_wave(++k);
+    nats -= 0.5 * waves * std::log(std::max(walk, kLeast));
+  }
+  return nats;
 }
 
 double more_of_walk(int taken) {
