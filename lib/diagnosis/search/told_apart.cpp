@@ -224,13 +224,15 @@ void widen_by_rivals(const Observations &data, const Model &as_found, std::size_
   for (std::size_t e = 0; e < effect; ++e)
     begin += coordinates(as_found.effects[e]);
   const std::size_t end = begin + coordinates(as_found.effects[effect]);
+  const double rss = sum_of_squares(data, as_found);
   std::vector<double> wider(x.size(), 0.0); // with several the farthest decides
   for (const Rival &rival : rivals) {
     const std::optional<Model> model = with_rival(as_found, effect, rival);
     if (!model)
       continue;
     const FitResult other = fit(data, *model, 5);
-    if (!other.determined || !in_range(other.model))
+    if (!other.determined || !in_range(other.model) ||
+        static_cast<double>(data.size()) * std::log(other.rss / rss) > criteria::kRivalNats)
       continue;
     const std::vector<double> y = coordinates_of(other.model);
     for (std::size_t k = 0; k < x.size(); ++k)
