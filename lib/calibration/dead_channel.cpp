@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/robust.h"
 
@@ -38,23 +39,21 @@ public:
     }
     if (other_.empty())
       first_ = i;
+    end_ = i + 1;
     own_.push_back(own);
     other_.push_back(other);
   }
 
-  std::optional<Stuck> result() {
+  std::vector<StuckStretch> result() {
     close();
-    return found_;
+    return std::move(found_);
   }
 
 private:
   void close() {
     if (other_.size() >= kMinStuckSamples && width(other_) > least_other_ &&
-        width(own_) <= most_moved_) {
-      if (!found_)
-        found_ = Stuck{first_, 0};
-      found_->samples += other_.size();
-    }
+        width(own_) <= most_moved_)
+      found_.push_back({first_, end_, other_.size()});
     own_.clear();
     other_.clear();
     low_ = INFINITY;
@@ -68,8 +67,8 @@ private:
   double most_own_, most_moved_, least_other_;
   std::vector<double> own_, other_; ///< of the present stretch
   double low_ = INFINITY, high_ = -INFINITY;
-  std::size_t first_ = 0;
-  std::optional<Stuck> found_;
+  std::size_t first_ = 0, end_ = 0;
+  std::vector<StuckStretch> found_;
 };
 
 } // namespace
@@ -78,15 +77,26 @@ double travel(const std::vector<double> &v) {
   return bulk(v).width();
 }
 
-std::optional<Stuck> stuck_stretches(const std::vector<double> &v, double own_travel,
-                                     const std::vector<double> &other, double other_travel) {
+std::vector<StuckStretch> each_stuck_stretch(std::span<const double> v, double own_travel,
+                                             std::span<const double> other, double other_travel) {
   if (!(other_travel > 0))
-    return std::nullopt;
+    return {};
   Stretches stretches(own_travel, noise_between(v), other_travel);
   for (std::size_t i = 0; i < v.size(); ++i)
     if (std::isfinite(v[i]) && std::isfinite(other[i]))
       stretches.add(i, v[i], other[i]);
   return stretches.result();
+}
+
+std::optional<Stuck> stuck_stretches(const std::vector<double> &v, double own_travel,
+                                     const std::vector<double> &other, double other_travel) {
+  std::optional<Stuck> out;
+  for (const StuckStretch &one : each_stuck_stretch(v, own_travel, other, other_travel)) {
+    if (!out)
+      out = Stuck{one.first, 0};
+    out->samples += one.samples;
+  }
+  return out;
 }
 
 } // namespace ada

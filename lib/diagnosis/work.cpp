@@ -308,6 +308,8 @@ std::vector<Finding> Work::screened_findings() {
     out.push_back(
         {f.effect, f.values, f.std_errors, f.alternatives, {}, {}, first_, first_, correctable});
     put_in_words(out.back());
+    if (!f.explanation.empty())
+      out.back().explanation += " " + f.explanation;
     if (!correctable || f.effect->info().evidence != Evidence::screening)
       recorded_.push_back({f.effect, f.values, f.std_errors});
   }

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "model/effect.h"
@@ -104,7 +105,7 @@ struct ScreenFinding {
   const Effect *effect;
   std::vector<double> values, std_errors;
   std::vector<std::string> alternatives;
-  std::string explanation;
+  std::string explanation; ///< what the parameters do not say
 };
 
 /// A capture on its first look, and what came of it.
@@ -130,6 +131,8 @@ struct Screened {
   std::vector<std::size_t> lost_before = {}; ///< jumps in which an earlier look saw samples lost
   std::vector<std::uint32_t> spikes = {};    ///< samples with an isolated spike, ascending
   std::vector<ScreenFinding> findings = {};
+  /// Rows in which a channel stands still: the first, and the one after the last.
+  std::vector<std::pair<std::size_t, std::size_t>> stuck = {};
   double white_noise_v = 0.0; ///< sample-to-sample noise of one channel
   /// Whether the pair turns often enough that its own smooth motion shows jumps and losses.
   bool smooth = true;

@@ -292,7 +292,13 @@ void describe_motion(Scene &scene) {
   if (scene.radius_only)
     if (std::vector<double> whole = speed_of_periods(all, scene.periods); !whole.empty())
       speed = std::move(whole);
-  scene.several_speeds = quantile(speed, 0.05) < 0.8 * quantile(speed, 0.98);
+  // Where no angle is passed twice the speed is a function of the angle, and of a reference that
+  // errs by some degrees one that its error makes: those make no speed half of another.
+  constexpr double kSlower = 0.8, kFarSlower = 0.5;
+  const bool again = scene.rounds(1.0) >= criteria::kFewestTurnsToRepeat;
+  scene.several_speeds =
+      quantile(speed, 0.05) <
+      (scene.has_reference && !again ? kFarSlower : kSlower) * quantile(speed, 0.98);
 }
 
 void judge_radius_only(Scene &scene) {

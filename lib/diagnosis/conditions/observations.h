@@ -176,6 +176,7 @@ struct Scene {
   HoldoutUnit unit = HoldoutUnit::turns;     ///< what was held out
   Stops stops;                               ///< of the capture's samples
   std::vector<ScreenFinding> screened;
+  std::vector<std::pair<std::size_t, std::size_t>> stuck; ///< as Screened has it
   std::string insufficient; ///< why nothing can be said; empty when something can
 };
 

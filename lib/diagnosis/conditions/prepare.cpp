@@ -139,6 +139,7 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   scene.stale = leave_out_stale_rows(capture, usable);
   Screened look = screen(capture, known, all, std::move(usable));
   scene.screened = look.findings;
+  scene.stuck = look.stuck;
   scene.white_noise_v = look.white_noise_v;
   constexpr double kCoarse = 0.5; // of a step; its own error counts as 0.29 of noise
   if (const double step = converter_step(capture.vsin_v); scene.white_noise_v < kCoarse * step)
@@ -340,9 +341,12 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
     scene.insufficient =
         "the shaft turns and the vector does not: VSIN and VCOS move along one line";
   else if (!scene.has_reference) {
-    // Of all samples: those about the centre turn too fast to be usable.
+    // Of all samples in which both channels live: those about the centre turn too fast to be
+    // usable.
     std::vector<std::uint32_t> some(capture.size());
     std::iota(some.begin(), some.end(), 0u);
+    for (const auto &[first, end] : scene.stuck)
+      std::erase_if(some, [&](std::uint32_t i) { return i >= first && i < end; });
     some = thin(some, criteria::kForCircle);
     scene.insufficient = why_no_angle(pick(capture.vsin_v, some), pick(capture.vcos_v, some));
     if (!scene.insufficient.empty() && level_gap(capture)) // a better reason, which is told later

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <span>
 #include <vector>
 
 #include "base/robust.h"
+#include "calibration/dead_channel.h"
 #include "diagnosis/criteria.h"
 #include "model/residual.h"
 
@@ -51,9 +53,13 @@ bool moves_as_noise(std::span<const double> values, double step_v) {
   return width <= kSteps * step_v || fourths > kKurtosis * squares * squares;
 }
 
-} // namespace
+void leave_out(Screened &look, std::size_t first, std::size_t end) {
+  std::fill(look.usable.begin() + static_cast<std::ptrdiff_t>(first),
+            look.usable.begin() + static_cast<std::ptrdiff_t>(end), char{0});
+  look.stuck.emplace_back(first, end);
+}
 
-bool screen_stuck(Screened &look, const Effect &effect) {
+bool screen_stuck_to_the_end(Screened &look, const Effect &effect) {
   const Capture &c = look.capture;
   const std::size_t n = c.size();
   // What the other channel does meanwhile tells, and not how long it lasts: a dozen readings do.
@@ -103,13 +109,93 @@ bool screen_stuck(Screened &look, const Effect &effect) {
     const auto [lowest, highest] = std::minmax_element(values, values + first);
     if (first > 0 && width < kCutPeak * whole && (held > *highest - band || held < *lowest + band))
       continue;
-    std::fill(look.usable.begin() + static_cast<std::ptrdiff_t>(first), look.usable.end(), char{0});
+    leave_out(look, first, n);
     const double step = median_step(c.time_s);
     look.findings.push_back(
         {&effect, {static_cast<double>(k), c.time_s[std::min(first, n - 1)]}, {0.0, step}, {}, {}});
     return true;
   }
   return false;
+}
+
+/// Takes off the ends of a stretch what is only near to what it holds, within `most_v`: the channel
+/// was on its way.
+void trim(StuckStretch &one, std::span<const double> own, double most_v) {
+  constexpr double kOfScatter = 8.0, kLeast = 0.005; // of most_v
+  const std::span<const double> part = own.subspan(one.first, one.end - one.first);
+  const double at = quantile(std::vector(part.begin(), part.end()), 0.5);
+  const double band = std::max(kOfScatter * robust_spread(part), kLeast * most_v);
+  while (one.first + 1 < one.end && !(std::abs(own[one.first] - at) <= band))
+    ++one.first;
+  while (one.first + 1 < one.end && !(std::abs(own[one.end - 1] - at) <= band))
+    --one.end;
+}
+
+/// Whether a channel stood still for a while and follows the angle again. What stands at an end of
+/// what the channel reads else is a peak that is cut off, or one that no reading resolves, unless
+/// it does so once and the other channel goes all the way meanwhile.
+bool screen_stuck_for_a_while(Screened &look, const Effect &effect) {
+  const Capture &c = look.capture;
+  const std::vector<double> *channels[2] = {&c.vsin_v, &c.vcos_v};
+  for (int k = 0; k < 2; ++k) {
+    const std::vector<double> &own = *channels[k], &other = *channels[1 - k];
+    std::vector<StuckStretch> held = each_stuck_stretch(own, travel(own), other, travel(other));
+    const double others_step_v = held.empty() ? 0.0 : converter_step(other);
+    std::erase_if(held, [&](const StuckStretch &one) {
+      return moves_as_noise(std::span(other).subspan(one.first, one.end - one.first),
+                            others_step_v);
+    });
+    if (held.empty())
+      continue;
+    std::vector<double> moving;
+    std::size_t i = 0;
+    for (const StuckStretch &one : held) {
+      moving.insert(moving.end(), own.begin() + static_cast<std::ptrdiff_t>(i),
+                    own.begin() + static_cast<std::ptrdiff_t>(one.first));
+      i = one.end;
+    }
+    moving.insert(moving.end(), own.begin() + static_cast<std::ptrdiff_t>(i), own.end());
+    const Reach reads = bulk(moving);
+    const double band = kStuckRatio * reads.width();
+    std::erase_if(held, [&](const StuckStretch &one) {
+      constexpr double kAllTheWay = 0.95; // of a peak cut at less than a third
+      if (held.size() == 1 &&
+          bulk(std::span(other).subspan(one.first, one.end - one.first)).width() >
+              kAllTheWay * travel(other))
+        return false;
+      const double at = quantile(std::vector(own.begin() + static_cast<std::ptrdiff_t>(one.first),
+                                             own.begin() + static_cast<std::ptrdiff_t>(one.end)),
+                                 0.5);
+      return !(at > reads.low + band && at < reads.high - band);
+    });
+    if (held.empty())
+      continue;
+    std::size_t samples = 0;
+    for (StuckStretch &one : held) {
+      trim(one, own, band);
+      leave_out(look, one.first, one.end);
+      samples += one.end - one.first;
+    }
+    const std::size_t end = std::min(held.front().end, c.size() - 1);
+    look.findings.push_back(
+        {&effect,
+         {static_cast<double>(k), c.time_s[held.front().first]},
+         {0.0, median_step(c.time_s)},
+         {},
+         held.size() == 1
+             ? fmt::format("It follows again from {:.6g} s on.", c.time_s[end])
+             : fmt::format("It follows again from {:.6g} s on, and stops {} times, for {} samples "
+                           "in all.",
+                           c.time_s[end], held.size(), samples)});
+    return true;
+  }
+  return false;
+}
+
+} // namespace
+
+bool screen_stuck(Screened &look, const Effect &effect) {
+  return screen_stuck_to_the_end(look, effect) || screen_stuck_for_a_while(look, effect);
 }
 
 } // namespace ada

@@ -67,6 +67,14 @@ Variant make_variant(const Model &model, const Effect &effect, std::vector<doubl
   return v;
 }
 
+/// Both channels late to the reference, or the reference late to both: no capture tells which, so a
+/// model has one of the two. With both, each other's opposite, it has a second derivative of the
+/// motion that no cause is.
+bool is_lag(const EffectInfo &e) {
+  return e.evidence == Evidence::signal && e.pattern == Pattern::turn &&
+         e.character == Character::dynamic;
+}
+
 std::vector<Variant> variants(const Scene &scene, const Residual &residual, const Model &model,
                               bool signatures) {
   std::vector<Variant> out;
@@ -79,6 +87,10 @@ std::vector<Variant> variants(const Scene &scene, const Residual &residual, cons
     if (present >= (effect->info().repeats ? kMostOfOne : 1))
       continue;
     if (effect->info().stage == Stage::record && !scene.has_reference)
+      continue;
+    if (is_lag(effect->info()) && std::ranges::any_of(model.effects, [](const EffectInstance &e) {
+          return is_lag(e.effect->info());
+        }))
       continue;
     for (auto &values : effect->guesses(residual)) {
       if (std::any_of(model.effects.begin(), model.effects.end(),
