@@ -146,6 +146,28 @@ void hold_against(const ResidualColumns &r, const std::vector<std::uint32_t> &ro
   }
 }
 
+/// Holds all against neighbours that were not hit: beside two spikes at once a sound sample stands
+/// out as well.
+void hold_against_sound(const ResidualColumns &r, const std::vector<std::uint32_t> &rows,
+                        const std::vector<char> &hit, ResidualColumns &held) {
+  ResidualColumns sound;
+  std::vector<std::uint32_t> sound_rows;
+  std::vector<std::size_t> next(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    next[i] = sound_rows.size();
+    if (!hit[i]) {
+      sound.sin.push_back(r.sin[i]);
+      sound.cos.push_back(r.cos[i]);
+      sound_rows.push_back(rows[i]);
+    }
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::size_t behind = next[i] + (hit[i] ? 0 : 1);
+    held.sin[i] = apart_from(sound.sin, sound_rows, r.sin[i], rows[i], next[i], behind);
+    held.cos[i] = apart_from(sound.cos, sound_rows, r.cos[i], rows[i], next[i], behind);
+  }
+}
+
 /// Noise where it is loudest, V rms of a channel: of stretches of samples in a row.
 double loudest_of(const ResidualColumns &r) {
   constexpr std::size_t kStretch = 64; // samples
@@ -160,9 +182,30 @@ double loudest_of(const ResidualColumns &r) {
   return quantile(std::move(rms), kMost);
 }
 
+/// The same by medians, which spikes in many rows do not move.
+double loudest_but_for_spikes(const ResidualColumns &r) {
+  constexpr std::size_t kStretch = 64; // samples
+  constexpr double kMost = 0.9;        // of the stretches
+  const std::size_t n = r.sin.size();
+  std::vector<double> spreads;
+  for (std::size_t from = 0; from < n; from += kStretch) {
+    const std::size_t end = from + 2 * kStretch > n ? n : from + kStretch; // the rest with the last
+    std::vector<double> off;
+    for (std::size_t i = from; i < end; ++i)
+      for (double v : {r.sin[i], r.cos[i]})
+        off.push_back(std::abs(v));
+    spreads.push_back(kSigmasOfMedian * quantile(std::move(off), 0.5));
+    if (end == n)
+      break;
+  }
+  return quantile(std::move(spreads), kMost);
+}
+
 /// Whether what stands out is apart from the rest, and not the tail of what jumps by all sizes: no
-/// more lie in the last third below the limit than above it, beyond those of normal noise.
-bool are_apart(const ResidualColumns &r, const ResidualColumns &others, double noise_v) {
+/// more lie in the last third below the limit than this part of those above it, beyond those of
+/// normal noise.
+bool are_apart(const ResidualColumns &r, const ResidualColumns &others, double noise_v,
+               double part = 1.0) {
   constexpr double kTwoThirds = 2.0 / 3.0 * kStandsOut;
   const double by_chance = std::erfc(kTwoThirds / std::numbers::sqrt2); // of one channel
   double below = 0.0, above = 0.0;
@@ -170,7 +213,7 @@ bool are_apart(const ResidualColumns &r, const ResidualColumns &others, double n
     for (double v : *of)
       (std::abs(v) > kStandsOut * noise_v ? above : below) +=
           std::abs(v) > kTwoThirds * noise_v ? 1.0 : 0.0;
-  return below <= above + by_chance * 2.0 * static_cast<double>(r.sin.size());
+  return below <= part * above + by_chance * 2.0 * static_cast<double>(r.sin.size());
 }
 
 /// Whether a sample stands out of those about it. Where the model misses those as well it says
@@ -456,6 +499,35 @@ Spikes spikes_against(const Scene &scene, const Model &model,
     find_spikes(*v, kStandsOut, noise_v, places);
     for (std::size_t i : places)
       out.hit[i] = 1;
+  }
+  // Spikes in many rows are as much of what is left as the noise is, and none of them is rare. Held
+  // against their neighbours they are what is apart from all others.
+  constexpr std::size_t kOften = 12; // one in so many samples, at most
+  // Of spikes whose size is normal, of ten noises rms, a sixth lies in that third.
+  constexpr double kPartBelow = 0.5;
+  if (!supply && !scene.stops && std::ranges::count(out.hit, char{1}) == 0 &&
+      apart.sin.size() < kFewestSpikes && plain.sin.size() == scene.index.size()) {
+    ResidualColumns held = plain, held_apart = apart;
+    hold_against(plain, scene.index, scene.spiked_index, next_of, held_apart);
+    hold_against_neighbours(scene.index, held);
+    const double local_v = std::max(loudest_but_for_spikes(held), least_v);
+    std::vector<char> often(out.hit.size(), 0);
+    const auto mark = [&] {
+      for (std::size_t i = 0; i < often.size(); ++i)
+        often[i] = std::max(std::abs(held.sin[i]), std::abs(held.cos[i])) > kStandsOut * local_v;
+    };
+    mark();
+    hold_against_sound(plain, scene.index, often, held);
+    mark();
+    if (local_v > 0.0 &&
+        static_cast<std::size_t>(std::ranges::count(often, char{1})) * kOften <= often.size() &&
+        are_apart(held, held_apart, local_v, kPartBelow)) {
+      noise_v = local_v;
+      plain = std::move(held);
+      apart = std::move(held_apart);
+      weighed = {};
+      out.hit = std::move(often);
+    }
   }
   const std::vector<char> all_hit = out.hit;
   leave_out_clusters(out.hit);
