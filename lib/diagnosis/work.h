@@ -399,6 +399,8 @@ private:
   bool noise_stated_ = false, free_lag_ = false;
   std::set<const Effect *> named_last_; ///< moved there once: no order of two may go round
   mutable std::optional<double> rounding_that_does_not_come_again_v2_;
+  /// Processes, each with a cause that was taken back as one of the shapes that it may have.
+  std::vector<std::pair<const Effect *, const Effect *>> shapes_;
   int slow_waves_ = 0; ///< half waves by which the course of a slow process was taken out
   std::vector<double> lengthening_; ///< orders at which the length changes as the angle does
   bool in_bursts_ = false;          ///< samples in a row are left over

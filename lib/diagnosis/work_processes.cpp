@@ -59,10 +59,10 @@ bool Work::take_out_processes() {
 }
 
 Observations Work::over_the_record() const {
-  constexpr std::size_t kEnough = 4000; // for how slow things go
+  constexpr std::size_t kEnough = 20000; // for how slow things go
   std::vector<std::uint32_t> some(scene_.all.size());
   std::iota(some.begin(), some.end(), 0u);
-  return scene_.all.select(thin(some, kEnough, 100));
+  return scene_.all.select(thin(some, kEnough, 1));
 }
 
 bool Work::drop_shapes_of(const RandomCause &process, int waves) {
@@ -80,6 +80,7 @@ bool Work::drop_shapes_of(const RandomCause &process, int waves) {
             nats_as_walk(data, less, pattern, waves) >
         criteria::kAdmittedNats)
       continue;
+    shapes_.emplace_back(process.effect, out_.extended.effects[at].effect);
     found_.forget(place);
     take(nested_models(split_, found_));
     judge_model();
@@ -252,11 +253,16 @@ void Work::name_process(const RandomCause &c) {
   seen_random_.push_back({c.effect, c.values, c.std_errors});
   if (given(c.effect))
     return;
+  std::vector<std::string> alternatives = c.alternatives;
+  for (const auto &[process, shape] : shapes_)
+    if (const std::string id(shape->info().id);
+        process == c.effect && std::ranges::find(alternatives, id) == alternatives.end())
+      alternatives.push_back(id);
   SplitQuality before = last_;
   const double samples = static_cast<double>(std::max<std::size_t>(1, split_.heldout.size()));
   before.heldout.log_likelihood = last_.heldout.log_likelihood - c.nats / samples;
   random_.push_back(
-      recorded({c.effect, c.values, c.std_errors, c.alternatives, {}, {}, before, last_, false}));
+      recorded({c.effect, c.values, c.std_errors, alternatives, {}, {}, before, last_, false}));
 }
 
 bool Work::take_out_courses(Anonymous slow, const std::vector<RandomCause> &processes) {

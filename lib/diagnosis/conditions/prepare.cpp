@@ -107,6 +107,16 @@ std::string why_at_rest(const Capture &capture, double moved_deg) {
 
 } // namespace
 
+namespace {
+
+void leave_out_stuck_rows(const Capture &capture, std::vector<char> &usable) {
+  Screened look{.capture = capture, .usable = std::move(usable)};
+  the_effect_that_spoils(Spoils::channel).screen(look);
+  usable = std::move(look.usable);
+}
+
+} // namespace
+
 Scene prepare_record(const Capture &capture, bool needs_split, const Model *known,
                      std::optional<double> vdd_level_v) {
   Scene scene;
@@ -135,6 +145,7 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   for (std::size_t i = 0; i < capture.size(); ++i)
     usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
   scene.dead = leave_out_dead_outputs(capture, usable);
+  leave_out_stuck_rows(capture, usable); // they are off the curve as well, and have a name
   scene.episodes = leave_out_episodes(capture, usable);
   scene.stale = leave_out_stale_rows(capture, usable);
   Screened look = screen(capture, known, all, std::move(usable));

@@ -52,16 +52,43 @@ double of_half_wave(int k) {
   return 6.0 / std::pow(k * std::numbers::pi, 2);
 }
 
-/// Power of the first half waves over the record.
-std::vector<double> half_waves_of(const std::vector<double> &x, const std::vector<double> &time,
-                                  int waves) {
-  const double mean = mean_of(x), n = static_cast<double>(std::max<std::size_t>(1, x.size()));
+/// Means of values over even parts of a record, of those that have some, with their times.
+struct Means {
+  std::vector<double> time, value;
+};
+
+Means means_of(const std::vector<double> &x, const std::vector<double> &time, std::size_t parts) {
   const double span = std::max(time.back() - time.front(), 1e-300);
+  std::vector<double> sum(parts, 0.0), count(parts, 0.0);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const auto part =
+        static_cast<std::size_t>((time[i] - time.front()) / span * static_cast<double>(parts));
+    sum[std::min(part, parts - 1)] += x[i];
+    count[std::min(part, parts - 1)] += 1.0;
+  }
+  Means out;
+  for (std::size_t k = 0; k < parts; ++k)
+    if (count[k] > 0.0) {
+      out.time.push_back(time.front() +
+                         span * (static_cast<double>(k) + 0.5) / static_cast<double>(parts));
+      out.value.push_back(sum[k] / count[k]);
+    }
+  return out;
+}
+
+/// Power of the first half waves over the record: of means over parts of them, as a few samples
+/// here and there have the fast ones in the slow.
+std::vector<double> half_waves_of(const std::vector<double> &samples,
+                                  const std::vector<double> &sampled, int waves) {
+  constexpr int kParts = 8; // of a half wave
+  const auto [time, x] = means_of(samples, sampled, static_cast<std::size_t>(kParts * waves));
+  const double mean = mean_of(x), n = static_cast<double>(std::max<std::size_t>(1, x.size()));
+  const double span = std::max(sampled.back() - sampled.front(), 1e-300);
   std::vector<double> out;
   for (int k = 1; k <= waves; ++k) {
     double sum = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i)
-      sum += (x[i] - mean) * std::cos(k * std::numbers::pi * (time[i] - time.front()) / span);
+      sum += (x[i] - mean) * std::cos(k * std::numbers::pi * (time[i] - sampled.front()) / span);
     out.push_back(2.0 * sum * sum / (n * n));
   }
   return out;

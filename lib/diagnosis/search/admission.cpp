@@ -319,13 +319,16 @@ bool Search::beyond_doubt(double size_v, const Model &model, std::size_t effect,
                         model.baseline.amplitude_v;
   const bool of_the_shaft = e.info().stage == Stage::motion || e.info().stage == Stage::field ||
                             e.reference_ripple(model.effects[effect].values).order > 0.0;
-  // A line far above the pair's own orders and within the last count of the reference is that
-  // count's own: at a steady speed the rounding comes back in every turn.
+  // A line far above the pair's own orders, or between whole ones, and within the last count of
+  // the reference is that count's own: at a steady speed the rounding comes back in every turn, or
+  // beats with the readings.
   const auto order = chosen(model.effects[effect], "order", "per turn");
   const double count_v =
       data_.scene->reference_grid_rad * model.periods_per_turn * model.baseline.amplitude_v;
-  if (of_the_shaft && order && *order > criteria::kNamedPeriods * model.periods_per_turn &&
-      2.0 * size_v < 0.5 * count_v)
+  const bool of_a_count =
+      order && (*order > criteria::kNamedPeriods * model.periods_per_turn ||
+                std::abs(*order - std::round(*order)) * data_.scene->turns > 1.0);
+  if (of_the_shaft && of_a_count && 2.0 * size_v < 0.5 * count_v)
     return false;
   if (of_the_shaft &&
       2.0 * size_v < criteria::kOfReferenceStep * step_v) // an amplitude is twice a channel's rms
