@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "base/angle.h"
+#include "base/robust.h"
 #include "base/solve.h"
 #include "diagnosis/anonymous/beside_anonymous.h"
 #include "diagnosis/conditions/reference_zero.h"
@@ -376,23 +377,58 @@ bool Work::drop_ripples_by_chance() {
   return false;
 }
 
+namespace {
+
+/// What is left along the vector to what is left across it, in the middle: a few spikes are in
+/// either.
+double along_to_across(const Observations &data, const Model &model) {
+  std::vector<double> along, across;
+  const Observations some = thinned(data);
+  along_and_across(some, residual_columns(some, model), along, across);
+  for (std::vector<double> *of : {&along, &across})
+    for (double &v : *of)
+      v = std::abs(v);
+  return quantile(std::move(along), 0.5) / quantile(std::move(across), 0.5);
+}
+
+} // namespace
+
 bool Work::drop_what_the_length_denies() {
-  if (scene_.has_reference)
-    return false;
   const Model &model = found_.fit.model;
+  std::vector<std::size_t> places;
   for (std::size_t place = 0; place < found_.order.size(); ++place) {
     const std::size_t at = found_.order[place];
     const Effect &effect = *model.effects[at].effect;
-    if (effect.info().prior_rank == 0 || !shapes_the_figure(effect) ||
-        is_measured_aside(split_.train, model, at))
-      continue;
-    const Model less = fit(split_.train, model.without(at), 5).model;
-    if (nats_between(ada::radius_left(split_.heldout, less),
-                     ada::radius_left(split_.heldout, model)) > criteria::kRivalNats)
-      continue;
-    found_.forget(place);
-    return true;
+    if (effect.info().prior_rank > 0 && shapes_the_figure(effect) &&
+        !is_measured_aside(split_.train, model, at))
+      places.push_back(place);
   }
+  if (places.empty())
+    return false;
+  if (!scene_.has_reference) {
+    for (const std::size_t place : places)
+      if (const Model less = fit(split_.train, model.without(found_.order[place]), 5).model;
+          nats_between(ada::radius_left(split_.heldout, less),
+                       ada::radius_left(split_.heldout, model)) <= criteria::kRivalNats) {
+        found_.forget(place);
+        return true;
+      }
+    return false;
+  }
+  // Beside a reference that says little the length is the witness of what shapes the figure: what
+  // is none by it was made of what the reference errs by.
+  if (split_.train.disturbed != Direction::none)
+    return false;
+  const double ratio = along_to_across(split_.train, nested_.baseline);
+  if (!(ratio < criteria::kMuchLessAcross))
+    return false;
+  const std::vector<Clearness> clear = clear_by_length(split_, model, ratio);
+  for (auto place = places.rbegin(); place != places.rend(); ++place)
+    if (const std::size_t at = found_.order[*place];
+        at < clear.size() && clear[at].own < criteria::kClear) {
+      found_.forget(*place);
+      return true;
+    }
   return false;
 }
 

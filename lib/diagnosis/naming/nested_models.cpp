@@ -172,6 +172,13 @@ std::optional<FitResult> fit_by_direction(DataSplit split, Model model, bool ben
   return fit_with_errors(split.train, model);
 }
 
+std::vector<Clearness> clear_by_length(DataSplit split, const Model &start, double weight_across) {
+  split.train.coloured.reset();
+  split.weigh(Direction::motion, weight_across);
+  const FitResult apart = fit_with_errors(split.train, start);
+  return apart.determined ? clearness_of(apart, split.train.size()) : std::vector<Clearness>{};
+}
+
 bool leaves_length(const Observations &data, const Model &model) {
   const Scatter left = scatter_of(data, model);
   return left.along > criteria::kMoreThanNoise * left.noise_along;

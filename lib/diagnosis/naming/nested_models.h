@@ -41,6 +41,9 @@ NestedModels nested_models(DataSplit &split, const SearchResult &found);
 /// lies along it alone; nothing where more than noise is left across. `bent`: what lies along it
 /// may have bent `model` so far that as much is left across.
 std::optional<FitResult> fit_by_direction(DataSplit split, Model model, bool bent = false);
+/// How clear the causes of a model are by the length alone, with a weight of what lies across the
+/// vector that makes both scatter alike; none where the fit does not determine them.
+std::vector<Clearness> clear_by_length(DataSplit split, const Model &start, double weight_across);
 /// Whether more than noise is left along the vector.
 bool leaves_length(const Observations &data, const Model &model);
 /// Whether the angle of held-out data is clearly better by the one than by the other.
