@@ -208,6 +208,18 @@ private:
   /// Slow processes, read off what everything else leaves over; their courses are taken out of the
   /// data. Whether they moved the pair by more than its noise, and so may have hidden something.
   bool take_out_processes();
+  /// What is named now, with all that was worked out for it.
+  struct Named {
+    SearchResult found;
+    NestedModels nested;
+    Diagnosis out;
+    Anonymous unnamed;
+    DataSplit split;
+    SplitQuality first, last;
+    std::vector<std::pair<const Effect *, const Effect *>> shapes;
+  };
+  Named named_now() const;
+  void take_again(const Named &named);
   /// Samples of the whole record, few enough to look at what goes slowly.
   Observations over_the_record() const;
   /// Takes back causes that explain no more of what wanders than any slow shape would.

@@ -49,13 +49,31 @@ bool Work::take_out_processes() {
   // would take in.
   const RandomCause largest = *std::ranges::max_element(found, {}, &RandomCause::slow_v2);
   const int waves = slow.selection.orders[static_cast<std::size_t>(Axis::time)];
-  if (drop_shapes_of(largest, waves)) // then the process is another one
-    return take_out_processes();
+  if (const Named before = named_now(); drop_shapes_of(largest, waves)) {
+    if (take_out_processes()) // then the process is another one
+      return true;
+    take_again(before);
+  }
   if (!take_out_courses(std::move(slow), {largest}))
     return false;
   slow_waves_ = std::max(slow_waves_, waves);
   processes_.push_back(largest);
   return largest.slow_v2 > unnamed_.selection.noise_v2;
+}
+
+Work::Named Work::named_now() const {
+  return {found_, nested_, out_, unnamed_, split_, first_, last_, shapes_};
+}
+
+void Work::take_again(const Named &named) {
+  found_ = named.found;
+  nested_ = named.nested;
+  out_ = named.out;
+  unnamed_ = named.unnamed;
+  split_ = named.split;
+  first_ = named.first;
+  last_ = named.last;
+  shapes_ = named.shapes;
 }
 
 Observations Work::over_the_record() const {
@@ -76,9 +94,7 @@ bool Work::drop_shapes_of(const RandomCause &process, int waves) {
         std::ranges::none_of(errors, [](double e) { return e > 0.0; }))
       continue;
     const Model less = fit(split_.train, out_.extended.without(at), 5).model;
-    if (nats_as_walk(data, out_.extended, pattern, waves) -
-            nats_as_walk(data, less, pattern, waves) >
-        criteria::kAdmittedNats)
+    if (nats_over_walk(data, out_.extended, less, pattern) > criteria::kAdmittedNats)
       continue;
     shapes_.emplace_back(process.effect, out_.extended.effects[at].effect);
     found_.forget(place);
@@ -181,7 +197,8 @@ void Work::widen_beside_processes() {
       slow += std::ranges::any_of(errors.back(), [](double e) { return e > 0.0; });
     }
     const double more = std::sqrt(more_of_walk(slow));
-    widen_process(*process.effect, more - 1.0);
+    // Of what they may have taken, all or nothing, each as likely: half to either side.
+    widen_process(*process.effect, 0.5 * (more - 1.0));
     for (std::size_t k = 0; k < errors.size(); ++k) {
       for (double &e : errors[k])
         e *= more;

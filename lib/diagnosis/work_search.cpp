@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -419,7 +420,14 @@ bool Work::drop_what_the_length_denies() {
   // is none by it was made of what the reference errs by.
   if (split_.train.disturbed != Direction::none)
     return false;
-  const double ratio = along_to_across(split_.train, nested_.baseline);
+  Model bare = model; // with what has a name of the reference's errors
+  std::vector<std::size_t> shapes;
+  for (const std::size_t place : places)
+    shapes.push_back(found_.order[place]);
+  std::ranges::sort(shapes, std::greater{});
+  for (const std::size_t at : shapes)
+    bare = bare.without(at);
+  const double ratio = along_to_across(split_.train, fit(split_.train, bare, 5).model);
   if (!(ratio < criteria::kMuchLessAcross))
     return false;
   const std::vector<Clearness> clear = clear_by_length(split_, model, ratio);

@@ -105,10 +105,6 @@ std::string why_at_rest(const Capture &capture, double moved_deg) {
       moved_deg > 0.0 ? of_reference : "the shaft does not turn", 1e3 * scatter_v);
 }
 
-} // namespace
-
-namespace {
-
 void leave_out_stuck_rows(const Capture &capture, std::vector<char> &usable) {
   Screened look{.capture = capture, .usable = std::move(usable)};
   the_effect_that_spoils(Spoils::channel).screen(look);
@@ -356,8 +352,11 @@ Scene prepare(const Capture &capture, bool needs_split, const Model *known,
     // usable.
     std::vector<std::uint32_t> some(capture.size());
     std::iota(some.begin(), some.end(), 0u);
+    std::vector<char> lives(capture.size(), 1);
     for (const auto &[first, end] : scene.stuck)
-      std::erase_if(some, [&](std::uint32_t i) { return i >= first && i < end; });
+      std::fill(lives.begin() + static_cast<std::ptrdiff_t>(first),
+                lives.begin() + static_cast<std::ptrdiff_t>(end), char{0});
+    std::erase_if(some, [&](std::uint32_t i) { return !lives[i]; });
     some = thin(some, criteria::kForCircle);
     scene.insufficient = why_no_angle(pick(capture.vsin_v, some), pick(capture.vcos_v, some));
     if (!scene.insufficient.empty() && level_gap(capture)) // a better reason, which is told later

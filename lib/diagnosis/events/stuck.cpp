@@ -131,62 +131,71 @@ void trim(StuckStretch &one, std::span<const double> own, double most_v) {
     --one.end;
 }
 
-/// Whether a channel stood still for a while and follows the angle again. What stands at an end of
-/// what the channel reads else is a peak that is cut off, or one that no reading resolves, unless
-/// it does so once and the other channel goes all the way meanwhile.
+/// On which side of what it holds a channel is before a stretch (`step` -1, from the row before it)
+/// or after it (+1): the first reading beyond the band tells; 0 where none does.
+int side_of(std::span<const double> own, std::size_t from, int step, double at, double band) {
+  for (auto i = static_cast<std::ptrdiff_t>(from); i >= 0 && i < std::ssize(own); i += step)
+    if (const double off = own[static_cast<std::size_t>(i)] - at; std::abs(off) > band)
+      return off > 0.0 ? 1 : -1;
+  return 0;
+}
+
+/// Whether a stretch is a peak that is cut off, or that no reading resolves: the channel comes to
+/// it and leaves it on one side, and goes on from where it stood. One that stood still meanwhile is
+/// elsewhere when it follows again, but for chance.
+bool is_cut_peak(const StuckStretch &one, std::span<const double> own, double band,
+                 double usual_v) {
+  constexpr double kJump = 2.0; // of what nearly all steps are less than
+  if (one.end >= own.size())
+    return true; // nothing shows that it follows again
+  const double at = own[one.end - 1];
+  if (std::abs(own[one.end] - at) > kJump * usual_v)
+    return false;
+  const int before = one.first > 0 ? side_of(own, one.first - 1, -1, at, band) : 0,
+            after = side_of(own, one.end, 1, at, band);
+  return before == 0 || after == 0 || before == after;
+}
+
+/// Whether a channel stood still for a while and follows the angle again.
 bool screen_stuck_for_a_while(Screened &look, const Effect &effect) {
+  constexpr double kNearlyAll = 0.99;
   const Capture &c = look.capture;
   const std::vector<double> *channels[2] = {&c.vsin_v, &c.vcos_v};
   for (int k = 0; k < 2; ++k) {
     const std::vector<double> &own = *channels[k], &other = *channels[1 - k];
-    std::vector<StuckStretch> held = each_stuck_stretch(own, travel(own), other, travel(other));
-    const double others_step_v = held.empty() ? 0.0 : converter_step(other);
-    std::erase_if(held, [&](const StuckStretch &one) {
-      return moves_as_noise(std::span(other).subspan(one.first, one.end - one.first),
-                            others_step_v);
-    });
+    const double travelled_v = travel(own);
+    std::vector<StuckStretch> held = each_stuck_stretch(own, travelled_v, other, travel(other));
     if (held.empty())
       continue;
-    std::vector<double> moving;
-    std::size_t i = 0;
-    for (const StuckStretch &one : held) {
-      moving.insert(moving.end(), own.begin() + static_cast<std::ptrdiff_t>(i),
-                    own.begin() + static_cast<std::ptrdiff_t>(one.first));
-      i = one.end;
-    }
-    moving.insert(moving.end(), own.begin() + static_cast<std::ptrdiff_t>(i), own.end());
-    const Reach reads = bulk(moving);
-    const double band = kStuckRatio * reads.width();
-    std::erase_if(held, [&](const StuckStretch &one) {
-      constexpr double kAllTheWay = 0.95; // of a peak cut at less than a third
-      if (held.size() == 1 &&
-          bulk(std::span(other).subspan(one.first, one.end - one.first)).width() >
-              kAllTheWay * travel(other))
-        return false;
-      const double at = quantile(std::vector(own.begin() + static_cast<std::ptrdiff_t>(one.first),
-                                             own.begin() + static_cast<std::ptrdiff_t>(one.end)),
-                                 0.5);
-      return !(at > reads.low + band && at < reads.high - band);
+    const double others_step_v = converter_step(other), band = kStuckRatio * travelled_v;
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < own.size(); ++i)
+      steps.push_back(std::abs(own[i] - own[i - 1]));
+    const double usual_v = quantile(std::move(steps), kNearlyAll);
+    std::erase_if(held, [&](StuckStretch &one) {
+      if (moves_as_noise(std::span(other).subspan(one.first, one.end - one.first), others_step_v))
+        return true;
+      trim(one, own, band);
+      return is_cut_peak(one, own, band, usual_v);
     });
     if (held.empty())
       continue;
     std::size_t samples = 0;
-    for (StuckStretch &one : held) {
-      trim(one, own, band);
+    for (const StuckStretch &one : held) {
       leave_out(look, one.first, one.end);
       samples += one.end - one.first;
     }
-    const std::size_t end = std::min(held.front().end, c.size() - 1);
+    const double again_s = c.time_s[held.front().end];
     look.findings.push_back(
         {&effect,
          {static_cast<double>(k), c.time_s[held.front().first]},
          {0.0, median_step(c.time_s)},
          {},
          held.size() == 1
-             ? fmt::format("It follows again from {:.6g} s on.", c.time_s[end])
+             ? fmt::format("It follows again from {:.6g} s on.", again_s)
              : fmt::format("It follows again from {:.6g} s on, and stops {} times, for {} samples "
                            "in all.",
-                           c.time_s[end], held.size(), samples)});
+                           again_s, held.size(), samples)});
     return true;
   }
   return false;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -147,15 +148,46 @@ std::vector<double> errors_beside(const Observations &data, const Model &model, 
   return out;
 }
 
-double nats_as_walk(const Observations &data, const Model &model, Pattern pattern, int waves) {
+namespace {
+
+/// The largest log likelihood of powers of half waves as those of a walk of any size, with noise of
+/// the same power in each: each is the square of one normal number.
+double most_as_walk(const std::vector<double> &power, double noise) {
   constexpr double kLeast = 1e-300; // V^2
+  constexpr double kDecades = 12.0;
+  constexpr int kSteps = 240;
+  double largest = 0.0;
+  int k = 0;
+  for (double p : power)
+    largest = std::max(largest, p / of_half_wave(++k));
+  double best = -std::numeric_limits<double>::infinity();
+  for (int step = 0; step <= kSteps; ++step) {
+    const double size = largest * std::pow(10.0, -kDecades * step / kSteps);
+    double nats = 0.0;
+    k = 0;
+    for (double p : power) {
+      const double expected = std::max(size * of_half_wave(++k) + noise, kLeast);
+      nats -= 0.5 * (std::log(expected) + p / expected);
+    }
+    best = std::max(best, nats);
+  }
+  return best;
+}
+
+} // namespace
+
+double nats_over_walk(const Observations &data, const Model &with, const Model &less,
+                      Pattern pattern) {
+  constexpr int kWaves = 32; // and as many above them tell the noise
+  const Channels left = seen_by(data, residual_columns(data, with), pattern),
+                 without = seen_by(data, residual_columns(data, less), pattern);
   double nats = 0.0;
-  for (const std::vector<double> &x : seen_by(data, residual_columns(data, model), pattern)) {
-    double walk = 0.0;
-    int k = 0;
-    for (double power : half_waves_of(x, data.time, waves))
-      walk += power / of_half_wave(++k);
-    nats -= 0.5 * waves * std::log(std::max(walk, kLeast));
+  for (std::size_t c = 0; c < left.size(); ++c) {
+    std::vector<double> here = half_waves_of(left[c], data.time, 2 * kWaves);
+    const double noise = std::accumulate(here.begin() + kWaves, here.end(), 0.0) / kWaves;
+    here.resize(kWaves);
+    nats += most_as_walk(here, noise) -
+            most_as_walk(half_waves_of(without[c], data.time, kWaves), noise);
   }
   return nats;
 }

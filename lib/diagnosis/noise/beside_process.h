@@ -19,10 +19,11 @@ namespace ada {
 std::vector<double> errors_beside(const Observations &data, const Model &model, std::size_t effect,
                                   const RandomCause &process, int waves);
 
-/// Log likelihood of what a model leaves, as a walk of the process' pattern in so many half waves
-/// over the record, the size of which it tells itself: by how much one that leaves less explains
-/// more than the few waves that any slow shape takes of a walk.
-double nats_as_walk(const Observations &data, const Model &model, Pattern pattern, int waves);
+/// By how much the log likelihood of what is left is larger with a cause than without it, where
+/// what is left is a walk of this pattern and of any size, with noise on it: a slow shape takes a
+/// half wave or two of a walk, and has half a nat by chance for each channel.
+double nats_over_walk(const Observations &data, const Model &with, const Model &less,
+                      Pattern pattern);
 
 /// By how much the mean square of a walk is larger than what is left of it where so many slow
 /// shapes were fitted beside it: those may have taken its slowest half waves.

@@ -216,6 +216,31 @@ bool are_apart(const ResidualColumns &r, const ResidualColumns &others, double n
   return below <= part * above + by_chance * 2.0 * static_cast<double>(r.sin.size());
 }
 
+constexpr std::size_t kMostKnown = 20000; ///< values that a rank or a noise is known by
+
+/// Of many values some, in step with nothing.
+std::vector<std::uint32_t> some_of(std::size_t size, std::size_t most) {
+  std::vector<std::uint32_t> out(size);
+  std::iota(out.begin(), out.end(), 0u);
+  return thin(std::move(out), most, 1);
+}
+
+/// Whether more than a few of many samples are far beyond what their median tells of the noise.
+bool may_be_many(const ResidualColumns &r) {
+  constexpr double kMany = 0.003; // of the samples
+  std::size_t beyond = 0;
+  const std::vector<std::uint32_t> some = some_of(r.sin.size(), kMostKnown);
+  for (const std::vector<double> *of : {&r.sin, &r.cos}) {
+    std::vector<double> off;
+    for (std::uint32_t i : some)
+      off.push_back(std::abs((*of)[i]));
+    const double limit = kStandsOut * kSigmasOfMedian * quantile(off, 0.5);
+    beyond +=
+        static_cast<std::size_t>(std::ranges::count_if(off, [&](double v) { return v > limit; }));
+  }
+  return static_cast<double>(beyond) > kMany * static_cast<double>(some.size());
+}
+
 /// Whether a sample stands out of those about it. Where the model misses those as well it says
 /// nothing of a single sample.
 bool stands_out(double sin, double cos, const Pair &around, double noise_v) {
@@ -304,7 +329,6 @@ std::size_t on_curve(const Observations &data, const std::vector<std::uint32_t> 
 constexpr int kOrders = 16;          ///< of the turn that are looked at
 constexpr double kImprobable = 1e-3; ///< by chance
 
-constexpr std::size_t kMostKnown = 20000; ///< values that a rank is known by
 constexpr std::size_t kMostAsked = 2000;  ///< of what stands out: of more Rayleigh's test tells
 
 /// Part of a distribution that lies below a place, and that with the place: the same but for ties.
@@ -348,13 +372,6 @@ std::vector<Rank> ranks(const std::vector<double> &x, const std::vector<double> 
     out.push_back(
         {part(std::ranges::lower_bound(sorted, v)), part(std::ranges::upper_bound(sorted, v))});
   return out;
-}
-
-/// Of many values some, in step with nothing.
-std::vector<std::uint32_t> some_of(std::size_t size, std::size_t most) {
-  std::vector<std::uint32_t> out(size);
-  std::iota(out.begin(), out.end(), 0u);
-  return thin(std::move(out), most, 1);
 }
 
 /// At each of the first orders of the turn, against the angles at which the shaft was: Rayleigh's
@@ -500,13 +517,15 @@ Spikes spikes_against(const Scene &scene, const Model &model,
     for (std::size_t i : places)
       out.hit[i] = 1;
   }
-  // Spikes in many rows are as much of what is left as the noise is, and none of them is rare. Held
+  // Spikes in many rows are as much of what is left as the noise is, and few of them are rare. Held
   // against their neighbours they are what is apart from all others.
-  constexpr std::size_t kOften = 12; // one in so many samples, at most
-  // Of spikes whose size is normal, of ten noises rms, a sixth lies in that third.
-  constexpr double kPartBelow = 0.5;
-  if (!supply && !scene.stops && std::ranges::count(out.hit, char{1}) == 0 &&
-      apart.sin.size() < kFewestSpikes && plain.sin.size() == scene.index.size()) {
+  const auto first = static_cast<double>(std::ranges::count(out.hit, char{1})) +
+                     static_cast<double>(apart.sin.size());
+  if (!supply && !scene.stops && plain.sin.size() == scene.index.size() && may_be_many(plain)) {
+    // One in so many samples, at most, and so many times what was found before.
+    constexpr double kOften = 12.0, kMore = 1.5;
+    // Of spikes whose size is normal, of ten noises rms, a sixth lies in that third.
+    constexpr double kPartBelow = 0.5;
     ResidualColumns held = plain, held_apart = apart;
     hold_against(plain, scene.index, scene.spiked_index, next_of, held_apart);
     hold_against_neighbours(scene.index, held);
@@ -519,8 +538,9 @@ Spikes spikes_against(const Scene &scene, const Model &model,
     mark();
     hold_against_sound(plain, scene.index, often, held);
     mark();
-    if (local_v > 0.0 &&
-        static_cast<std::size_t>(std::ranges::count(often, char{1})) * kOften <= often.size() &&
+    const double all = static_cast<double>(std::ranges::count(often, char{1})) +
+                       static_cast<double>(apart.sin.size());
+    if (local_v > 0.0 && all * kOften <= static_cast<double>(often.size()) && all > kMore * first &&
         are_apart(held, held_apart, local_v, kPartBelow)) {
       noise_v = local_v;
       plain = std::move(held);

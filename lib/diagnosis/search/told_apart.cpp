@@ -232,7 +232,7 @@ void widen_by_rivals(const Observations &data, const Model &as_found, std::size_
       continue;
     const FitResult other = fit(data, *model, 5);
     if (!other.determined || !in_range(other.model) ||
-        static_cast<double>(data.size()) * std::log(other.rss / rss) > criteria::kRivalNats)
+        !(static_cast<double>(data.size()) * std::log(other.rss / rss) < criteria::kRivalNats))
       continue;
     const std::vector<double> y = coordinates_of(other.model);
     for (std::size_t k = 0; k < x.size(); ++k)
