@@ -164,6 +164,10 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
   std::optional<MostlyAt> most;
   std::optional<AlongRadius> along;
   std::optional<WithoutOrders> between;
+  // Of a ring of many poles there are more orders than a few rounds tell, or memory holds.
+  constexpr double kMostOrders = 64.0, kRowsOfOrder = 4.0;
+  const bool told_between = highest_named(r) <= kMostOrders &&
+                            kRowsOfOrder * highest_named(r) < static_cast<double>(r.time.size());
   // At one speed, or a few, the orders reach no further than this.
   double ordered_hz = 0.0;
   if (few)
@@ -172,6 +176,8 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
   std::vector<std::vector<double>> tones;
   const auto no_tone = [&](double frequency, const Line &line) {
     if (frequency < ordered_hz) {
+      if (!told_between)
+        return true;
       if (!between)
         between.emplace(r);
       if (!between->leave(frequency, line))
@@ -207,10 +213,12 @@ std::vector<std::vector<double>> find_tones(const Residual &residual) {
            (turns && (fellow || one_sided(r, *most, frequency)) && along->is_gain(frequency, slow));
   };
   auto lines = strongest_lines(r, 0.0, no_tone);
-  if (few && !lines.empty()) {
+  if (few && told_between && !lines.empty()) {
     if (!between)
       between.emplace(r);
     keep_single_lines(between->view(), lines);
+  } else if (few) {
+    keep_single_lines(r, lines);
   }
   for (const auto &[frequency, line] : lines) {
     const auto a = line_at(residual, frequency).amplitudes;
