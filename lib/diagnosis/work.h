@@ -215,15 +215,19 @@ private:
     Diagnosis out;
     Anonymous unnamed;
     DataSplit split;
-    SplitQuality first, last;
+    SplitQuality first, last, named;
+    double noise_v;
     std::vector<std::pair<const Effect *, const Effect *>> shapes;
   };
   Named named_now() const;
   void take_again(const Named &named);
   /// Samples of the whole record, few enough to look at what goes slowly.
   Observations over_the_record() const;
-  /// Takes back causes that explain no more of what wanders than any slow shape would.
-  bool drop_shapes_of(const RandomCause &process, int waves);
+  /// A cause that explains no more of what wanders than any slow shape would: its place in the
+  /// order of what was found.
+  std::optional<std::size_t> shape_of(const RandomCause &process, int waves) const;
+  /// Takes it back: it is one of the shapes that the process may have.
+  void take_for(const RandomCause &process, std::size_t shape);
 
   /// Whether a process has a name already, and this is more of it.
   bool goes_on(const RandomCause &c) const;

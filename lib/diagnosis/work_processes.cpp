@@ -49,10 +49,14 @@ bool Work::take_out_processes() {
   // would take in.
   const RandomCause largest = *std::ranges::max_element(found, {}, &RandomCause::slow_v2);
   const int waves = slow.selection.orders[static_cast<std::size_t>(Axis::time)];
-  if (const Named before = named_now(); drop_shapes_of(largest, waves)) {
-    if (take_out_processes()) // then the process is another one
-      return true;
-    take_again(before);
+  if (const auto shape = shape_of(largest, waves)) {
+    const Named before = named_now();
+    const std::size_t known = processes_.size();
+    take_for(largest, *shape);
+    const bool more = take_out_processes(); // then the process is another one
+    if (processes_.size() > known)
+      return more;
+    take_again(before); // and where there is none then, it was a cause
   }
   if (!take_out_courses(std::move(slow), {largest}))
     return false;
@@ -62,7 +66,7 @@ bool Work::take_out_processes() {
 }
 
 Work::Named Work::named_now() const {
-  return {found_, nested_, out_, unnamed_, split_, first_, last_, shapes_};
+  return {found_, nested_, out_, unnamed_, split_, first_, last_, named_, noise_, shapes_};
 }
 
 void Work::take_again(const Named &named) {
@@ -73,6 +77,8 @@ void Work::take_again(const Named &named) {
   split_ = named.split;
   first_ = named.first;
   last_ = named.last;
+  named_ = named.named;
+  noise_ = named.noise_v;
   shapes_ = named.shapes;
 }
 
@@ -83,7 +89,7 @@ Observations Work::over_the_record() const {
   return scene_.all.select(thin(some, kEnough, 1));
 }
 
-bool Work::drop_shapes_of(const RandomCause &process, int waves) {
+std::optional<std::size_t> Work::shape_of(const RandomCause &process, int waves) const {
   const Observations data = over_the_record();
   const Pattern pattern = process.effect->info().pattern;
   for (std::size_t place = 0; place < found_.order.size(); ++place) {
@@ -94,15 +100,17 @@ bool Work::drop_shapes_of(const RandomCause &process, int waves) {
         std::ranges::none_of(errors, [](double e) { return e > 0.0; }))
       continue;
     const Model less = fit(split_.train, out_.extended.without(at), 5).model;
-    if (nats_over_walk(data, out_.extended, less, pattern) > criteria::kAdmittedNats)
-      continue;
-    shapes_.emplace_back(process.effect, out_.extended.effects[at].effect);
-    found_.forget(place);
-    take(nested_models(split_, found_));
-    judge_model();
-    return true;
+    if (!(nats_over_walk(data, out_.extended, less, pattern) > criteria::kAdmittedNats))
+      return place;
   }
-  return false;
+  return std::nullopt;
+}
+
+void Work::take_for(const RandomCause &process, std::size_t shape) {
+  shapes_.emplace_back(process.effect, out_.extended.effects[found_.order[shape]].effect);
+  found_.forget(shape);
+  take(nested_models(split_, found_));
+  judge_model();
 }
 
 bool Work::goes_on(const RandomCause &c) const {
@@ -271,9 +279,10 @@ void Work::name_process(const RandomCause &c) {
   if (given(c.effect))
     return;
   std::vector<std::string> alternatives = c.alternatives;
-  for (const auto &[process, shape] : shapes_)
+  for (const auto &[process, shape] : shapes_) // but for what a later search has named after all
     if (const std::string id(shape->info().id);
-        process == c.effect && std::ranges::find(alternatives, id) == alternatives.end())
+        process == c.effect && std::ranges::find(alternatives, id) == alternatives.end() &&
+        std::ranges::none_of(nested_.findings, [&](const Finding &f) { return f.effect == shape; }))
       alternatives.push_back(id);
   SplitQuality before = last_;
   const double samples = static_cast<double>(std::max<std::size_t>(1, split_.heldout.size()));

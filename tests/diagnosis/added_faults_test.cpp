@@ -20,14 +20,6 @@
 namespace ada::test {
 namespace {
 
-/// A hand that turns on, now faster and now slower: by so many turns over the record.
-std::function<double(double)> by_hand(Bench &bench, double turns, double seconds) {
-  const double start = bench.within(0.0, kTwoPi), w = kTwoPi * bench.within(0.15, 0.35);
-  return [=](double t) {
-    return kTwoPi * turns / seconds * (t - 0.4 / w * (std::cos(w * t + start) - std::cos(start)));
-  };
-}
-
 KIND(a_channel_that_stands_still_for_a_while_is_stuck_until_it_follows_again) {
   Bench bench;
   constexpr double kRate = 500.0, kSpan = 8.0;
@@ -74,7 +66,7 @@ KIND(a_tone_over_a_few_rounds_of_a_hand_is_a_tone) {
   constexpr double kRate = 50.0;
   const auto n = static_cast<std::size_t>(bench.within(180.0, 900.0));
   const double span = static_cast<double>(n) / kRate;
-  Capture c = bench.capture(n, kRate, 1, by_hand(bench, bench.within(2.5, 5.0), span));
+  Capture c = bench.capture(n, kRate, 1, turned_by_hand(bench, bench.within(2.5, 5.0), span));
   c.reference_deg.clear();
   const double hz = bench.within(0.2, 0.45) * kRate, size = 0.05 * bench.pair.amplitude_v;
   const double sin_v = bench.within(0.7, 1.0) * size, cos_v = bench.within(0.2, 0.5) * size;
@@ -158,7 +150,7 @@ KIND(offsets_that_walk_beside_a_temperature_do_not_follow_it) {
 KIND(a_mismatch_beside_a_bend_of_either_law_has_an_error_that_holds_it) {
   Bench bench;
   const double q3 = bench.within(0.01, 0.04);
-  Capture c = bench.capture(3000, 100.0, 1, by_hand(bench, bench.within(8.0, 14.0), 30.0));
+  Capture c = bench.capture(3000, 100.0, 1, turned_by_hand(bench, bench.within(8.0, 14.0), 30.0));
   if (bench.within(0.0, 1.0) < 0.5)
     c.reference_deg.clear();
   const bool channels = bench.within(0.0, 1.0) < 0.5;

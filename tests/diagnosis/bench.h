@@ -186,4 +186,12 @@ inline std::function<double(double)> wandering(Bench &bench, double hz, double b
   return [=](double t) { return kTwoPi * hz * (t - by / w * std::cos(w * t + start)); };
 }
 
+/// A shaft turned by hand over `turns`, at a speed that changes by a third.
+inline std::function<double(double)> turned_by_hand(Bench &bench, double turns, double seconds) {
+  const double start = bench.within(0.0, kTwoPi), w = kTwoPi * bench.within(0.1, 0.3);
+  return [=](double t) {
+    return kTwoPi * turns / seconds * (t - 0.3 / w * (std::cos(w * t + start) - std::cos(start)));
+  };
+}
+
 } // namespace ada::test

@@ -26,14 +26,6 @@ const std::initializer_list<std::string_view> kOfTheSensor{
     "gain-wander",     "offset-wander",       "quadratic-nonlinearity",
     "low-pass-rolloff"};
 
-/// A shaft turned by hand over `turns`, at a speed that changes by a third.
-std::function<double(double)> by_hand(Bench &bench, double turns, double seconds) {
-  const double start = bench.within(0.0, kTwoPi), w = kTwoPi * bench.within(0.1, 0.3);
-  return [=](double t) {
-    return kTwoPi * turns / seconds * (t - 0.3 / w * (std::cos(w * t + start) - std::cos(start)));
-  };
-}
-
 /// The way as the reference has it.
 void read_as(Capture &c, const std::function<double(double)> &degrees) {
   for (std::size_t i = 0; i < c.size(); ++i)
@@ -55,7 +47,7 @@ double other_scale(Bench &bench) {
 KIND(a_reference_of_another_scale_in_part_of_a_turn_blames_no_sensor) {
   Bench bench;
   const double scale = other_scale(bench);
-  const auto angle = by_hand(bench, bench.within(0.7, 0.95), 10.0);
+  const auto angle = turned_by_hand(bench, bench.within(0.7, 0.95), 10.0);
   Capture c = bench.capture(2000, kRate, 1, angle);
   read_as(c, [&](double t) { return scale * angle(t) * kDegPerRad + bench.normal(0.02); });
   const Diagnosis d = diagnose(c, {});
@@ -71,7 +63,7 @@ KIND(slips_beside_another_scale_are_told_apart_from_it) {
   const double scale = other_scale(bench), first_s = bench.within(0.8, 4.0),
                second_s = first_s + bench.within(2.0, 4.0), slip_deg = bench.within(2.0, 4.0);
   const bool both = bench.within(-1.0, 1.0) < 0.0;
-  const auto angle = by_hand(bench, bench.within(2.2, 6.0), 10.0);
+  const auto angle = turned_by_hand(bench, bench.within(2.2, 6.0), 10.0);
   Capture c = bench.capture(1000, 100.0, 1, angle);
   read_as(c, [&](double t) {
     return scale * angle(t) * kDegPerRad - (t >= first_s ? slip_deg : 0.0) -
@@ -93,7 +85,7 @@ KIND(slips_beside_another_scale_are_told_apart_from_it) {
 KIND(a_reference_of_another_scale_over_several_turns_hides_no_pair) {
   Bench bench;
   const double scale = other_scale(bench);
-  const auto angle = by_hand(bench, bench.within(1.3, 8.0), 10.0);
+  const auto angle = turned_by_hand(bench, bench.within(1.3, 8.0), 10.0);
   const int periods = bench.within(0.0, 1.0) < 0.5 ? 1 : 2;
   Capture c = bench.capture(2000, kRate, periods, angle);
   read_as(c, [&](double t) { return scale * angle(t) * kDegPerRad + bench.normal(0.02); });
@@ -126,7 +118,7 @@ KIND(a_gyroscope_on_an_arm_that_swings_has_a_scale_and_a_drift) {
 KIND(a_bowed_potentiometer_of_several_turns_hides_no_pair) {
   Bench bench;
   const double turns = bench.within(3.0, 6.0), bow_deg = bench.within(1.0, 3.0);
-  const auto angle = by_hand(bench, turns, 15.0);
+  const auto angle = turned_by_hand(bench, turns, 15.0);
   Capture c = bench.capture(3000, kRate, 2, angle);
   read_as(c, [&](double t) {
     const double part = angle(t) / (kTwoPi * turns);
@@ -143,7 +135,7 @@ KIND(a_bowed_potentiometer_of_several_turns_hides_no_pair) {
 KIND(a_stray_field_in_most_of_a_turn_is_no_scale_of_an_exact_reference) {
   Bench bench;
   const double field = bench.within(0.01, 0.03), direction = bench.within(0.0, kTwoPi);
-  const auto angle = by_hand(bench, bench.within(0.8, 2.5), 10.0);
+  const auto angle = turned_by_hand(bench, bench.within(0.8, 2.5), 10.0);
   Capture c = bench.capture(2000, kRate, 2, [&](double t) {
     const double a = angle(t);
     return std::atan2(std::sin(a) + field * std::sin(direction),
@@ -169,7 +161,7 @@ TEST(ReferenceCourse, WhatIsNoCourseIsNone) {
   Bench bench;
   int slips_taken = 0, walks_taken = 0;
   for (int draw = 0; draw < 10; ++draw) {
-    const auto angle = by_hand(bench, bench.within(1.0, 9.0), 15.0);
+    const auto angle = turned_by_hand(bench, bench.within(1.0, 9.0), 15.0);
     const double deg = bench.within(0.1, 1.0) * kRadPerDeg;
     EXPECT_FALSE(has_course(bench, angle, [](double) { return 0.0; }));
     const double moment_s = bench.within(2.0, 13.0);
@@ -199,7 +191,7 @@ TEST(ReferenceCourse, NoReadingsAndNoMotionAreNone) {
   Bench bench;
   Capture c = bench.capture(500, kRate, 1, [](double) { return 0.5; });
   EXPECT_FALSE(followed_reference(c));
-  c = bench.capture(500, kRate, 1, by_hand(bench, 2.0, 2.5));
+  c = bench.capture(500, kRate, 1, turned_by_hand(bench, 2.0, 2.5));
   for (double &r : c.reference_deg)
     r = std::nan("");
   EXPECT_FALSE(followed_reference(c));

@@ -137,6 +137,8 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
     append(out.rough, scene.rough);
     append(out.bursts, scene.bursts);
     append(out.index, scene.index);
+    for (const auto &[first_row, end_row] : scene.stuck)
+      out.stuck.emplace_back(first_row + start, end_row + start);
     append(out.spiked_index, scene.spiked_index);
     append(out.train, scene.train);
     append(out.heldout, scene.heldout);

@@ -463,10 +463,6 @@ std::vector<std::string> alternatives_of(const std::vector<Rival> &rivals,
   return out;
 }
 
-} // namespace
-
-namespace {
-
 /// Every number hangs on which of its alternatives a cause is.
 void widen_by_alternatives(const Observations &data, const SearchResult &found, FitResult &whole) {
   if (!whole.determined ||
