@@ -110,7 +110,8 @@ std::vector<std::size_t> rows_beyond(std::span<const double> x, double limit) {
 
 /// The first samples after the sense of rotation has changed at one stroke: the same steps before
 /// and after but for their sign, and a jump between them, or no time for it. A single wild sample
-/// decides nothing: the mean step of a side lies between medians of three samples at its ends.
+/// decides nothing: the mean step of a side lies between medians of three samples at its ends. Nor
+/// do a few: the repeated median of the slopes must turn over as well.
 std::vector<std::size_t> reversals(const std::vector<double> &psi, const Capture &stretch,
                                    double limit) {
   const std::vector<double> &time = stretch.time_s;
@@ -125,6 +126,27 @@ std::vector<std::size_t> reversals(const std::vector<double> &psi, const Capture
     return std::max(std::min(a, b), std::min(std::max(a, b), c));
   };
   constexpr std::size_t kApart = kSenseSamples - 2; // of the two medians of a side
+  std::vector<double> slopes, medians;
+  // Siegel's repeated median (Biometrika 69, 1982, 242) of all but two of a side: what is wild at
+  // one end of it is not in both its halves.
+  constexpr std::size_t kLine = kSenseSamples - 2;
+  const auto median_slope = [&](std::size_t first) {
+    medians.clear();
+    for (std::size_t a = first; a < first + kLine; ++a) {
+      slopes.clear();
+      for (std::size_t b = first; b < first + kLine; ++b)
+        if (b != a)
+          slopes.push_back((angle[b] - angle[a]) /
+                           (static_cast<double>(b) - static_cast<double>(a)));
+      medians.push_back(quantile(slopes, 0.5));
+    }
+    return quantile(medians, 0.5);
+  };
+  const auto slopes_turn_over = [&](std::size_t i) {
+    const double sense = median_slope(i);
+    return sense * median_slope(i + kSenseSamples - kLine) > 0 &&
+           sense * median_slope(i - kLine) < 0 && sense * median_slope(i - kSenseSamples) < 0;
+  };
   const auto turns_back = [&](std::size_t i) {
     const double before = step(i - 1), after = step(i + 1);
     if (before * after >= 0 || std::abs(before + after) > 2 * limit)
@@ -139,7 +161,8 @@ std::vector<std::size_t> reversals(const std::vector<double> &psi, const Capture
     return std::abs(from + on) <= kSameSpeed * std::abs(from) && uneven <= 2 * limit &&
            std::abs(from) * kSenseSamples > limit && dt <= 1.5 * (time[i - 1] - time[i - 2]) &&
            (std::abs(step(i)) > kSenseJump * std::abs(from) + limit ||
-            acceleration > kMostAcceleration);
+            acceleration > kMostAcceleration) &&
+           slopes_turn_over(i);
   };
   std::vector<std::size_t> places;
   for (std::size_t i = kSenseSamples + 1; i + kSenseSamples < psi.size(); ++i)
