@@ -15,6 +15,7 @@
 #include <Eigen/Dense>
 
 #include "base/angle.h"
+#include "base/robust.h"
 #include "base/solve.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/lines/spectrum.h"
@@ -144,6 +145,51 @@ ResidualColumns radial_of(const Observations &data, ResidualColumns as_it_is,
              : less;
 }
 
+/// A noise of the channels is the same wherever the shaft is. What comes back at a place, too fine
+/// for the orders that were taken out, or seen by a motion that errs, is none: the mean of each
+/// part of the turn is taken out, and rows of a part that still has much more power than most weigh
+/// by so much less. Where few turns were made a place is a time, and nothing is done.
+void even_out_places(const Observations &data, ResidualColumns &rest) {
+  constexpr double kFewestTurns = 8.0;          // of which a mean takes an eighth of what is slow
+  constexpr double kParts = 72.0, kRows = 64.0; // of a part, whose power is known to an eighth
+  constexpr double kMuchMore = 2.0;
+  const auto [least, most] = std::minmax_element(data.alpha.begin(), data.alpha.end());
+  if (*most - *least < kFewestTurns * kTwoPi)
+    return;
+  const auto parts =
+      static_cast<std::size_t>(std::clamp(static_cast<double>(data.size()) / kRows, 1.0, kParts));
+  const auto part = [&](std::size_t i) {
+    const double turns = wrap(data.alpha[i], kTwoPi) / kTwoPi;
+    return std::min(parts - 1, static_cast<std::size_t>(turns * static_cast<double>(parts)));
+  };
+  struct Part {
+    double rows = 0.0, sin = 0.0, cos = 0.0, power = 0.0;
+  };
+  std::vector<Part> of(parts);
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    Part &p = of[part(i)];
+    p.rows += 1.0;
+    p.sin += (rest.sin[i] - p.sin) / p.rows;
+    p.cos += (rest.cos[i] - p.cos) / p.rows;
+  }
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    Part &p = of[part(i)];
+    rest.sin[i] -= p.sin;
+    rest.cos[i] -= p.cos;
+    p.power += (rest.sin[i] * rest.sin[i] + rest.cos[i] * rest.cos[i]) / p.rows;
+  }
+  std::vector<double> powers;
+  for (const Part &p : of)
+    if (p.rows > 0.0)
+      powers.push_back(p.power);
+  const double usual = quantile(powers, 0.5);
+  for (std::size_t i = 0; i < data.size(); ++i)
+    if (const double power = of[part(i)].power; power > kMuchMore * usual) {
+      rest.sin[i] *= usual / power;
+      rest.cos[i] *= usual / power;
+    }
+}
+
 } // namespace
 
 Flicker flicker_of(const Observations &whole, bool has_reference, const Model &model,
@@ -167,6 +213,7 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
   subtract(left.basis, left.selection, data, rest);
   if (!has_reference)
     rest = radial_of(data, std::move(as_it_is), std::move(rest));
+  even_out_places(data, rest);
   const Lines of = lines_of(data, std::move(rest), model.periods_per_turn, !has_reference);
   const auto &[power, mean_squares, flicker, bin, told] = of;
   const std::size_t lines = of.size();
@@ -214,8 +261,9 @@ Flicker flicker_of(const Observations &whole, bool has_reference, const Model &m
     const Observations own = at_own_angle(std::move(data), model);
     ResidualColumns at_own = residual_columns(own, model), less = at_own;
     subtract(left.basis, left.selection, own, less);
-    const Lines along = lines_of(own, radial_of(own, std::move(at_own), std::move(less)),
-                                 model.periods_per_turn, true);
+    ResidualColumns radial = radial_of(own, std::move(at_own), std::move(less));
+    even_out_places(own, radial);
+    const Lines along = lines_of(own, std::move(radial), model.periods_per_turn, true);
     double nats = 0.0, w;
     for (int c = 0; c < 2; ++c)
       nats += along.likelihood(c, out.corner_hz, w) - along.likelihood(c, 0.0, w);
