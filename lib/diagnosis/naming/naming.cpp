@@ -17,6 +17,7 @@
 #include "diagnosis/naming/by_chance.h"
 #include "diagnosis/naming/cancelling.h"
 #include "diagnosis/naming/nested_models.h"
+#include "diagnosis/naming/own_law.h"
 #include "diagnosis/naming/taken_back.h"
 #include "diagnosis/search/admission.h"
 #include "diagnosis/search/candidates.h"
@@ -447,6 +448,7 @@ SearchResult name_against_anonymous(const SearchStart &start, DataSplit &split,
     colour(start.scene, split, found.fit.model);
     drop_what_chance_would_take(start.scene, split, found);
   }
+  drop_what_a_line_describes_better(split, found);
   ask_for_rivals(start.scene, split, found, unasked);
   prefer_what_every_pair_has(start.scene, start.judge, split, found);
   drop_what_cancels(start.scene, split, found);
