@@ -184,17 +184,17 @@ void Work::settle() {
   found_.fit.model = with_exact_moments(scene_, found_.fit.model, 0);
   found_ = name_against_anonymous({scene_, judge(), found_baseline(), noise_, options_.progress},
                                   split_, std::move(found_));
-  take(nested_models(split_, found_));
+  take(nested_models(scene_, split_, found_));
   for (; found_.by_direction > 0 && !nested_.by_direction; --found_.by_direction) {
     found_.forget(found_.order.size() - 1);
-    take(nested_models(split_, found_));
+    take(nested_models(scene_, split_, found_));
   }
   while (drop_what_is_impossible() || drop_what_is_cancelled() || drop_slips_within_a_step() ||
          drop_what_comes_in_slowly() || drop_steps_of_processes() ||
          drop_lines_that_stand_together() || drop_what_the_length_denies() ||
          drop_turns_that_lengthen() || drop_ripples_by_chance() || drop_what_harms() ||
          drop_what_is_unclear())
-    take(nested_models(split_, found_));
+    take(nested_models(scene_, split_, found_));
   judge_model();
 }
 
@@ -202,7 +202,7 @@ void Work::name_nothing() {
   choose_parts();
   found_ = SearchResult{};
   found_.fit = fit(split_.train, with_expected(found_baseline()), 12);
-  take(nested_models(split_, found_));
+  take(nested_models(scene_, split_, found_));
   nested_.baseline = out_.extended; // the ellipse is no finding
   judge_model();
   first_ = split_.quality(nested_.baseline); // at the angle that the pair has now
@@ -442,7 +442,7 @@ bool Work::spikes() {
   const Model extended = out_.extended;
   const SplitQuality last = last_;
   leave_out(spikes.hit);
-  take(nested_models(split_, found_));
+  take(nested_models(scene_, split_, found_));
   // Rows that leave as much behind as they take were a part of what is left, and no spikes in it.
   const bool more =
       std::any_of(spikes.hit.begin(), spikes.hit.end(), [](char h) { return h != 0; });

@@ -109,7 +109,7 @@ std::optional<std::size_t> Work::shape_of(const RandomCause &process, int waves)
 void Work::take_for(const RandomCause &process, std::size_t shape) {
   shapes_.emplace_back(process.effect, out_.extended.effects[found_.order[shape]].effect);
   found_.forget(shape);
-  take(nested_models(split_, found_));
+  take(nested_models(scene_, split_, found_));
   judge_model();
 }
 
@@ -175,7 +175,7 @@ void Work::name_random_causes() {
   const auto noise_now = [&] { return reads_noise ? read_noise() : std::vector<RandomCause>{}; };
   std::vector<RandomCause> noise = noise_now();
   while (drop_steps_of_processes(noise)) {
-    take(nested_models(split_, found_));
+    take(nested_models(scene_, split_, found_));
     judge_model();
     noise = noise_now();
   }

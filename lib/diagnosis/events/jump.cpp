@@ -38,7 +38,7 @@ bool steady(const std::vector<double> &speeds, std::size_t at, std::size_t reach
 } // namespace
 
 Meeting lines_meet(const Screened &look, const std::vector<double> &angle, std::size_t at,
-                   std::size_t side) {
+                   std::size_t side, std::optional<std::size_t> without) {
   const std::vector<double> &t = look.capture.time_s;
   const double middle = 0.5 * (t[at] + t[at - 1]);
   double value[2], slope[2], fewest = static_cast<double>(side);
@@ -47,7 +47,7 @@ Meeting lines_meet(const Screened &look, const std::vector<double> &angle, std::
     double su = 0, sv = 0, suu = 0, suv = 0;
     double m = 0.0;
     for (std::size_t k = from; k < from + side; ++k) {
-      if (!look.usable[k])
+      if (!look.usable[k] || k == without)
         continue;
       m += 1.0;
       const double u = t[k] - middle, v = angle[k] - angle[at];
@@ -88,12 +88,18 @@ double theil_sen_at(const Screened &look, const std::vector<double> &angle, std:
   return quantile(std::move(values), 0.5);
 }
 
-/// Whether a gap is still there for lines that heed no single sample: spikes in a row make one too.
+/// Whether a gap is still there for lines that heed no single sample, nor without any one of them:
+/// spikes make one too.
 bool stays(const Screened &look, const std::vector<double> &angle, const Jump &jump,
            std::size_t side) {
   const double gap = theil_sen_at(look, angle, jump.at, side, false) -
                      theil_sen_at(look, angle, jump.at, side, true);
-  return std::abs(gap - jump.gap) < 0.5 * std::abs(jump.gap) + 4.0 * jump.error;
+  if (std::abs(gap - jump.gap) >= 0.5 * std::abs(jump.gap) + 4.0 * jump.error)
+    return false;
+  for (std::size_t k = jump.at - side; k < jump.at + side; ++k)
+    if (std::abs(lines_meet(look, angle, jump.at, side, k).gap) < 0.5 * std::abs(jump.gap))
+      return false;
+  return true;
 }
 
 /// Every place of a record as a possible jump.

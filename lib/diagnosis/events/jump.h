@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ struct Meeting {
 };
 
 Meeting lines_meet(const Screened &look, const std::vector<double> &angle, std::size_t at,
-                   std::size_t side);
+                   std::size_t side, std::optional<std::size_t> without = std::nullopt);
 
 /// Standard deviations of a gap from which on one is told by itself.
 inline constexpr double kSlipStandsOut = 12.0;

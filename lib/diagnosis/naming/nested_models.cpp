@@ -476,7 +476,7 @@ void widen_by_alternatives(const Observations &data, const SearchResult &found, 
 
 } // namespace
 
-NestedModels nested_models(DataSplit &split, const SearchResult &found) {
+NestedModels nested_models(const Scene &scene, DataSplit &split, const SearchResult &found) {
   // A supply that is not recorded counts as a finding, and so from its own step on.
   const bool supply = found.disturbed == Direction::supply;
   split.weigh(found.disturbed, supply ? 1.0 : found.weight_along);
@@ -499,12 +499,15 @@ NestedModels nested_models(DataSplit &split, const SearchResult &found) {
   std::vector<Clearness> clear = clearness_of(whole, split.train.size());
   if (weighs_alike)
     widen_by_what_is_not_borne_out(split.train, whole);
-  const std::vector<Untold> untold = widen_by_what_is_not_told_apart(split.train, whole);
+  std::vector<Untold> untold = widen_by_what_is_not_told_apart(split.train, whole);
   widen_by_choices(split.train, whole);
   const std::vector<Clearness> as_said = clearness_of(whole, split.train.size());
   for (std::size_t k = 0; k < clear.size(); ++k)
     clear[k].as_said = as_said[k].as_said;
   widen_by_alternatives(split.train, found, whole);
+  if (split.has_reference)
+    for (const Untold &both : widen_by_ripples(scene.reference_ripples, split.train, found, whole))
+      untold.push_back(both);
   attach_errors(whole);
   out.extended = std::move(whole.model);
   const Model &model = out.extended;

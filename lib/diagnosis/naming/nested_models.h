@@ -35,7 +35,7 @@ struct NestedModels {
 
 /// Findings in the order of their size, each step fitted to the training part and judged on the
 /// rest. Leaves `parts` weighed as what was found asks for.
-NestedModels nested_models(DataSplit &split, const SearchResult &found);
+NestedModels nested_models(const Scene &scene, DataSplit &split, const SearchResult &found);
 
 /// The fit in which residuals along the vector weigh by their own scatter, and what has no name
 /// lies along it alone; nothing where more than noise is left across. `bent`: what lies along it

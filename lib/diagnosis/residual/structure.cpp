@@ -135,6 +135,29 @@ std::vector<Structure> keep_for_last_look(Scene &scene, const Model &model, doub
   return angle;
 }
 
+namespace {
+
+/// Whether what is left goes on neither from row to row nor from place to place in the turn. The
+/// first look at the noise of few rows errs by as much as it seems to be more.
+bool is_white(const Observations &data, const Model &model) {
+  const ResidualColumns rest = residual_columns(data, model);
+  if (goes_on_v(rest) > 0.0)
+    return false;
+  std::vector<std::size_t> order(data.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto place = [&](std::size_t i) { return wrap(data.alpha[i], kTwoPi); };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
+  ResidualColumns by_place;
+  for (const std::size_t i : order) {
+    by_place.sin.push_back(rest.sin[i]);
+    by_place.cos.push_back(rest.cos[i]);
+  }
+  return !(goes_on_v(by_place) > 0.0);
+}
+
+} // namespace
+
 LeftOver left_over(const Scene &scene, const DataSplit &split, const Model &model,
                    const Explained &explained, const SplitQuality &last,
                    const std::vector<Structure> &angle) {
@@ -194,7 +217,8 @@ LeftOver left_over(const Scene &scene, const DataSplit &split, const Model &mode
                           ? 0.0
                           : static_cast<double>(split.heldout.size()) *
                                 std::log(std::max(rms, explained.noise_v) / explained.noise_v);
-  if (more && !explained.noise_stated && nats > criteria::kNatsOfNoise)
+  if (more && !explained.noise_stated && nats > criteria::kNatsOfNoise &&
+      !is_white(scene.all, model))
     out.structure.push_back({"time",
                              fmt::format("{:.3g} mV rms are left where the readings have a noise "
                                          "of {:.3g} mV, and nothing shows what they go with",

@@ -247,4 +247,86 @@ void widen_by_rivals(const Observations &data, const Model &as_found, std::size_
   }
 }
 
+namespace {
+
+/// The error of the reference that a cause may be, or is, and its size as a ripple, rad; order 0:
+/// it is none.
+struct OfReference {
+  OrderRipple ripple;
+  double size_rad = 0.0;
+  const Effect *other = nullptr; ///< of the two that both may be there
+};
+
+OfReference of_reference(const Observations &data, const Model &model, const SearchResult &found,
+                         std::size_t place) {
+  const EffectInstance &e = model.effects[found.order[place]];
+  const auto size = [](const OrderRipple &r) { return std::hypot(r.cos, r.sin); };
+  const auto first_known = [&](bool of_reference) {
+    const Effect *out = nullptr;
+    for (const Separation &from : e.effect->info().separations)
+      if (const Effect *known = find_effect(from.rival);
+          !out && known && known->info().evidence == Evidence::signal &&
+          (known->info().stage == Stage::record) == of_reference)
+        out = known;
+    return out;
+  };
+  if (const OrderRipple own = e.effect->reference_ripple(e.values); own.order > 0.0)
+    return {own, size(own), first_known(false)};
+  if (e.effect->info().pattern != Pattern::turn || e.effect->info().stage != Stage::field)
+    return {};
+  for (const Rival &rival : found.alternatives[place])
+    for (const EffectInstance &other : rival.model.effects)
+      if (const OrderRipple r = other.effect->reference_ripple(other.values);
+          r.order > 0.0 && other.effect->info().id == rival.id)
+        return {{r.order, 0.0, 0.0}, size(r), other.effect};
+  const Effect *other = first_known(true);
+  if (!other || chosen({other, absent(*other).values, {}}, "order", "per turn"))
+    return {};
+  const double order = other->reference_ripple(of_size(*other, 1.0).values).order;
+  return {{order, 0.0, 0.0},
+          2.0 * moved_rms_v(data, model, found.order[place]) /
+              (model.baseline.amplitude_v * model.periods_per_turn),
+          other};
+}
+
+} // namespace
+
+std::vector<Untold> widen_by_ripples(const std::vector<Ripple> &ripples, const Observations &data,
+                                     const SearchResult &found, FitResult &result) {
+  constexpr double kErrors = 3.0, kEither = 0.25; // variance of one of two that lie 1 apart
+  std::vector<Untold> out;
+  if (!result.determined)
+    return out;
+  std::vector<OfReference> all;
+  for (std::size_t place = 0; place < found.order.size(); ++place)
+    all.push_back(of_reference(data, result.model, found, place));
+  const std::vector<double> x = coordinates_of(result.model);
+  for (std::size_t place = 0; place < all.size(); ++place) {
+    const OfReference &of = all[place];
+    const auto n = static_cast<std::size_t>(std::max(of.ripple.order, 0.0));
+    if (n == 0 || n > ripples.size() || static_cast<double>(n) != of.ripple.order || !of.other ||
+        !(of.size_rad > 0.0) || std::ranges::count_if(all, [&](const OfReference &o) {
+                                  return o.ripple.order == of.ripple.order;
+                                }) > 1)
+      continue;
+    const Ripple &seen = ripples[n - 1];
+    const double off = std::hypot(seen.cos - of.ripple.cos, seen.sin - of.ripple.sin);
+    if (off < kErrors * seen.error || off > of.size_rad)
+      continue;
+    std::size_t begin = coordinates_of(Model{}).size();
+    for (std::size_t e = 0; e < found.order[place]; ++e)
+      begin += coordinates(result.model.effects[e]);
+    const std::size_t end = begin + coordinates(result.model.effects[found.order[place]]);
+    double size2 = 0.0;
+    for (std::size_t k = begin; k < end; ++k)
+      size2 += x[k] * x[k];
+    for (std::size_t k = begin; k < end; ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      result.covariance(at, at) += kEither * size2 * std::pow(off / of.size_rad, 2);
+    }
+    out.push_back({found.order[place], of.other});
+  }
+  return out;
+}
+
 } // namespace ada

@@ -8,6 +8,7 @@
 
 #include "diagnosis/search/fit.h"
 #include "diagnosis/search/search.h"
+#include "motion/reference_rows.h"
 
 namespace ada {
 
@@ -32,5 +33,12 @@ void widen_by_choices(const Observations &data, FitResult &result);
 /// other. `as_found`: the model as these data alone have it, to be compared with.
 void widen_by_rivals(const Observations &data, const Model &as_found, std::size_t effect,
                      const std::vector<Rival> &rivals, FitResult &result);
+
+/// The same for causes that turn the vector, of the sensor or of the reference, beside what the
+/// reference ripples by against even time at their order, entry n - 1 order n. Where that is not
+/// what the model says of the reference, both may err there, or the shaft may ripple: the cause is
+/// what it is or what that leaves of it.
+std::vector<Untold> widen_by_ripples(const std::vector<Ripple> &ripples, const Observations &data,
+                                     const SearchResult &found, FitResult &result);
 
 } // namespace ada

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/robust.h"
 #include "model/effects/common.h"
 
 namespace ada {
@@ -39,6 +40,7 @@ bool is_at_only_reversal(double time_s, double step_rad, std::span<const double>
                          std::span<const double> alpha) {
   constexpr double kOneWay = 0.95;              // of the way from one end to the other
   constexpr double kAhead = 0.1, kBehind = 1.5; // steps
+  constexpr double kNoise = 6.0;                // standard deviations, of a difference of extremes
   const auto at =
       static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), time_s) - time.begin());
   if (at < 2 || at + 2 > alpha.size())
@@ -55,7 +57,10 @@ bool is_at_only_reversal(double time_s, double step_rad, std::span<const double>
   const auto [low, high] = std::minmax_element(alpha.begin(), alpha.end());
   const auto turn = there > 0.0 ? high : low;
   const bool ahead = static_cast<std::size_t>(turn - alpha.begin()) >= at;
-  return std::abs(alpha[ahead ? at : at - 1] - *turn) < (ahead ? kAhead : kBehind) * step;
+  // Of rows at rest the farthest is that by the noise of the reference.
+  const double noise = noise_between(alpha);
+  return std::abs(alpha[ahead ? at : at - 1] - *turn) <
+         (ahead ? kAhead : kBehind) * step + kNoise * noise;
 }
 
 class AngleSlip final : public Effect {
