@@ -211,6 +211,44 @@ bool Search::forward(State &now) {
   return true;
 }
 
+/// Of the few stops of a table held-out data confirm no cause while the others are left over, each
+/// of which is as large. What every pair has and one more are tried at once there, and of them
+/// stays what is needed beside the rest.
+bool Search::forward_together(State &now) {
+  constexpr std::size_t kFewRows = 100; // that judge
+  if (data_.heldout.size() > kFewRows)
+    return false;
+  const Model expected = with_expected(now.fit.model);
+  std::vector<Model> starts;
+  for (const Candidate &c : candidates_beside(now.fit.model, signatures_)) {
+    const EffectInstance &e = c.start.effects.back();
+    if (!c.visible || c.effect->info().signature || !is_static(*c.effect) ||
+        c.effect->info().prior_rank == 0 || starts.size() == criteria::kShortlist)
+      continue;
+    starts.push_back(expected);
+    starts.back().effects.push_back(e);
+  }
+  State best;
+  double most = value(now) + criteria::kLeastNats;
+  for (const Model &start : starts) {
+    State state = evaluate(start);
+    if (!state.fit.determined || !in_range(state.fit.model, given_) ||
+        refuted(state, given_, state.fit.model.effects.size()) ||
+        !all_stand_alone(state.fit.model) || value(state) <= most)
+      continue;
+    most = value(state);
+    best = std::move(state);
+  }
+  if (best.fit.model.effects.empty())
+    return false;
+  backward(best);
+  if (best.fit.model.effects.size() <= now.fit.model.effects.size() ||
+      value(best) <= value(now) + criteria::kLeastNats)
+    return false;
+  now = std::move(best);
+  return true;
+}
+
 bool Search::backward(State &now) {
   bool changed = false;
   for (std::size_t k = now.fit.model.effects.size(); k-- > given_;) {
@@ -249,7 +287,7 @@ void Search::climb(State &now) {
     progress("searching for a cause");
     if (!supply_seen && (supply_seen = notice_supply(now)))
       continue;
-    if (!forward(now))
+    if (!forward(now) && !forward_together(now))
       break;
     weigh_anew(now);
     for (std::size_t k = given_; k < now.fit.model.effects.size(); ++k)

@@ -120,6 +120,7 @@ private:
   double doubt_v(const Model &model) const;
   bool beyond_doubt(double size_v, const Model &model, std::size_t effect, double doubt) const;
   bool forward(State &now);
+  bool forward_together(State &now);
   void climb(State &now);
   void choose(State &now, std::size_t effect) const;
   std::vector<std::size_t> suspects(const State &now) const;
