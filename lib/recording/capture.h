@@ -25,6 +25,7 @@ struct CaptureMetadata {
   std::string serial;
   std::string origin;
   std::vector<std::pair<std::string, std::string>> other; ///< unknown keys, kept in order
+  bool at_rest = false; ///< each row is the mean of what was read where the shaft stood
 };
 
 struct Capture {

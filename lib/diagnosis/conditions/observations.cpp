@@ -256,6 +256,7 @@ void describe_motion(Scene &scene) {
     double time = 0.0, travel = 0.0;
   } forward, backward;
   std::vector<double> speed;
+  const bool at_rest = std::ranges::all_of(all.omega, [](auto w) { return w == 0.0f; });
   for (std::size_t i = 0; i < all.size(); ++i) {
     speed.push_back(std::abs(all.omega[i]));
     // What went on in a pause of the record nobody saw.
@@ -263,7 +264,7 @@ void describe_motion(Scene &scene) {
         i > 0 ? std::min(std::abs(all.time[i] - all.time[i - 1]), kMostSteps * all.frame_period_s)
               : 0.0;
     double step = dt * all.omega[i];
-    if (scene.stops && i > 0) { // it turns from one place to the next, and each way counts alike
+    if (at_rest && i > 0) { // it turns from one place to the next, and each way counts alike
       dt = 1.0;
       step = std::copysign(std::abs(all.alpha[i] - all.alpha[i - 1]), all.direction[i]);
     }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "base/angle.h"
@@ -110,7 +111,7 @@ void leave_out_changes(const Kinematics &motion, std::vector<char> &usable) {
 
 /// A shaft that stands while it is read does not turn in any sample; the sense is that of the way
 /// there.
-Kinematics at_rest(std::vector<double> alpha, const Stops &stops) {
+Kinematics at_rest(std::vector<double> alpha, const std::vector<std::uint32_t> &stop_of) {
   Kinematics out;
   const std::size_t n = alpha.size();
   out.omega.assign(n, 0.0);
@@ -118,7 +119,7 @@ Kinematics at_rest(std::vector<double> alpha, const Stops &stops) {
   out.direction.assign(n, 1);
   signed char sense = 1;
   for (std::size_t i = 1; i < n; ++i) {
-    if (stops.of[i] != stops.of[i - 1])
+    if (stop_of[i] != stop_of[i - 1])
       sense = alpha[i] < alpha[i - 1] ? -1 : 1;
     out.direction[i] = sense;
   }
@@ -237,7 +238,12 @@ Kinematics motion_by_reference(Screened &look, Scene &scene) {
   if (!scene.stops && !goes_on_evenly(capture.reference_deg))
     scene.reference_grid_rad = grid_of_some(capture.reference_deg);
   if (scene.stops)
-    return at_rest(std::move(alpha), scene.stops);
+    return at_rest(std::move(alpha), scene.stops.of);
+  if (capture.meta.at_rest) {
+    std::vector<std::uint32_t> each(alpha.size());
+    std::iota(each.begin(), each.end(), std::uint32_t{0});
+    return at_rest(std::move(alpha), each);
+  }
   scene.reference_ripples =
       ripples_against_time(capture.time_s, alpha, look.usable, kReferenceOrders);
   read_between_steps(look, alpha);

@@ -176,6 +176,7 @@ std::optional<StopMeans> means_of_stops(const Capture &capture) {
     return {};
   StopMeans out;
   out.means.meta = capture.meta;
+  out.means.meta.at_rest = true;
   for (auto *of_readings : {&out.means.meta.noise_rms_v, &out.means.meta.sample_rate_hz})
     of_readings->reset();
   out.means.identity = capture.identity;
