@@ -3,7 +3,9 @@
 
 #include "diagnosis/naming/own_law.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/anonymous/beside_anonymous.h"
@@ -13,12 +15,6 @@
 namespace ada {
 
 namespace {
-
-std::vector<double> left_along(const Observations &own, const Model &model) {
-  std::vector<double> along, across;
-  along_and_across(own, residual_columns(own, model), along, across);
-  return along;
-}
 
 /// Mean square of y beside a straight line over x.
 double beside_line(const std::vector<double> &x, const std::vector<double> &y) {
@@ -37,6 +33,21 @@ double beside_line(const std::vector<double> &x, const std::vector<double> &y) {
   return (sxx > 0.0 ? syy - sxy * sxy / sxx : syy) / n;
 }
 
+/// Mean squares of what is left along the vector, V^2.
+struct Left {
+  double v2 = 0.0;
+  double beside_line = 0.0; ///< over the speed, whatever its sense
+};
+
+Left left_of(const DataSplit &split, const Model &model) {
+  const Observations own = at_own_angle(split.train, model);
+  std::vector<double> along, across, speed;
+  along_and_across(own, residual_columns(own, model), along, across);
+  for (std::size_t i = 0; i < own.size(); ++i)
+    speed.push_back(std::abs(static_cast<double>(own.omega[i])));
+  return {mean_square(along), beside_line(speed, along)};
+}
+
 } // namespace
 
 void drop_what_a_line_describes_better(const DataSplit &split, SearchResult &found) {
@@ -47,19 +58,18 @@ void drop_what_a_line_describes_better(const DataSplit &split, SearchResult &fou
     const EffectInfo &info = model.effects[found.order[place]].effect->info();
     if (info.character != Character::dynamic || info.axis != "speed")
       continue;
-    const Observations own = at_own_angle(split.train, model);
-    const double by_law = mean_square(left_along(own, model));
-    const Model less = fit(split.train, model.without(found.order[place]), kRefit).model;
-    const Observations beside = at_own_angle(split.train, less);
-    std::vector<double> speed;
-    for (std::size_t i = 0; i < beside.size(); ++i)
-      speed.push_back(std::abs(static_cast<double>(beside.omega[i])));
-    const double by_line = beside_line(speed, left_along(beside, less));
-    const double n = static_cast<double>(own.size());
-    if (n * std::log(by_law / std::max(by_line, criteria::kLeastMeanSquare)) < criteria::kRivalNats)
+    FitResult less = fit(split.train, model.without(found.order[place]), kRefit);
+    const Left with = left_of(split, model), without = left_of(split, less.model);
+    const double n = static_cast<double>(split.train.size());
+    const auto nats = [n](double by, double than) {
+      return n * std::log(than / std::max(by, criteria::kLeastMeanSquare));
+    };
+    // What is left for other reasons is as large beside both.
+    if (nats(without.beside_line, with.v2) < criteria::kRivalNats ||
+        nats(with.beside_line, without.beside_line) > criteria::kRivalNats)
       continue;
     found.forget(place);
-    found.fit.model = less;
+    found.fit = std::move(less);
   }
 }
 

@@ -11,8 +11,8 @@ namespace ada {
 
 /// Without a reference a cause that lowers the amplitude with the speed and turns the vector by it
 /// is told by the amplitude alone, and the angle that it is corrected by nobody has seen: its law
-/// must describe the length better than a straight line over the speed does, which is no law of
-/// anything.
+/// must describe the length as well as a straight line over the speed does, which is no law of
+/// anything, or something beside it.
 void drop_what_a_line_describes_better(const DataSplit &split, SearchResult &found);
 
 } // namespace ada

@@ -137,11 +137,31 @@ std::vector<Structure> keep_for_last_look(Scene &scene, const Model &model, doub
 
 namespace {
 
-/// Whether what is left goes on neither from row to row nor from place to place in the turn. The
-/// first look at the noise of few rows errs by as much as it seems to be more.
+/// Whether the power of what is left goes on from row to row, as of a burst, or of noise that has
+/// its place.
+bool power_goes_on(const ResidualColumns &rest) {
+  std::vector<double> power;
+  for (std::size_t i = 0; i < rest.sin.size(); ++i)
+    power.push_back(rest.sin[i] * rest.sin[i] + rest.cos[i] * rest.cos[i]);
+  const double n = static_cast<double>(power.size());
+  const double middle = std::accumulate(power.begin(), power.end(), 0.0) / std::max(n, 1.0);
+  double products = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    squares += std::pow(power[i] - middle, 2);
+    if (i > 0)
+      products += (power[i] - middle) * (power[i - 1] - middle);
+  }
+  return products * std::sqrt(n) > criteria::kClearErrors * squares;
+}
+
+/// Whether what is left goes on neither from row to row nor from place to place in the turn, nor
+/// does its power.
 bool is_white(const Observations &data, const Model &model) {
+  const auto goes_on = [](const ResidualColumns &r) {
+    return goes_on_v(r) > 0.0 || power_goes_on(r);
+  };
   const ResidualColumns rest = residual_columns(data, model);
-  if (goes_on_v(rest) > 0.0)
+  if (goes_on(rest))
     return false;
   std::vector<std::size_t> order(data.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -153,7 +173,7 @@ bool is_white(const Observations &data, const Model &model) {
     by_place.sin.push_back(rest.sin[i]);
     by_place.cos.push_back(rest.cos[i]);
   }
-  return !(goes_on_v(by_place) > 0.0);
+  return !goes_on(by_place);
 }
 
 } // namespace
@@ -217,8 +237,13 @@ LeftOver left_over(const Scene &scene, const DataSplit &split, const Model &mode
                           ? 0.0
                           : static_cast<double>(split.heldout.size()) *
                                 std::log(std::max(rms, explained.noise_v) / explained.noise_v);
+  // The first look is the least of many medians of differences, each of which is off by this over
+  // the root of the rows: 1.2 for a median, 1.4 for what neighbours have in common.
+  constexpr double kOfFirstLook = 1.7, kSigmas = 5.0;
+  const double allowed =
+      1.0 + kSigmas * kOfFirstLook / std::sqrt(1.0 + static_cast<double>(scene.all.size()));
   if (more && !explained.noise_stated && nats > criteria::kNatsOfNoise &&
-      !is_white(scene.all, model))
+      (rms > allowed * explained.noise_v || !is_white(scene.all, model)))
     out.structure.push_back({"time",
                              fmt::format("{:.3g} mV rms are left where the readings have a noise "
                                          "of {:.3g} mV, and nothing shows what they go with",

@@ -33,6 +33,19 @@ constexpr EffectInfo kInfo{.id = "angle-slip",
                            .character = Character::event,
                            .repeats = true};
 
+/// Rad: how far rows at one place may lie apart where the shaft rests at places and goes from one
+/// to the next between two rows; 0 where it goes on. Of rows at rest the farthest is that by the
+/// noise of the reference.
+double of_rest(std::span<const double> alpha) {
+  constexpr double kNoise = 6.0, kWay = 20.0; // standard deviations
+  const double noise = noise_between(alpha);
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < alpha.size(); ++i)
+    steps.push_back(std::abs(alpha[i] - alpha[i - 1]));
+  const bool goes = std::ranges::max(steps) > kWay * noise;
+  return goes && quantile(std::move(steps), 0.5) < kNoise * noise ? kNoise * noise : 0.0;
+}
+
 /// Whether the shaft turned one way up to a step of the angle and the other way from it on: the
 /// step lies where it turned back, or as far behind as a loop or a play of its size is taken up
 /// over.
@@ -40,7 +53,6 @@ bool is_at_only_reversal(double time_s, double step_rad, std::span<const double>
                          std::span<const double> alpha) {
   constexpr double kOneWay = 0.95;              // of the way from one end to the other
   constexpr double kAhead = 0.1, kBehind = 1.5; // steps
-  constexpr double kNoise = 6.0;                // standard deviations, of a difference of extremes
   const auto at =
       static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), time_s) - time.begin());
   if (at < 2 || at + 2 > alpha.size())
@@ -57,10 +69,8 @@ bool is_at_only_reversal(double time_s, double step_rad, std::span<const double>
   const auto [low, high] = std::minmax_element(alpha.begin(), alpha.end());
   const auto turn = there > 0.0 ? high : low;
   const bool ahead = static_cast<std::size_t>(turn - alpha.begin()) >= at;
-  // Of rows at rest the farthest is that by the noise of the reference.
-  const double noise = noise_between(alpha);
   return std::abs(alpha[ahead ? at : at - 1] - *turn) <
-         (ahead ? kAhead : kBehind) * step + kNoise * noise;
+         (ahead ? kAhead : kBehind) * step + of_rest(alpha);
 }
 
 class AngleSlip final : public Effect {
