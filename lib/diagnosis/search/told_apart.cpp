@@ -280,7 +280,7 @@ OfReference of_reference(const Observations &data, const Model &model, const Sea
           r.order > 0.0 && other.effect->info().id == rival.id)
         return {{r.order, 0.0, 0.0}, size(r), other.effect};
   const Effect *other = first_known(true);
-  if (!other || chosen({other, absent(*other).values, {}}, "order", "per turn"))
+  if (!other || chosen(absent(*other), "order", "per turn"))
     return {};
   const double order = other->reference_ripple(of_size(*other, 1.0).values).order;
   return {{order, 0.0, 0.0},
