@@ -56,7 +56,7 @@ void drop_what_a_line_describes_better(const DataSplit &split, SearchResult &fou
   for (std::size_t place = found.order.size(); place-- > 0;) {
     const Model &model = found.fit.model;
     const EffectInfo &info = model.effects[found.order[place]].effect->info();
-    if (info.character != Character::dynamic || info.axis != "speed")
+    if (info.character != Character::dynamic || info.axis != axis_name(Axis::speed))
       continue;
     FitResult less = fit(split.train, model.without(found.order[place]), kRefit);
     const Left with = left_of(split, model), without = left_of(split, less.model);

@@ -211,26 +211,25 @@ bool Search::forward(State &now) {
   return true;
 }
 
-/// Of the few stops of a table held-out data confirm no cause while the others are left over, each
-/// of which is as large. What every pair has and one more are tried at once there, and of them
-/// stays what is needed beside the rest.
+/// Where few rows judge, as of the stops of a table, they confirm no cause while others as large
+/// are left over. What every pair has and one more are tried at once there, and of them stays what
+/// is needed beside the rest.
 bool Search::forward_together(State &now) {
   constexpr std::size_t kFewRows = 100; // that judge
   if (data_.heldout.size() > kFewRows)
     return false;
   const Model expected = with_expected(now.fit.model);
-  std::vector<Model> starts;
-  for (const Candidate &c : candidates_beside(now.fit.model, signatures_)) {
-    const EffectInstance &e = c.start.effects.back();
-    if (!c.visible || c.effect->info().signature || !is_static(*c.effect) ||
-        c.effect->info().prior_rank == 0 || starts.size() == criteria::kShortlist)
-      continue;
-    starts.push_back(expected);
-    starts.back().effects.push_back(e);
-  }
   State best;
   double most = value(now) + criteria::kLeastNats;
-  for (const Model &start : starts) {
+  std::size_t tried = 0;
+  for (const Candidate &c : candidates_beside(now.fit.model, signatures_)) {
+    if (!c.visible || c.effect->info().signature || !is_static(*c.effect) ||
+        c.effect->info().prior_rank == 0)
+      continue;
+    if (++tried > criteria::kShortlist)
+      break;
+    Model start = expected;
+    start.effects.push_back(c.start.effects.back());
     State state = evaluate(start);
     if (!state.fit.determined || !in_range(state.fit.model, given_) ||
         refuted(state, given_, state.fit.model.effects.size()) ||

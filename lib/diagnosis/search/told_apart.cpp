@@ -202,6 +202,20 @@ void widen_by_choices(const Observations &data, FitResult &result) {
 
 namespace {
 
+constexpr double kEither = 0.25; // variance of one of two numbers that lie 1 apart
+
+/// Which of a model's coordinates are those of an effect.
+struct Span {
+  std::size_t begin, end;
+};
+
+Span coordinates_within(const Model &model, std::size_t effect) {
+  std::size_t begin = coordinates_of(Model{}).size();
+  for (std::size_t e = 0; e < effect; ++e)
+    begin += coordinates(model.effects[e]);
+  return {begin, begin + coordinates(model.effects[effect])};
+}
+
 /// The model with a rival in the place of one of its causes; nothing where that is no such model.
 std::optional<Model> with_rival(Model model, std::size_t effect, const Rival &rival) {
   for (const EffectInstance &e : rival.model.effects)
@@ -218,12 +232,8 @@ std::optional<Model> with_rival(Model model, std::size_t effect, const Rival &ri
 
 void widen_by_rivals(const Observations &data, const Model &as_found, std::size_t effect,
                      const std::vector<Rival> &rivals, FitResult &result) {
-  constexpr double kEither = 0.25; // variance of one of two numbers that lie 1 apart
   const std::vector<double> x = coordinates_of(as_found);
-  std::size_t begin = coordinates_of(Model{}).size();
-  for (std::size_t e = 0; e < effect; ++e)
-    begin += coordinates(as_found.effects[e]);
-  const std::size_t end = begin + coordinates(as_found.effects[effect]);
+  const auto [begin, end] = coordinates_within(as_found, effect);
   const double rss = sum_of_squares(data, as_found);
   std::vector<double> wider(x.size(), 0.0); // with several the farthest decides
   for (const Rival &rival : rivals) {
@@ -293,7 +303,7 @@ OfReference of_reference(const Observations &data, const Model &model, const Sea
 
 std::vector<Untold> widen_by_ripples(const std::vector<Ripple> &ripples, const Observations &data,
                                      const SearchResult &found, FitResult &result) {
-  constexpr double kErrors = 3.0, kEither = 0.25; // variance of one of two that lie 1 apart
+  constexpr double kErrors = 3.0;
   std::vector<Untold> out;
   if (!result.determined)
     return out;
@@ -311,12 +321,10 @@ std::vector<Untold> widen_by_ripples(const std::vector<Ripple> &ripples, const O
       continue;
     const Ripple &seen = ripples[n - 1];
     const double off = std::hypot(seen.cos - of.ripple.cos, seen.sin - of.ripple.sin);
+    // A shaft that ripples by more than all that is named tells neither of the two.
     if (off < kErrors * seen.error || off > of.size_rad)
       continue;
-    std::size_t begin = coordinates_of(Model{}).size();
-    for (std::size_t e = 0; e < found.order[place]; ++e)
-      begin += coordinates(result.model.effects[e]);
-    const std::size_t end = begin + coordinates(result.model.effects[found.order[place]]);
+    const auto [begin, end] = coordinates_within(result.model, found.order[place]);
     double size2 = 0.0;
     for (std::size_t k = begin; k < end; ++k)
       size2 += x[k] * x[k];
