@@ -321,16 +321,18 @@ std::vector<Untold> widen_by_ripples(const std::vector<Ripple> &ripples, const O
       continue;
     const Ripple &seen = ripples[n - 1];
     const double off = std::hypot(seen.cos - of.ripple.cos, seen.sin - of.ripple.sin);
-    // A shaft that ripples by more than all that is named tells neither of the two.
-    if (off < kErrors * seen.error || off > of.size_rad)
+    if (off < kErrors * seen.error)
       continue;
+    // That both err is as likely as that the shaft ripples, but for the coincidence that two which
+    // err by so much differ by so little.
+    const double both = 0.5 * std::min(1.0, std::pow(of.size_rad / off, 2));
     const auto [begin, end] = coordinates_within(result.model, found.order[place]);
     double size2 = 0.0;
     for (std::size_t k = begin; k < end; ++k)
       size2 += x[k] * x[k];
     for (std::size_t k = begin; k < end; ++k) {
       const auto at = static_cast<Eigen::Index>(k);
-      result.covariance(at, at) += kEither * size2 * std::pow(off / of.size_rad, 2);
+      result.covariance(at, at) += both * (1.0 - both) * size2 * std::pow(off / of.size_rad, 2);
     }
     out.push_back({found.order[place], of.other});
   }
