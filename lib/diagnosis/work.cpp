@@ -529,10 +529,6 @@ void Work::conclude() {
       out_.findings.push_back(std::move(**finding));
   std::move(nested_.findings.begin(), nested_.findings.end(), std::back_inserter(out_.findings));
   std::move(random_.begin(), random_.end(), std::back_inserter(out_.findings));
-  for (Finding &f : out_.findings)
-    if (const std::string untold = f.effect->untold_by_length(f.values);
-        scene_.radius_only && !untold.empty())
-      f.explanation += " " + untold;
   if (free_lag_)
     for (Model *m : {&out_.baseline, &out_.extended})
       std::erase_if(m->effects,

@@ -196,9 +196,6 @@ public:
   /// Whether a capture that shows the effect shows it with these values. Where it does not, they are
   /// an alternative to what looks the same.
   virtual bool shows(Values, const Residual &) const { return true; }
-  /// What of these values the length of the vector alone does not tell, in a sentence: where
-  /// nothing but the pair itself tells the angle. Empty: nothing.
-  virtual std::string untold_by_length(Values) const { return {}; }
   /// Whether what was measured rules these values out, whatever the fit gains by them.
   virtual bool refuted(Values, const Residual &) const { return false; }
   /// The same by how the shaft moved against a reference: time, s, and angle, rad, of every usable

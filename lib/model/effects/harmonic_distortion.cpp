@@ -50,12 +50,14 @@ public:
       }
     return out;
   }
-  /// Order n of a channel lengthens the vector with orders n - 1 and n + 1, of the other channel
-  /// with another sign between them. Of order 2 the lower one is an offset's, of order 3 that of
-  /// mismatch and quadrature error, and the sign is theirs.
-  std::string untold_by_length(Values v) const override {
-    return v[0] < 4.0 ? "The length of the vector does not tell which of the channels carries it."
-                      : "";
+  /// Order n of a channel lengthens the vector with orders n - 1 and n + 1. Of order 2 the lower
+  /// one is an offset's, of order 3 that of mismatch and quadrature error: what is left are a size
+  /// and a phase for one order of the length, which whatever has that order fits as well.
+  bool shows(Values v, const Residual &r) const override { return !r.own_motion || v[0] >= 4.0; }
+  std::string invisible_part(const Residual &r) const override {
+    return r.own_motion ? "order 2 and 3: only the length of the vector is judged, where of each "
+                          "one order is left beside offsets, mismatch and quadrature error"
+                        : "";
   }
   std::optional<OneLine> one_line(Values v) const override {
     return OneLine{OneLine::Per::electrical_period, v[0]};
