@@ -64,6 +64,10 @@ std::string in_full(double value) {
   return {text.data(), end.ptr};
 }
 
+std::string times_text(std::size_t count) {
+  return count == 1 ? "once" : std::to_string(count) + " times";
+}
+
 std::string moment_text(double time_s) {
   std::array<char, 400> text; // the longest double and six places
   const char *const first = text.data();

@@ -4,6 +4,7 @@
 // Small pieces of text handling that every reader and writer shares; independent of the locale.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,6 +26,9 @@ std::string shortest(double value);
 
 /// A moment of a recording, "0.5 s" or "1760000000.25 s": to the microsecond, whatever the origin.
 std::string moment_text(double time_s);
+
+/// "once", or "5 times".
+std::string times_text(std::size_t count);
 /// The shortest text without an exponent that reads back as the same number.
 std::string in_full(double value);
 

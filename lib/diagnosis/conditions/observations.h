@@ -18,6 +18,7 @@
 #include "diagnosis/conditions/holdout.h"
 #include "diagnosis/conditions/level_gap.h"
 #include "diagnosis/conditions/own_jumps.h"
+#include "health/wrong_stretches.h"
 #include "model/residual.h"
 #include "model/wave.h"
 #include "motion/reference_rows.h"
@@ -158,6 +159,9 @@ struct Scene {
   double reference_grid_rad = 0.0; ///< of which all its readings are multiples; 0: of none
   WrongRows wrong_rows;
   StaleRows stale;
+  /// The reference keeps its value while the pair turns; blocks of rows that came before. Their
+  /// places in the capture.
+  std::vector<RowRange> held_reference, repeated;
   OwnJumps own_jumps; ///< where the angle is the pair's own, or a smooth motion leaves rows out
   Episodes episodes;
   /// Both outputs stand off their curve at an end of the record.

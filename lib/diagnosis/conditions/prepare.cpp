@@ -140,6 +140,12 @@ Scene prepare_record(const Capture &capture, bool needs_split, const Model *know
   std::vector<char> usable(capture.size());
   for (std::size_t i = 0; i < capture.size(); ++i)
     usable[i] = std::isfinite(capture.vsin_v[i]) && std::isfinite(capture.vcos_v[i]);
+  scene.held_reference = held_reference(capture);
+  scene.repeated = repeated_blocks(capture);
+  for (const auto *ranges : {&scene.held_reference, &scene.repeated})
+    for (const RowRange &r : *ranges)
+      std::fill(usable.begin() + static_cast<std::ptrdiff_t>(r.first),
+                usable.begin() + static_cast<std::ptrdiff_t>(r.end), char{0});
   scene.dead = leave_out_dead_outputs(capture, usable);
   leave_out_stuck_rows(capture, usable); // they are off the curve as well, and have a name
   scene.episodes = leave_out_episodes(capture, usable);

@@ -146,6 +146,10 @@ Scene prepare_several(const Capture &joined, bool needs_split, const Model *know
     out.episodes += scene.episodes;
     out.dead.insert(out.dead.end(), scene.dead.begin(), scene.dead.end());
     out.stale += scene.stale;
+    for (const auto &[of, more] : {std::pair(&out.held_reference, &scene.held_reference),
+                                   std::pair(&out.repeated, &scene.repeated)})
+      for (const RowRange &r : *more)
+        of->push_back({r.first + start, r.end + start});
     move_by(scene.own_jumps.rows, start);
     out.own_jumps += scene.own_jumps;
     out.coarse_step_v = std::max(out.coarse_step_v, scene.coarse_step_v);

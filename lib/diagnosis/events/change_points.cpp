@@ -149,6 +149,20 @@ std::array<double, 2> within_gap(const Scene &scene, const Model &less, const Mo
   return {first > 0 ? some.time[first - 1] : from, last < some.size() ? some.time[last] : to};
 }
 
+/// Rms of the moments about the best one, s, each as likely as its sum of squares says: where the
+/// noise is as large as the step it may have come samples away.
+double spread_of_moment(const std::vector<double> &time, const std::vector<double> &squares,
+                        std::size_t best, double variance) {
+  double sum = 0.0, weights = 0.0;
+  for (std::size_t i = 1; i + 1 < squares.size(); ++i) {
+    const double off_s = 0.5 * (time[i - 1] + time[i] - time[best - 1] - time[best]),
+                 w = std::exp(-0.5 * (squares[i] - squares[best]) / variance);
+    sum += w * off_s * off_s;
+    weights += w;
+  }
+  return std::sqrt(sum / weights);
+}
+
 /// The moment that leaves the least sum of squares, with the size of the step as it is and the
 /// motion anew for each: a sample before it is judged without the effect, one from it on with. It
 /// lies between two samples, which are far apart where those between them are of no use. False when
@@ -172,22 +186,24 @@ bool set_exact_moment(const Scene &scene, Model &model, std::size_t effect, doub
   FreeMotion motion(scene, near, e.values[0]);
   for (std::size_t i = 0; i < near.size(); ++i)
     motion.add(near.time[i], along(after, i));
-  double sum = 0.0, least = -motion.taken_up();
-  std::size_t at = 0;
+  double sum = 0.0, total = 0.0;
+  std::vector<double> squares{-motion.taken_up()}; // with the step behind so many samples
   for (std::size_t i = 0; i < near.size(); ++i) {
+    total += square(after, i);
     sum += square(before, i) - square(after, i);
     motion.add(near.time[i], along(before, i) - along(after, i));
-    if (const double now = sum - motion.taken_up(); now < least) {
-      least = now;
-      at = i + 1;
-    }
+    squares.push_back(sum - motion.taken_up());
   }
+  const auto least = std::min_element(squares.begin(), squares.end());
+  const auto at = static_cast<std::size_t>(least - squares.begin());
   if (at == 0 || at == near.size())
     return false;
   const auto [from, to] = within_gap(scene, less, always, near.time[at - 1], near.time[at]);
   e.values[0] = 0.5 * (from + to);
   e.std_errors.resize(e.values.size());
-  e.std_errors[0] = (to - from) / std::sqrt(12.0);
+  const double variance = (total + *least) / (2.0 * static_cast<double>(near.size()));
+  e.std_errors[0] =
+      std::hypot((to - from) / std::sqrt(12.0), spread_of_moment(near.time, squares, at, variance));
   return true;
 }
 

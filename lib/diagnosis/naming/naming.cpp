@@ -309,6 +309,9 @@ void prefer_what_every_pair_has(const Scene &scene, const Scene &judge, DataSpli
                                          found.order.begin());
         --place; // the next one has moved up
       }
+      if (named < found.order.size()) // it was a rival of the one before
+        std::erase_if(found.alternatives[named],
+                      [&](const Rival &r) { return r.id == common->info().id; });
       if (*untold && named < found.order.size())
         found.alternatives[named].push_back({std::string(info.id), before});
       break;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/angle.h"
+#include "base/text.h"
 #include "diagnosis/criteria.h"
 #include "diagnosis/noise/spikes.h"
 #include "diagnosis/residual/repetition.h"
@@ -66,6 +67,22 @@ Structure of_stale_rows(const Scene &scene) {
       std::sqrt(scene.stale.squares_v2 / (2.0 * n))};
 }
 
+/// Rows that are not of their moment: of the reference, or all that they hold. The pair is then
+/// anywhere on its circle of what they say.
+Structure of_wrong_stretches(const Scene &scene, const std::vector<RowRange> &ranges,
+                             const char *what, const char *why, double amplitude_v) {
+  std::size_t longest = 0;
+  for (const RowRange &r : ranges)
+    longest = std::max(longest, r.size());
+  return {"time",
+          fmt::format("{} {}, first at {:.4g} s, for {} rows at most: {}; these {} of {} rows are "
+                      "left out, of the figures as well",
+                      times_text(ranges.size()), what, scene.capture->time_s[ranges.front().first],
+                      longest, why, rows_of(ranges), scene.capture->size()),
+          std::abs(amplitude_v) * std::sqrt(static_cast<double>(rows_of(ranges)) /
+                                            static_cast<double>(scene.capture->size()))};
+}
+
 /// Two ranges of a channel's readings that do not join.
 Structure of_gap(const LevelGap &gap) {
   return {
@@ -102,8 +119,7 @@ Structure of_episodes(const Scene &scene) {
           "{} the pair leaves its curve or its reference, from {:.4g} s on, by up to {:.3g} V and "
           "for {:.3g} s at most, at any angle, and comes back: a contact, a cable, or a "
           "value that was held; these {} of {} rows are left out, of the figures as well",
-          e.count == 1 ? "once" : fmt::format("{} times", e.count), e.first_s, e.worst_v,
-          e.longest_s, e.samples, scene.capture->size()),
+          times_text(e.count), e.first_s, e.worst_v, e.longest_s, e.samples, scene.capture->size()),
       std::sqrt(e.squares_v2 / (2.0 * n))};
 }
 
@@ -216,6 +232,14 @@ LeftOver left_over(const Scene &scene, const DataSplit &split, const Model &mode
     out.of_rows.push_back(of_episodes(scene));
   if (scene.own_jumps.count_as_structure(scene.radius_only))
     out.of_rows.push_back(of_own_jumps(scene, model));
+  if (!scene.held_reference.empty())
+    out.of_rows.push_back(of_wrong_stretches(
+        scene, scene.held_reference, "the reference keeps its value while the pair turns on",
+        "its counter, its cable, or the transfer of its value", model.baseline.amplitude_v));
+  if (!scene.repeated.empty())
+    out.of_rows.push_back(of_wrong_stretches(
+        scene, scene.repeated, "a block of rows is that of an earlier moment to the last bit",
+        "a buffer was delivered twice, or read before it was filled", model.baseline.amplitude_v));
   if (scene.stale.count != 0)
     out.of_rows.push_back(of_stale_rows(scene));
   if (scene.gap)
