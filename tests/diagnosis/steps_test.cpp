@@ -82,6 +82,33 @@ KIND(a_gain_that_is_switched_once_is_told_with_its_moment_and_size) {
       << said;
 }
 
+/// Between so few periods that an edge tells a step and so many that what is usual does, with and
+/// without a reference.
+KIND(a_magnet_that_loses_strength_at_once_does_not_wander) {
+  Bench bench;
+  const double turns = bench.within(20.0, 40.0), rate = 10000.0, length_s = bench.within(2.0, 5.0),
+               moment = length_s * bench.within(0.2, 0.8), by = bench.within(0.02, 0.2);
+  const auto samples = static_cast<std::size_t>(length_s * rate);
+  const double speed = kTwoPi * turns / length_s / 2.0;
+  Capture c = bench.capture(samples, rate, 2, [&](double t) { return speed * t; });
+  if (bench.within(0.0, 1.0) < 0.5)
+    c.reference_deg.clear();
+  for (std::size_t i = 0; i < c.size(); ++i)
+    if (c.time_s[i] >= moment)
+      for (auto *column : {&c.vsin_v, &c.vcos_v})
+        (*column)[i] -= by * ((*column)[i] - 2.5);
+  const Diagnosis d = diagnose(c, {});
+  const std::string what = std::to_string(turns) + " periods, " + std::to_string(by) + " at " +
+                           std::to_string(moment) + " of " + std::to_string(length_s) + " s" +
+                           (c.has_reference() ? "" : ", alone") + all_of(d);
+  EXPECT_FALSE(named(d, "gain-wander")) << what;
+  EXPECT_NE(d.verdict, Verdict::explained) << what;
+  EXPECT_FALSE(step_at(d, moment).empty()) << what;
+  const Finding *k = named(d, "amplitude-mismatch");
+  ASSERT_TRUE(k) << what;
+  EXPECT_NEAR(k->values[0], bench.pair.k, 4.0 * k->std_errors[0]) << what;
+}
+
 KIND(slips_of_different_size_are_each_told) {
   Bench bench;
   const double first = kStepSpan * bench.within(0.1, 0.4),

@@ -145,12 +145,13 @@ void subtract_all_but_slow(const Anonymous &left, const Observations &data, Resi
   subtract(left.basis, without, data, rest);
 }
 
-/// Where so few periods went by that none is usual, an edge tells a step. The orders of the turn
-/// would follow it: it is looked for before them, among all samples.
+/// Where so few periods went by, or are fitted to, that none is usual, an edge tells a step. The
+/// orders of the turn would follow it: it is looked for before them, among all samples.
 std::vector<StepPlace> edges_of(const Scene &scene, const Model &model) {
   std::vector<std::uint32_t> some(scene.all.size());
   std::iota(some.begin(), some.end(), 0u);
-  const Observations data = scene.all.select(thin(some, criteria::kAnonymousTrain));
+  // Evenly: from run to run a line would reach over what lies between them.
+  const Observations data = scene.all.select(thin(some, criteria::kAnonymousTrain, 1));
   const ResidualColumns rest = residual_columns(data, model);
   const std::size_t reach = reach_of_edges(data.size(), scene.rounds(1.0), model.periods_per_turn);
   std::vector<StepPlace> out;
@@ -163,13 +164,13 @@ std::vector<StepPlace> edges_of(const Scene &scene, const Model &model) {
 /// Moments of steps, in all samples: an event belongs to the capture and not to a part of it.
 std::vector<double> steps_of(const Scene &scene, const Halves &halves, const Anonymous &left,
                              const Model &model) {
-  const double periods = scene.rounds(1.0 / scene.periods);
   ResidualColumns rest = halves.train_left;
   subtract_all_but_slow(left, halves.train, rest);
+  auto places = find_steps(left.basis, halves.train, rest, scene.rounds(1.0 / scene.periods));
+  if (!places)
+    places = edges_of(scene, model);
   std::vector<double> out;
-  for (const StepPlace &place : periods < static_cast<double>(criteria::kFewestForSteps)
-                                    ? edges_of(scene, model)
-                                    : find_steps(left.basis, halves.train, rest, periods)) {
+  for (const StepPlace &place : *places) {
     const auto &time = scene.all.time;
     const auto index = [&](double t) {
       return static_cast<std::uint32_t>(std::lower_bound(time.begin(), time.end(), t) -

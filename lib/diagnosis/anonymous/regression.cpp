@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -142,6 +144,38 @@ void share_in_order(const Basis &basis, const Products &from, double before, Sel
   out.steps_v2 = std::min(out.steps_v2, out.share_v2[static_cast<std::size_t>(Axis::time)]);
 }
 
+/// Orders the groups of steps so that each is the one that held-out data need most beside those
+/// before it: they have no order of their own, and one that is none in front of the others would
+/// be taken with them.
+void best_first(const Products &from, const Eigen::VectorXd &stiffness,
+                std::vector<Eigen::Index> columns, std::vector<const Group *> &groups) {
+  std::vector<const Group *> sorted;
+  while (!groups.empty()) {
+    int best = groups.front()->order;
+    std::vector<Eigen::Index> with_best;
+    double least = std::numeric_limits<double>::infinity();
+    for (auto g = groups.begin(); g != groups.end();) {
+      const int order = (*g)->order;
+      std::vector<Eigen::Index> with = columns;
+      for (; g != groups.end() && (*g)->order == order; ++g)
+        for (std::size_t k = 0; k < (*g)->count; ++k)
+          with.push_back(static_cast<Eigen::Index>((*g)->first + k));
+      Nested nested(from, with, stiffness);
+      if (const double heldout = nested.heldout(nested.values(with.size())); heldout < least) {
+        least = heldout;
+        best = order;
+        with_best = std::move(with);
+      }
+    }
+    if (!with_best.empty())
+      columns = std::move(with_best);
+    const auto is_best = [best](const Group *g) { return g->order == best; };
+    std::ranges::copy_if(groups, std::back_inserter(sorted), is_best);
+    std::erase_if(groups, is_best);
+  }
+  groups = std::move(sorted);
+}
+
 } // namespace
 
 Products products(const Basis &basis, const Observations &train, const ResidualColumns &train_left,
@@ -192,6 +226,8 @@ Selection select(const Basis &basis, const Products &from) {
       columns = of_baseline;
       before = std::min(now, with_baseline);
     }
+    if (steps)
+      best_first(from, stiffness, columns, groups);
     std::vector<std::pair<int, std::size_t>> ends; // order, columns up to and with it
     for (const Group *g : groups) {
       if (static_cast<double>(columns.size() + g->count) > criteria::kMostColumns * from.n_train)

@@ -112,14 +112,15 @@ std::array<double, 2> means_at(const std::vector<Stretch> &of, std::size_t place
 
 } // namespace
 
-std::vector<StepPlace> find_steps(const Basis &basis, const Observations &data,
-                                  const ResidualColumns &rest, double electrical_periods) {
-  std::vector<StepPlace> out;
+std::optional<std::vector<StepPlace>> find_steps(const Basis &basis, const Observations &data,
+                                                 const ResidualColumns &rest,
+                                                 double electrical_periods) {
   std::vector<Stretch> stretches =
       stretches_of(basis, data, rest, std::max(1.0, electrical_periods / criteria::kMostStretches));
   const std::size_t count = stretches.size();
   if (count < criteria::kFewestForSteps)
-    return out;
+    return std::nullopt;
+  std::vector<StepPlace> out;
   double fastest = 0.0;
   for (const Stretch &s : stretches)
     fastest = std::max(fastest, std::abs(s.speed));

@@ -6,6 +6,7 @@
 // follow, and what wanders does not do.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "diagnosis/anonymous/basis.h"
@@ -20,9 +21,11 @@ struct StepPlace {
 
 /// Places at which offsets, gain and angle, or mismatch and quadrature of a residual jump by eight
 /// times what they do from one stretch to the next elsewhere; the largest come first. None where
-/// the speed changes at once: that would be what the speed does.
-std::vector<StepPlace> find_steps(const Basis &basis, const Observations &data,
-                                  const ResidualColumns &rest, double electrical_periods);
+/// the speed changes at once: that would be what the speed does. Nothing where the samples hold too
+/// few stretches to know what is usual.
+std::optional<std::vector<StepPlace>> find_steps(const Basis &basis, const Observations &data,
+                                                 const ResidualColumns &rest,
+                                                 double electrical_periods);
 
 /// The moment of a step, s: between the two samples at which a pair of its own on either side
 /// leaves least of the residual.

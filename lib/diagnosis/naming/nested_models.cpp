@@ -306,16 +306,16 @@ RadiusLeft radius_left(const Observations &data, const Model &model) {
   const Observations own = at_own_angle(data, model);
   const std::vector<double> radius = along_radius(own, residual_columns(own, model));
   const std::vector<double> slow = mean_over_periods(own, radius, model.periods_per_turn);
-  double sum = 0.0, steps = 0.0, before = 0.0;
+  // In the middle: what happens once, as a gain that changes, is no matter of the figure.
+  std::vector<double> along, steps;
   for (std::size_t i = 0; i < own.size(); ++i) {
-    const double along = radius[i] - slow[i];
-    sum += along * along;
+    along.push_back(radius[i] - slow[i]);
     if (i > 0)
-      steps += 0.5 * (along - before) * (along - before);
-    before = along;
+      steps.push_back((along[i] - along[i - 1]) / std::numbers::sqrt2);
   }
-  const double n = static_cast<double>(std::max<std::size_t>(1, own.size()));
-  return {std::sqrt(sum / n), sum > 0.0 ? n * std::min(1.0, steps / sum) : 1.0};
+  const double n = static_cast<double>(std::max<std::size_t>(1, own.size())),
+               all_v = robust_spread(along), apart_v = robust_spread(steps);
+  return {all_v, all_v > 0.0 ? n * std::min(1.0, std::pow(apart_v / all_v, 2)) : 1.0};
 }
 
 namespace {
