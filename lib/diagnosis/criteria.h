@@ -497,4 +497,8 @@ inline constexpr double kWithinTwo = 0.95;
 /// a quarter. Fewer than eight say nothing; each holds this many samples.
 inline constexpr std::size_t kStretches = 40, kFewestStretches = 8, kFewestOfStretch = 10;
 
+/// Electrical periods from which on what is left along the radius is that of the period in the
+/// middle: a median of fewer knows no better than their mean what is usual.
+inline constexpr std::size_t kFewestPeriodsInTheMiddle = 8;
+
 } // namespace ada::criteria

@@ -51,6 +51,38 @@ Capture by_hand(Bench &bench, double turns) {
   return c;
 }
 
+/// A servo that turns all but evenly, read every tenth of a second: from one reading to the next it
+/// goes on by a part of the turn, once and never again.
+KIND(one_jump_of_a_shaft_that_turns_evenly_is_told) {
+  Bench bench;
+  constexpr double kRate = 10.0;
+  bench.pair.noise_v = bench.within(2e-3, 8e-3);
+  const std::size_t n = 150, at = static_cast<std::size_t>(bench.within(30.0, 120.0));
+  const double step = kRadPerDeg * bench.within(5.0, 9.0),
+               jump = kRadPerDeg * bench.within(90.0, 270.0);
+  std::vector<double> angle{bench.within(0.0, kTwoPi)};
+  for (std::size_t i = 1; i < n; ++i)
+    angle.push_back(angle.back() + step * bench.within(0.9, 1.1));
+  const auto diagnosed = [&](double by) {
+    Capture c = bench.capture(n, kRate, 1, [&](double t) {
+      const auto i = static_cast<std::size_t>(std::lround(t * kRate));
+      return angle[i] + (i >= at ? by : 0.0);
+    });
+    c.reference_deg.clear();
+    return diagnose(c, {});
+  };
+  const auto jumps = [](const Diagnosis &d) {
+    return std::ranges::any_of(d.structure, [](const Structure &s) {
+      return s.description.find("the angle jumps from one reading to the next, once") !=
+             std::string::npos;
+    });
+  };
+  EXPECT_FALSE(jumps(diagnosed(0.0)));
+  const Diagnosis d = diagnosed(jump);
+  EXPECT_TRUE(jumps(d) || named(d, "sample-loss") || named(d, "angle-slip"))
+      << at << " " << jump * kDegPerRad << names(d);
+}
+
 TEST(Travel, NoiseIsNoWay) {
   Bench bench;
   std::vector<double> angle;

@@ -23,6 +23,7 @@ OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
   constexpr double kSteps = 4.0;    // of the usual size: no shaft changes its speed so at once
   constexpr double kCounts = 2.0;   // a reading near the edge of one count falls on either side
   constexpr double kEven = 1.5;     // of the usual time between readings
+  constexpr double kEvenly = 0.25;  // of the usual step: no hand that jerks turns so about it
   OwnJumps out;
   if (time.size() < 4 * kReach)
     return out;
@@ -43,8 +44,8 @@ OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
     for (const double step : around)
       apart.push_back(std::abs(step - usual));
     const double jump = angle[i] - angle[i - 1] - usual;
-    if (!(std::abs(jump) > criteria::kJump * quantile(std::move(apart), 0.75) +
-                               kSteps * std::abs(usual) +
+    const double uneven = quantile(std::move(apart), 0.75);
+    if (!(std::abs(jump) > criteria::kJump * uneven + kSteps * std::abs(usual) +
                                kCounts * std::max(of_counts[i], of_counts[i - 1])))
       continue;
     // A single reading that is off jumps and comes back.
@@ -56,6 +57,7 @@ OwnJumps own_jumps(std::span<const double> time, std::span<const double> angle,
     if (out.forward + out.backward == 0)
       out.first_s = time[i];
     (jump * usual > 0.0 ? out.forward : out.backward) += 1;
+    out.even += uneven < kEvenly * std::abs(usual) ? 1 : 0;
     out.largest_rad = std::max(out.largest_rad, std::abs(jump));
     out.squares_rad2 += jump * jump;
     out.rows.push_back(static_cast<std::uint32_t>(i));

@@ -18,10 +18,12 @@ struct OwnJumps {
   std::size_t forward = 0, backward = 0;
   double largest_rad = 0.0, first_s = 0.0, squares_rad2 = 0.0; ///< mechanical; the sum over all
   std::vector<std::uint32_t> rows; ///< of the capture, rising: the first on the other side of each
+  std::size_t even = 0;            ///< of them, those about which the shaft goes on evenly
   OwnJumps &operator+=(const OwnJumps &more) {
     first_s = forward + backward != 0 ? first_s : more.first_s;
     forward += more.forward;
     backward += more.backward;
+    even += more.even;
     largest_rad = std::max(largest_rad, more.largest_rad);
     squares_rad2 += more.squares_rad2;
     const bool rising = rows.empty() || more.rows.empty() || rows.back() <= more.rows.front();
@@ -38,9 +40,10 @@ struct OwnJumps {
   /// Rows that are lost let the angle jump in one sense only.
   bool to_and_fro() const { return forward != 0 && backward != 0; }
   /// Beside a motion that is followed every jump without a name is worth a word. Where the angle is
-  /// the pair's own one alone may be a jerk of the hand.
+  /// the pair's own one alone may be a jerk of the hand, unless the shaft has the same speed up to
+  /// it and from it on.
   bool count_as_structure(bool radius_only) const {
-    return forward + backward > (radius_only ? 1 : 0);
+    return forward + backward > (radius_only && even == 0 ? 1 : 0);
   }
 };
 

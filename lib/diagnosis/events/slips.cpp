@@ -19,8 +19,13 @@ namespace {
 
 OwnJumps as_own(const Screened &look, std::size_t at, double ahead_rad) {
   const bool forward = ahead_rad > 0.0;
-  return {forward ? 1u : 0u,       forward ? 0u : 1u,     std::abs(ahead_rad),
-          look.capture.time_s[at], ahead_rad * ahead_rad, {static_cast<std::uint32_t>(at)}};
+  return {forward ? 1u : 0u,
+          forward ? 0u : 1u,
+          std::abs(ahead_rad),
+          look.capture.time_s[at],
+          ahead_rad * ahead_rad,
+          {static_cast<std::uint32_t>(at)},
+          0};
 }
 
 } // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -306,16 +307,37 @@ RadiusLeft radius_left(const Observations &data, const Model &model) {
   const Observations own = at_own_angle(data, model);
   const std::vector<double> radius = along_radius(own, residual_columns(own, model));
   const std::vector<double> slow = mean_over_periods(own, radius, model.periods_per_turn);
-  // In the middle: what happens once, as a gain that changes, is no matter of the figure.
-  std::vector<double> along, steps;
+  struct Sums {
+    double along2 = 0.0, steps2 = 0.0, rows = 0.0;
+    double mean() const { return along2 / std::max(rows, 1.0); }
+  };
+  std::map<double, Sums> of_period;
+  Sums all;
+  double before = 0.0;
   for (std::size_t i = 0; i < own.size(); ++i) {
-    along.push_back(radius[i] - slow[i]);
-    if (i > 0)
-      steps.push_back((along[i] - along[i - 1]) / std::numbers::sqrt2);
+    const double along = radius[i] - slow[i], step = i > 0 ? along - before : 0.0;
+    Sums &period = of_period[std::floor(own.alpha[i] * model.periods_per_turn / kTwoPi)];
+    for (Sums *of : {&all, &period}) {
+      of->along2 += along * along;
+      of->steps2 += 0.5 * step * step;
+      of->rows += 1.0;
+    }
+    before = along;
   }
-  const double n = static_cast<double>(std::max<std::size_t>(1, own.size())),
-               all_v = robust_spread(along), apart_v = robust_spread(steps);
-  return {all_v, all_v > 0.0 ? n * std::min(1.0, std::pow(apart_v / all_v, 2)) : 1.0};
+  // What happens in one period and not in the others, as a gain that changes, is no matter of the
+  // figure.
+  Sums middle = all;
+  if (of_period.size() >= criteria::kFewestPeriodsInTheMiddle) {
+    std::vector<Sums> periods;
+    for (const auto &[place, sums] : of_period)
+      periods.push_back(sums);
+    const auto half = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
+    std::nth_element(periods.begin(), half, periods.end(),
+                     [](const Sums &a, const Sums &b) { return a.mean() < b.mean(); });
+    middle = *half;
+  }
+  return {std::sqrt(middle.mean()),
+          all.rows * (middle.along2 > 0.0 ? std::min(1.0, middle.steps2 / middle.along2) : 1.0)};
 }
 
 namespace {

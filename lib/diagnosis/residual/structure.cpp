@@ -43,12 +43,14 @@ Structure of_wrong_rows(const Scene &scene, double amplitude_v) {
 /// Jumps of the pair's own angle, where it is followed by nothing else.
 Structure of_own_jumps(const Scene &scene, const Model &model) {
   const OwnJumps &j = scene.own_jumps;
+  std::string where = j.forward != 0 ? times_text(j.forward) + " forward" : "";
+  if (j.backward != 0)
+    where += (where.empty() ? "" : " and ") + times_text(j.backward) + " back";
   return {
       "time",
-      fmt::format("the angle jumps from one reading to the next, {} times forward and {} times "
-                  "back, by up to {:.3g} deg, first at {:.6g} s, and goes on at the same speed: no "
-                  "shaft turns so, {}",
-                  j.forward, j.backward, j.largest_rad * kDegPerRad, j.first_s,
+      fmt::format("the angle jumps from one reading to the next, {}, by up to {:.3g} deg, first at "
+                  "{:.6g} s, and goes on at the same speed: no shaft turns so, {}",
+                  where, j.largest_rad * kDegPerRad, j.first_s,
                   j.to_and_fro() ? "the rows are out of order or come from several clocks"
                                  : "rows may be missing"),
       model.baseline.amplitude_v * scene.periods *
