@@ -497,6 +497,12 @@ inline constexpr double kWithinTwo = 0.95;
 /// a quarter. Fewer than eight say nothing; each holds this many samples.
 inline constexpr std::size_t kStretches = 40, kFewestStretches = 8, kFewestOfStretch = 10;
 
+/// Time stamps against an even clock, in its steps: from what scatter on they are uneven, how near
+/// the clock the middle of some of them comes again and again where no row is missing, and how many
+/// times as near the way between its neighbours the rows lie by their number than by the stamps. A
+/// stamp rounded to a microsecond scatters by 0.003 steps of 10 kHz.
+inline constexpr double kUnevenStamps = 0.02, kSameClock = 0.5, kRowsTellBetter = 2.0;
+
 /// Electrical periods from which on what is left along the radius is that of the period in the
 /// middle: a median of fewer knows no better than their mean what is usual.
 inline constexpr std::size_t kFewestPeriodsInTheMiddle = 8;

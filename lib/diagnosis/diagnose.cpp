@@ -10,9 +10,12 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/plain_numbers.h"
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/between_captures.h"
+#include "diagnosis/conditions/even_rows.h"
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/pair_alone.h"
 #include "diagnosis/conditions/reference_course.h"
@@ -245,10 +248,28 @@ Diagnosis diagnose_by_reference(const Capture &capture, const DiagnosisOptions &
 
 namespace {
 
+/// What the stamps of rows that were read evenly are off by.
+Structure of_stamps(const EvenRows &even) {
+  return {std::string(axis_name(Axis::time)),
+          fmt::format("the time stamps scatter by {:.3g} s rms about an even clock, and the pair "
+                      "goes on evenly from row to row: they say when a row was delivered, and not "
+                      "when it was read; its time is taken from its number",
+                      even.rms_s),
+          even.rms_v};
+}
+
 Diagnosis diagnose_rows(const Capture &capture, const DiagnosisOptions &given) {
   DiagnosisOptions options = given;
+  std::optional<EvenRows> even_judge;
+  if (given.heldout && (even_judge = even_rows(*given.heldout)))
+    options.heldout = &even_judge->capture;
+  if (const auto even = even_rows(capture)) {
+    Diagnosis out = diagnose_rows(even->capture, options);
+    return out.verdict == Verdict::insufficient_data ? out
+                                                     : left_over(of_stamps(*even), std::move(out));
+  }
   std::optional<FreshReadings> judge;
-  if (given.heldout && (judge = fresh_readings(*given.heldout)))
+  if (options.heldout && (judge = fresh_readings(*options.heldout)))
     options.heldout = &judge->capture;
   // Rows that repeat a reading are none.
   if (const auto fresh = fresh_readings(capture)) {

@@ -13,20 +13,11 @@
 #include "base/robust.h"
 #include "health/criteria.h"
 #include "motion/kinematics.h"
+#include "motion/own_angle.h"
 
 namespace ada {
 
 namespace {
-
-/// The pair's own angle, rad, about the middle of each channel; not unwrapped.
-std::vector<double> own_angle(const Capture &c) {
-  const Reach sine = bulk(c.vsin_v), cosine = bulk(c.vcos_v);
-  const double sin_v = 0.5 * (sine.low + sine.high), cos_v = 0.5 * (cosine.low + cosine.high);
-  std::vector<double> out(c.size());
-  for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = std::atan2(c.vsin_v[i] - sin_v, c.vcos_v[i] - cos_v);
-  return out;
-}
 
 /// How far from one end to the other the pair goes in some rows, rad.
 double way(const std::vector<double> &angle, std::size_t first, std::size_t last) {

@@ -176,5 +176,45 @@ TEST(Twice, coarse_readings_or_a_signal_without_noise_are_not) {
   }
 }
 
+/// A host stamps rows late, and some of them much later than the next ones.
+TEST(Stamps, of_delivery_are_no_loss_of_samples) {
+  std::mt19937_64 rng(fresh_seed());
+  Drive drive = any_drive(rng);
+  drive.rate_hz = 500.0; // a row is some degrees
+  Capture c = capture_of(of_two(), drive, rng);
+  if (rng() % 2 == 0)
+    c.reference_deg.clear();
+  const Capture as_read = c;
+  std::exponential_distribution<> late(1.0);
+  const double usual = between(rng, 0.1, 0.3) / drive.rate_hz;
+  for (double &t : c.time_s)
+    t += usual * late(rng) + (rng() % 50 == 0 ? 20.0 * usual * late(rng) : 0.0);
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_TRUE(tells(d, "the time stamps scatter by"));
+  EXPECT_FALSE(found(d, "sample-loss"));
+  const Finding *k = found(d, "amplitude-mismatch");
+  ASSERT_TRUE(k);
+  EXPECT_NEAR(k->values[0], 0.01, 5.0 * k->std_errors[0]);
+  EXPECT_FALSE(tells(diagnose(as_read, {}), "the time stamps scatter by"));
+}
+
+/// Where the readings are taken when the stamps say they are right, however uneven.
+TEST(Stamps, of_uneven_readings_stand) {
+  std::mt19937_64 rng(fresh_seed());
+  const Model model = of_two();
+  const double rate_hz = 500.0, speed = between(rng, 5.0, 20.0);
+  ShaftMotion shaft;
+  std::vector<double> time;
+  for (std::size_t i = 0; i < 6000; ++i) {
+    time.push_back((static_cast<double>(i) + between(rng, 0.0, 0.6)) / rate_hz);
+    shaft.alpha.push_back(speed * time.back());
+    shaft.omega.push_back(speed);
+    shaft.direction.push_back(1);
+  }
+  Capture c = pair_of(model, shaft, rate_hz, 5e-4, rng);
+  c.time_s = time;
+  EXPECT_FALSE(tells(diagnose(c, {}), "the time stamps scatter by"));
+}
+
 } // namespace
 } // namespace ada::test
