@@ -452,7 +452,7 @@ SearchResult name_against_anonymous(const SearchStart &start, DataSplit &split,
     drop_what_chance_would_take(start.scene, split, found);
   }
   drop_what_a_line_describes_better(split, found);
-  ask_for_rivals(start.scene, split, found, unasked);
+  ask_for_rivals(start.scene, start.judge, split, found, unasked);
   prefer_what_every_pair_has(start.scene, start.judge, split, found);
   drop_what_cancels(start.scene, split, found);
   drop_what_turns_back(split, found);

@@ -27,13 +27,20 @@ std::vector<Rival> rivals_of(const Scene &scene, const DataSplit &split, const M
       residual_view(scene, scene.all, none, scene.white_noise_v, model.baseline.amplitude_v);
   std::vector<Rival> out;
   const double nats = nats_beside_anonymous(scene, split, model);
+  // What has an order to choose begins where it takes most.
+  const Model less = fit(split.train, model.without(effect), kRefit).model;
+  const std::vector<Candidate> list = candidates(scene, split.train, less, true);
+  const auto start_of = [&](const Effect &other) {
+    const auto there = std::ranges::find(list, &other, &Candidate::effect);
+    return there == list.end() ? absent(other) : there->start.effects.back();
+  };
   for (const Separation &from : model.effects[effect].effect->info().separations) {
     const Effect *other = find_effect(from.rival);
     if (!other || holds(model, other) || other->info().evidence != Evidence::signal ||
         has_moment(*other) || !other->invisible(facts).empty())
       continue;
     Model rival = model;
-    rival.effects[effect] = absent(*other);
+    rival.effects[effect] = start_of(*other);
     const FitResult fitted = fit(split.train, rival, kRefit);
     if (fitted.determined && in_range(fitted.model.effects[effect]) &&
         nats_beside_anonymous(scene, split, fitted.model) > nats - criteria::kRivalNats)
@@ -181,18 +188,32 @@ bool take_back_what_explains_most(const Scene &scene, DataSplit split, const Mod
   return any;
 }
 
-void ask_for_rivals(const Scene &scene, DataSplit split, SearchResult &found,
+void ask_for_rivals(const Scene &scene, const Scene &judge, DataSplit split, SearchResult &found,
                     const std::vector<const Effect *> &unasked) {
   if (unasked.empty())
     return;
   split.train = thinned(split.train);
   split.train.coloured.reset();
-  const Model model = fit(split.train, found.fit.model, kRefit).model;
+  const SearchData aside{&scene, split.train, split.heldout, &judge};
+  Model model = fit(split.train, found.fit.model, kRefit).model;
   for (std::size_t place = 0; place < found.order.size(); ++place) {
     const std::size_t at = found.order[place];
-    if (found.alternatives[place].empty() &&
-        std::find(unasked.begin(), unasked.end(), model.effects[at].effect) != unasked.end())
-      found.alternatives[place] = rivals_of(scene, split, model, at);
+    if (!found.alternatives[place].empty() ||
+        std::find(unasked.begin(), unasked.end(), model.effects[at].effect) == unasked.end())
+      continue;
+    std::vector<Rival> rivals = rivals_of(scene, split, model, at);
+    const auto better = std::ranges::max_element(
+        rivals, {}, [&](const Rival &r) { return side_evidence(aside, r.model); });
+    if (better != rivals.end() &&
+        side_evidence(aside, better->model) > side_evidence(aside, model) + criteria::kRivalNats) {
+      found.fit.model = model = better->model;
+      rivals = rivals_of(scene, split, model, at);
+    }
+    const double side = side_evidence(aside, model);
+    std::erase_if(rivals, [&](const Rival &r) {
+      return side_evidence(aside, r.model) < side - criteria::kRivalNats;
+    });
+    found.alternatives[place] = std::move(rivals);
   }
 }
 

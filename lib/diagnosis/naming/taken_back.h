@@ -21,7 +21,7 @@ bool take_back_what_explains_most(const Scene &scene, DataSplit split, const Mod
                                   SearchResult &found, std::vector<const Effect *> &unasked);
 
 /// Asks for the alternatives of those that are still there.
-void ask_for_rivals(const Scene &scene, DataSplit split, SearchResult &found,
+void ask_for_rivals(const Scene &scene, const Scene &judge, DataSplit split, SearchResult &found,
                     const std::vector<const Effect *> &unasked);
 
 } // namespace ada
