@@ -497,6 +497,10 @@ inline constexpr double kWithinTwo = 0.95;
 /// a quarter. Fewer than eight say nothing; each holds this many samples.
 inline constexpr std::size_t kStretches = 40, kFewestStretches = 8, kFewestOfStretch = 10;
 
+/// Of the power of a remainder in the orders that tell, as much at least must be the reference's
+/// ripple against even time, order by order, for it to be the reference's.
+inline constexpr double kMostOfRemainder = 0.75;
+
 /// Time stamps against an even clock, in its steps: from what scatter on they are uneven, how near
 /// the clock the middle of some of them comes again and again where no row is missing, and how many
 /// times as near the way between its neighbours the rows lie by their number than by the stamps. A

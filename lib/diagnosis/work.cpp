@@ -4,6 +4,8 @@
 #include "diagnosis/work.h"
 
 #include <algorithm>
+#include <cmath>
+#include <complex>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -349,7 +351,34 @@ double left_across_to_along(const Observations &data, const Model &model) {
 
 } // namespace
 
+bool Work::is_of_the_reference(const Model &with) const {
+  const std::vector<Ripple> ripples = unnamed_ripples(scene_, with);
+  if (ripples.empty())
+    return false;
+  const Observations data = thinned(split_.train);
+  const std::vector<double> turned = turned_by_remainder(data, with);
+  double of_orders2 = 0.0, apart2 = 0.0;
+  const auto figure = static_cast<std::size_t>(scene_.periods);
+  for (std::size_t n = 1; n <= ripples.size(); ++n) {
+    if (n == figure || n == 2 * figure) // the ellipse has taken that up
+      continue;
+    std::complex<double> order;
+    for (std::size_t i = 0; i < turned.size(); ++i)
+      order += turned[i] * std::polar(2.0 / static_cast<double>(turned.size()),
+                                      static_cast<double>(n) * data.alpha[i]);
+    const Ripple &r = ripples[n - 1];
+    // What the reference reads too much the sensor seems to read too little. Of many orders the
+    // errors of the ripples add up.
+    of_orders2 += std::norm(order);
+    apart2 += std::norm(order + std::complex<double>(r.cos, r.sin)) - 2.0 * r.error * r.error;
+  }
+  // Half of it at least is of orders that tell.
+  return of_orders2 > mean_square(turned) &&
+         apart2 < (1.0 - criteria::kMostOfRemainder) * of_orders2;
+}
+
 void Work::carry_remainder(const DataSplit &white) {
+  remainder_of_reference_ = false;
   out_.remainder_rms_v = out_.remainder_angle_rms_deg = 0.0;
   auto kept = with_given_remainder(out_.extended);
   Model judged = out_.extended; // by the training part alone
@@ -369,6 +398,8 @@ void Work::carry_remainder(const DataSplit &white) {
     const SplitQuality after = white.quality(with);
     if (!likelier_and_no_farther(after) || !comes_again(with))
       return false;
+    if ((remainder_of_reference_ = is_of_the_reference(with)))
+      return true; // and there is none to carry
     judged = std::move(with);
     out_.extended = fitted(everything());
     last_ = after;

@@ -183,6 +183,9 @@ private:
   /// What repeats with the angle and has no name, where held-out data confirm it: what this capture
   /// shows, or what the given model brought along where that tells more.
   void carry_remainder(const DataSplit &white);
+  /// Whether the reference ripples against even time by what the remainder of a model turns the
+  /// vector by, and the pair does not: then it is the reference's, and no matter for the angle.
+  bool is_of_the_reference(const Model &with) const;
   /// Whether held-out data are likelier than with the last model, and their angle is no farther
   /// off: where the length wanders an offset or a remainder may follow it, and turn the angle.
   bool likelier_and_no_farther(const SplitQuality &other) const;
@@ -419,6 +422,7 @@ private:
   std::vector<std::pair<const Effect *, const Effect *>> shapes_;
   int slow_waves_ = 0; ///< half waves by which the course of a slow process was taken out
   std::vector<double> lengthening_; ///< orders at which the length changes as the angle does
+  bool remainder_of_reference_ = false; ///< see is_of_the_reference
   bool in_bursts_ = false;          ///< samples in a row are left over
   bool given_seen_ = false;         ///< a cause that the given model names was seen before any fit
 };

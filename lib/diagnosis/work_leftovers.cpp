@@ -338,9 +338,13 @@ void Work::note_unnamed() {
            left_v});
       continue;
     }
+    const char *whose = line.axis == Axis::angle && remainder_of_reference_
+                            ? ": the reference ripples so against even time and the pair does "
+                              "not; they are not corrected"
+                            : "";
     if (line.axis != Axis::noise && line.unnamed_rms_v > least)
       out_.structure.push_back({std::string(axis_name(line.axis)),
-                                unnamed_sentence(line, unnamed_.selection, scene_, again),
+                                unnamed_sentence(line, unnamed_.selection, scene_, again) + whose,
                                 line.unnamed_rms_v,
                                 line.axis == Axis::angle && again == Recurrence::seen});
   }

@@ -39,6 +39,25 @@ KIND(a_reference_that_is_read_less_often_than_the_pair_is_read_where_it_is_fresh
   EXPECT_EQ(d.verdict, Verdict::explained);
 }
 
+/// A steady spin: the pair keeps even time, and the encoder loses a line between two places of the
+/// turn and finds it again at its index.
+KIND(an_encoder_that_misses_a_line_is_no_error_of_the_sensor) {
+  Bench bench;
+  const double hz = bench.within(20.0, 50.0), line_deg = 360.0 / bench.within(500.0, 1500.0),
+               lost = bench.within(0.2, 0.8);
+  bench.pair.noise_v *= 0.3;
+  Capture c = bench.capture(10000, 10000.0, 2, [&](double t) { return kTwoPi * hz * t; });
+  for (double &deg : c.reference_deg)
+    deg = wrap(deg - (deg / 360.0 > lost ? line_deg : 0.0) + bench.normal(0.004), 360.0);
+  const Diagnosis d = diagnose(c, {});
+  const std::string what = std::to_string(hz) + " Hz, " + std::to_string(line_deg) + " deg at " +
+                           std::to_string(lost) + names(d);
+  for (const char *innocent : {"stray-field", "sensor-off-axis", "field-direction-error"})
+    EXPECT_FALSE(named(d, innocent)) << what;
+  EXPECT_NE(d.verdict, Verdict::explained) << what;
+  EXPECT_FALSE(d.extended.remainder) << what;
+}
+
 TEST(HeldRows, ACoarseEncoderIsReadInEveryRow) {
   Bench bench;
   for (const bool steady : {true, false}) {

@@ -486,21 +486,23 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
   return model;
 }
 
-double remainder_angle_rms(const Observations &data, const Model &model) {
+std::vector<double> turned_by_remainder(const Observations &data, const Model &model) {
   Model without = model;
   without.remainder.reset();
   const ResidualColumns all = residual_columns(data, model), rest = residual_columns(data, without);
-  double sum = 0.0;
+  std::vector<double> out;
   for (std::size_t i = 0; i < all.sin.size(); ++i) {
     const double s = rest.model_sin[i] - data.centre_sin_v;
     const double c = rest.model_cos[i] - data.centre_cos_v;
     const double ds = all.model_sin[i] - rest.model_sin[i];
     const double dc = all.model_cos[i] - rest.model_cos[i];
-    const double turn = (ds * c - dc * s) / std::max(s * s + c * c, 1e-12);
-    sum += turn * turn;
+    out.push_back((ds * c - dc * s) / std::max(s * s + c * c, 1e-12) / model.periods_per_turn);
   }
-  const double n = static_cast<double>(std::max<std::size_t>(1, all.sin.size()));
-  return std::sqrt(sum / n) * kDegPerRad / model.periods_per_turn;
+  return out;
+}
+
+double remainder_angle_rms(const Observations &data, const Model &model) {
+  return std::sqrt(mean_square(turned_by_remainder(data, model))) * kDegPerRad;
 }
 
 } // namespace ada

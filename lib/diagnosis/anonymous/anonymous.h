@@ -84,7 +84,10 @@ NoiseShape noise_shape(const Anonymous &left, const DataSplit &split, const Mode
 Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data,
                      Model model, double weight_along = 1.0);
 
-/// What the remainder of a model turns the vector by, rms over the data, mechanical degrees.
+/// What the remainder of a model turns the vector by at each sample, rad, mechanical.
+std::vector<double> turned_by_remainder(const Observations &data, const Model &model);
+
+/// The same, rms over the data, in degrees.
 double remainder_angle_rms(const Observations &data, const Model &model);
 
 } // namespace ada

@@ -102,10 +102,8 @@ bool is_measured_aside(const Observations &train, const Model &model, std::size_
          !leak_unexplained(train, model);
 }
 
-double side_evidence(const SearchData &data, const Model &model) {
-  double sum = -0.5 * leak_left(data.train, model) * leak_left(data.train, model);
-  // The reference's own error must show against a smooth motion, unless the motion ripples so.
-  std::vector<Ripple> left = data.scene->reference_ripples;
+std::vector<Ripple> unnamed_ripples(const Scene &scene, const Model &model) {
+  std::vector<Ripple> left = scene.reference_ripples;
   for (const EffectInstance &e : model.effects) {
     const OrderRipple part = e.effect->reference_ripple(e.values);
     const auto n = static_cast<std::size_t>(std::clamp(part.order, 0.0, 1e6));
@@ -114,6 +112,13 @@ double side_evidence(const SearchData &data, const Model &model) {
     left[n - 1].cos -= part.cos;
     left[n - 1].sin -= part.sin;
   }
+  return left;
+}
+
+double side_evidence(const SearchData &data, const Model &model) {
+  double sum = -0.5 * leak_left(data.train, model) * leak_left(data.train, model);
+  // The reference's own error must show against a smooth motion, unless the motion ripples so.
+  const std::vector<Ripple> left = unnamed_ripples(*data.scene, model);
   const auto squared = [](const Ripple &r) { return r.cos * r.cos + r.sin * r.sin; };
   // What a fit leaves of it counts by its part of the whole: the fit has errors of its own.
   for (std::size_t k = 0; k < left.size(); ++k) {

@@ -54,6 +54,9 @@ bool leak_unexplained(const Observations &train, const Model &model);
 /// where others may look like it.
 bool is_measured_aside(const Observations &train, const Model &model, std::size_t effect);
 
+/// Ripples of the reference against even time that no cause of a model is.
+std::vector<Ripple> unnamed_ripples(const Scene &scene, const Model &model);
+
 /// Log likelihood of what stands beside the pair: VTEMP and the motion of the reference.
 double side_evidence(const SearchData &data, const Model &model);
 
