@@ -501,11 +501,14 @@ inline constexpr std::size_t kStretches = 40, kFewestStretches = 8, kFewestOfStr
 /// ripple against even time, order by order, for it to be the reference's.
 inline constexpr double kMostOfRemainder = 0.75;
 
-/// Time stamps against an even clock, in its steps: from what scatter on they are uneven, how near
-/// the clock the middle of some of them comes again and again where no row is missing, and how many
-/// times as near the way between its neighbours the rows lie by their number than by the stamps. A
-/// stamp rounded to a microsecond scatters by 0.003 steps of 10 kHz.
-inline constexpr double kUnevenStamps = 0.02, kSameClock = 0.5, kRowsTellBetter = 2.0;
+/// Time stamps against an even clock, in its steps: from what scatter on they are uneven, of how
+/// many last digits of the number, how near the clock the middle of some of them comes again and
+/// again where no row is missing, the part of their scatter that they have from each to the next at
+/// least, where white ones have all of it, and how many times as near the way between its
+/// neighbours the rows lie by their number than by the stamps. A stamp rounded to a microsecond
+/// scatters by 0.003 steps of 10 kHz.
+inline constexpr double kUnevenStamps = 0.02, kUnevenDigits = 8.0, kSameClock = 0.5,
+                        kStampsApart = 0.5, kRowsTellBetter = 2.0;
 
 /// Electrical periods from which on what is left along the radius is that of the period in the
 /// middle: a median of fewer knows no better than their mean what is usual.

@@ -260,14 +260,6 @@ Structure of_stamps(const EvenRows &even) {
 
 Diagnosis diagnose_rows(const Capture &capture, const DiagnosisOptions &given) {
   DiagnosisOptions options = given;
-  std::optional<EvenRows> even_judge;
-  if (given.heldout && (even_judge = even_rows(*given.heldout)))
-    options.heldout = &even_judge->capture;
-  if (const auto even = even_rows(capture)) {
-    Diagnosis out = diagnose_rows(even->capture, options);
-    return out.verdict == Verdict::insufficient_data ? out
-                                                     : left_over(of_stamps(*even), std::move(out));
-  }
   std::optional<FreshReadings> judge;
   if (options.heldout && (judge = fresh_readings(*options.heldout)))
     options.heldout = &judge->capture;
@@ -317,11 +309,19 @@ void write_numbers_plainly(Diagnosis &d) {
 
 Diagnosis diagnose(const Capture &given, const DiagnosisOptions &asked) {
   const auto moved = in_step(given, asked.heldout);
-  const Capture &capture = moved ? moved->capture : given;
+  const Capture &read = moved ? moved->capture : given;
   DiagnosisOptions options = asked;
   if (moved && moved->heldout)
     options.heldout = &*moved->heldout;
+  const std::optional<EvenRows> even = even_rows(read),
+                                even_judge =
+                                    options.heldout ? even_rows(*options.heldout) : std::nullopt;
+  if (even_judge)
+    options.heldout = &even_judge->capture;
+  const Capture &capture = even ? even->capture : read;
   Diagnosis out = diagnose_rows(capture, options);
+  if (even && out.verdict != Verdict::insufficient_data)
+    out = left_over(of_stamps(*even), std::move(out));
   out.next_experiments = next_experiments(out, capture, [&] {
     if (options.progress)
       options.progress(1.0, "what to record next");

@@ -340,7 +340,8 @@ void Work::note_unnamed() {
     }
     const char *whose = line.axis == Axis::angle && remainder_of_reference_
                             ? ": the reference ripples so against even time and the pair does "
-                              "not; they are not corrected"
+                              "not, so unless this pair regulates the shaft they are the "
+                              "reference's, and they are not corrected"
                             : "";
     if (line.axis != Axis::noise && line.unnamed_rms_v > least)
       out_.structure.push_back({std::string(axis_name(line.axis)),

@@ -98,23 +98,24 @@ inline constexpr double kTurnedScatter = 0.01;
 /// electrical degrees leave 0.02.
 inline constexpr double kReferenceScatter = 0.5;
 /// A reference is held (health/wrong_stretches.h): how far from a value, of its noise from row to
-/// row, it is still that value, rows of one value at least, values that tell what
-/// is usual, which quantile of the ways of the pair at one value is that, how many times it, or the
-/// noise of the angle, the pair goes on while the reference is held, and the part of the record
-/// above which the reference is not held but stands. Of a shaft that starts the fastest twentieth
-/// is usual; a value in four is missed by a reference that is read unevenly.
+/// row, it is still that value, rows of one value at least, values that tell what is usual, which
+/// quantile of the ways of the pair at one value, and of its rows, that is, how many times as far
+/// as it, or as the noise of the angle, the pair goes on, and as many rows, while the reference is
+/// held, and the part of the record above which the reference is not held but stands. Of a way as
+/// many robust deviations from a straight course do not count: hum has a range of two.
 inline constexpr double kStaysWithin = 6.0;
 inline constexpr std::size_t kFewestHeldByReference = 4;
 inline constexpr std::size_t kFewestValues = 20;
 inline constexpr double kNearlyAllValues = 0.95;
 inline constexpr double kHeldLonger = 4.0;
 inline constexpr double kMostHeld = 0.5;
+inline constexpr double kOfItsScatter = 2.0;
 /// Rows of a block that was delivered twice at least, those from which on a repeat counts as a
-/// short one, which chance makes as well, and the part of the record above which the signal repeats
-/// itself. Readings of both channels with a noise of one step are equal in one row of 12; eight
-/// rows in a row, at one of 16384 places, are so by chance once in 26000 records of a million rows.
+/// short one, which chance makes as well, how many times its usual step, their scatter and a count
+/// of each converter the pair is off its course at an end of the block, and the part of what was
+/// found that chance may have made.
 inline constexpr std::size_t kFewestRepeated = 8, kShortRepeat = 3;
-inline constexpr double kMostRepeated = 0.2;
+inline constexpr double kBreaksMotion = 4.0, kByChance = 0.05;
 /// Part of what the pair does, in variance (health/reference_share.h), that a reference of its
 /// shaft tells at least: half. An ellipse it tells wholly, beside harmonics of a third nine tenths;
 /// another shaft, one that stands still or one of other periods tells some hundredths. Other

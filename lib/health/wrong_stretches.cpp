@@ -19,21 +19,73 @@ namespace ada {
 
 namespace {
 
-/// How far from one end to the other the pair goes in some rows, rad.
-double way(const std::vector<double> &angle, std::size_t first, std::size_t last) {
-  double at = 0.0, low = 0.0, high = 0.0;
-  for (std::size_t i = first + 1; i <= last; ++i) {
-    const double step = wrap_centred(angle[i] - angle[i - 1], kTwoPi);
-    at += std::isfinite(step) ? step : 0.0;
-    low = std::min(low, at);
-    high = std::max(high, at);
+/// How far the pair goes over some rows.
+class Way {
+public:
+  explicit Way(const Capture &c) : angle_(own_angle(c)), on_circle_(c.size()) {
+    const Reach sine = bulk(c.vsin_v), cosine = bulk(c.vcos_v);
+    std::vector<double> radius;
+    for (std::size_t i = 0; i < c.size(); ++i)
+      radius.push_back(std::hypot(c.vsin_v[i] - 0.5 * (sine.low + sine.high),
+                                  c.vcos_v[i] - 0.5 * (cosine.low + cosine.high)));
+    const double usual = quantile(radius, 0.5);
+    for (std::size_t i = 0; i < c.size(); ++i)
+      on_circle_[i] = radius[i] > 0.5 * usual && radius[i] < 1.5 * usual;
   }
-  return high - low;
-}
+  const std::vector<double> &angle() const { return angle_; }
+  /// From one end to the other of where it is, rad.
+  double range(std::size_t first, std::size_t last) const {
+    double low = 0.0, high = 0.0;
+    for (const double at : path(first, last)) {
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+    return high - low;
+  }
+  /// Net, rad, as far as it is more than what the pair does about a straight course meanwhile: hum,
+  /// a spike or an open contact lead nowhere.
+  double net(std::size_t first, std::size_t last) const {
+    constexpr std::size_t kAtEnd = 5; // rows whose median is where it is
+    std::vector<double> path = this->path(first, last);
+    if (path.size() < 2)
+      return 0.0;
+    if (path.size() < 2 * kAtEnd)
+      return std::abs(path.back() - path.front());
+    const auto middle = [](auto begin, auto end) { return quantile(std::vector(begin, end), 0.5); };
+    const double net =
+        middle(path.end() - kAtEnd, path.end()) - middle(path.begin(), path.begin() + kAtEnd);
+    const double slope = net / static_cast<double>(path.size() - kAtEnd);
+    for (std::size_t i = 0; i < path.size(); ++i)
+      path[i] -= slope * static_cast<double>(i);
+    return std::max(0.0, std::abs(net) - health::kOfItsScatter * robust_spread(path));
+  }
+
+private:
+  std::vector<double> path(std::size_t first, std::size_t last) const {
+    std::vector<double> out;
+    double at = 0.0, before = angle_[first];
+    for (std::size_t i = first; i <= last; ++i) {
+      if (!on_circle_[i])
+        continue;
+      at += wrap_centred(angle_[i] - before, kTwoPi);
+      before = angle_[i];
+      out.push_back(at);
+    }
+    return out;
+  }
+
+  std::vector<double> angle_;
+  std::vector<char> on_circle_;
+};
 
 class Blocks {
 public:
-  explicit Blocks(const Capture &capture) : c_(capture) { last_.fill(kNone); }
+  explicit Blocks(const Capture &capture) : c_(capture), angle_(own_angle(capture)) {
+    last_.fill(kNone);
+    const double radius_v = 0.25 * (bulk(c_.vsin_v).width() + bulk(c_.vcos_v).width()),
+                 count_v = std::hypot(converter_step(c_.vsin_v), converter_step(c_.vcos_v));
+    of_a_count_ = radius_v > 0.0 ? count_v / radius_v : kTwoPi;
+  }
 
   std::vector<RowRange> find() {
     std::size_t lag = 0, first = 0;
@@ -52,11 +104,7 @@ public:
     }
     if (lag != 0)
       close({first, c_.size()}, lag);
-    // Chance makes more short runs than long ones.
-    const bool by_chance = short_runs_ >= found_.size();
-    const bool all_the_time = static_cast<double>(rows_of(found_)) >
-                              health::kMostRepeated * static_cast<double>(c_.size());
-    return by_chance || all_the_time ? std::vector<RowRange>{} : found_;
+    return by_chance() ? std::vector<RowRange>{} : found_;
   }
 
 private:
@@ -82,20 +130,55 @@ private:
         static_cast<std::size_t>(std::unique(rows.begin(), rows.end()) - rows.begin());
     return 2 * distinct > run.size();
   }
+  /// Whether the pair leaves its course where the block begins or ends: a motion that comes again
+  /// without noise does not.
+  bool breaks_motion(const RowRange &run) const {
+    constexpr std::size_t kReach = 8;
+    for (const std::size_t at : {run.first, run.end}) {
+      if (at == 0 || at >= c_.size())
+        continue;
+      const auto step = [&](std::size_t i) {
+        return wrap_centred(angle_[i] - angle_[i - 1], kTwoPi);
+      };
+      std::vector<double> about;
+      for (std::size_t i = at > kReach ? at - kReach : 1; i < std::min(c_.size(), at + kReach); ++i)
+        if (i != at)
+          about.push_back(step(i));
+      const double usual = quantile(about, 0.5);
+      if (std::abs(step(at) - usual) >
+          health::kBreaksMotion * (robust_spread(about) + std::abs(usual) + of_a_count_))
+        return true;
+    }
+    return false;
+  }
   void close(const RowRange &run, std::size_t lag) {
     end_of_last_ = run.end;
     // A block that comes more than twice is compared with itself.
     const RowRange once{run.first, std::min(run.end, run.first + lag)};
-    if (run.size() < health::kFewestRepeated)
-      short_runs_ += run.size() >= health::kShortRepeat ? 1 : 0;
-    else if (differ(once))
+    if (run.size() < health::kFewestRepeated) {
+      of_three_ += run.size() >= health::kShortRepeat ? 1.0 : 0.0;
+      of_four_ += run.size() > health::kShortRepeat ? 1.0 : 0.0;
+    } else if (differ(once) && breaks_motion(run)) {
       found_.push_back(run);
+    }
+  }
+  /// Chance makes ever fewer of the longer runs, each as many times fewer than the one before: so
+  /// many long ones as were found?
+  bool by_chance() const {
+    const double longer = (of_four_ + 1.0) / (of_three_ + 2.0); // Laplace's rule of succession
+    const double expected =
+        of_three_ *
+        std::pow(longer, static_cast<double>(health::kFewestRepeated - health::kShortRepeat));
+    return expected > health::kByChance * static_cast<double>(found_.size());
   }
 
   const Capture &c_;
+  const std::vector<double> angle_;
   std::array<std::size_t, kPlaces> last_{};
   std::vector<RowRange> found_;
-  std::size_t short_runs_ = 0, end_of_last_ = 0;
+  double of_a_count_ = 0.0; ///< rad, by which a count of each converter turns the pair
+  double of_three_ = 0.0, of_four_ = 0.0; ///< short runs of so many rows at least
+  std::size_t end_of_last_ = 0;
 };
 
 } // namespace
@@ -115,7 +198,7 @@ std::vector<RowRange> held_reference(const Capture &c) {
     for (const std::size_t i : *places)
       if (i < c.size())
         begins[i] = 1;
-  const std::vector<double> angle = own_angle(c);
+  const Way way(c);
   std::vector<double> unwrapped = c.reference_deg;
   unwrap(unwrapped, 360.0);
   const double within_deg = health::kStaysWithin * noise_between(unwrapped);
@@ -125,26 +208,38 @@ std::vector<RowRange> held_reference(const Capture &c) {
   };
   struct Held {
     RowRange rows;
-    double way;
+    double way, net, caught_up;
   };
   std::vector<Held> all;
-  std::vector<double> ways;
+  std::vector<double> ways, rows, steps;
   for (std::size_t first = 0, end = 0; first < c.size(); first = end) {
     for (end = first + 1; end < c.size() && !begins[end] && stays(end, first);)
       ++end;
     // To the row that has another value: for one row as well the pair goes on.
     const bool goes_on = end < c.size() && !begins[end];
-    ways.push_back(way(angle, first, goes_on ? end : end - 1));
+    const std::size_t last = goes_on ? end : end - 1;
+    const double step =
+        goes_on ? std::abs(wrap_centred(c.reference_deg[end] - c.reference_deg[first], 360.0))
+                : 0.0;
+    ways.push_back(way.range(first, last));
+    rows.push_back(static_cast<double>(end - first));
+    steps.push_back(step);
     if (end - first >= health::kFewestHeldByReference)
-      all.push_back({{first, end}, ways.back()});
+      all.push_back({{first, end}, ways.back(), goes_on ? 0.0 : way.net(first, last), step});
   }
   if (all.empty() || ways.size() < health::kFewestValues)
     return {};
-  const double usual = quantile(std::move(ways), health::kNearlyAllValues);
-  const double noise = noise_between(angle);
+  // A line lasts as far as the pair goes, and a poll as long as the next one takes. One that was
+  // held has to catch up, unless the record ends.
+  const auto usual = [](std::vector<double> of) {
+    return health::kHeldLonger * quantile(std::move(of), health::kNearlyAllValues);
+  };
+  const double longest = usual(rows), largest = usual(steps),
+               farthest = std::max(usual(ways), health::kHeldLonger * noise_between(way.angle()));
   std::vector<RowRange> out;
   for (const Held &h : all)
-    if (h.way > health::kHeldLonger * std::max(usual, noise))
+    if (h.way > farthest && static_cast<double>(h.rows.size()) > longest &&
+        (h.caught_up > largest || h.net > farthest))
       out.push_back({h.rows.first + 1, h.rows.end});
   if (static_cast<double>(rows_of(out)) > health::kMostHeld * static_cast<double>(c.size()))
     return {};

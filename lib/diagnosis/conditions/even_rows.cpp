@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -26,6 +27,15 @@ std::vector<double> off_even(const std::vector<double> &time, double step_s) {
   for (double &off : out)
     off -= middle;
   return out;
+}
+
+/// Whether a stamp tells nothing of the next: the speed of a shaft, where rows are clocked by its
+/// angle, goes on from row to row.
+bool each_for_itself(const std::vector<double> &off_steps) {
+  std::vector<double> apart;
+  for (std::size_t i = 1; i < off_steps.size(); ++i)
+    apart.push_back((off_steps[i] - off_steps[i - 1]) / std::numbers::sqrt2);
+  return robust_spread(apart) > criteria::kStampsApart * robust_spread(off_steps);
 }
 
 /// Whether the stamps come back to the same clock again and again: of rows that are missing they
@@ -75,7 +85,11 @@ std::optional<EvenRows> even_rows(const Capture &capture) {
   if (!(step_s > 0.0) || !std::ranges::all_of(time, [](double t) { return std::isfinite(t); }))
     return std::nullopt;
   const std::vector<double> off = off_even(time, step_s);
-  if (!(robust_spread(off) > criteria::kUnevenStamps) || !come_back(off))
+  // A stamp is known to the last digit of its number only.
+  const double last_digit_s =
+      std::abs(time.back()) * std::numeric_limits<double>::epsilon() * criteria::kUnevenDigits;
+  if (!(robust_spread(off) > std::max(criteria::kUnevenStamps, last_digit_s / step_s)) ||
+      !come_back(off) || !each_for_itself(off))
     return std::nullopt;
   const std::vector<double> angle = own_angle(capture);
   const Rough rough = roughness(angle, time);

@@ -325,18 +325,25 @@ RadiusLeft radius_left(const Observations &data, const Model &model) {
     before = along;
   }
   // What happens in one period and not in the others, as a gain that changes, is no matter of the
-  // figure.
+  // figure: its size is that of the period in the middle, and how white it is the middle half
+  // tells.
+  double mean_v2 = all.mean();
   Sums middle = all;
-  if (of_period.size() >= criteria::kFewestPeriodsInTheMiddle) {
-    std::vector<Sums> periods;
-    for (const auto &[place, sums] : of_period)
+  const double usual_rows = all.rows / std::max<double>(1.0, static_cast<double>(of_period.size()));
+  std::vector<Sums> periods;
+  for (const auto &[place, sums] : of_period)
+    if (sums.rows >= 0.5 * usual_rows)
       periods.push_back(sums);
-    const auto half = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
-    std::nth_element(periods.begin(), half, periods.end(),
-                     [](const Sums &a, const Sums &b) { return a.mean() < b.mean(); });
-    middle = *half;
+  if (periods.size() >= criteria::kFewestPeriodsInTheMiddle) {
+    std::ranges::sort(periods, {}, &Sums::mean);
+    mean_v2 = periods[periods.size() / 2].mean();
+    middle = {};
+    for (std::size_t k = periods.size() / 4; k < periods.size() - periods.size() / 4; ++k) {
+      middle.along2 += periods[k].along2;
+      middle.steps2 += periods[k].steps2;
+    }
   }
-  return {std::sqrt(middle.mean()),
+  return {std::sqrt(mean_v2),
           all.rows * (middle.along2 > 0.0 ? std::min(1.0, middle.steps2 / middle.along2) : 1.0)};
 }
 

@@ -237,7 +237,8 @@ LeftOver left_over(const Scene &scene, const DataSplit &split, const Model &mode
   if (!scene.held_reference.empty())
     out.of_rows.push_back(of_wrong_stretches(
         scene, scene.held_reference, "the reference keeps its value while the pair turns on",
-        "its counter, its cable, or the transfer of its value", model.baseline.amplitude_v));
+        "its counter, its cable, a coupling with play, or the transfer of its value",
+        model.baseline.amplitude_v));
   if (!scene.repeated.empty())
     out.of_rows.push_back(of_wrong_stretches(
         scene, scene.repeated, "a block of rows is that of an earlier moment to the last bit",
