@@ -18,6 +18,21 @@ namespace ada {
 
 namespace {
 
+/// Step of an even clock, s: between the middle of some stamps at either end, of which one may be
+/// late by many steps.
+double even_step(const std::vector<double> &time) {
+  constexpr std::size_t kAtEnd = 64;
+  const std::size_t n = time.size(), some = std::min(kAtEnd, n / 2);
+  const double rough = (time.back() - time.front()) / static_cast<double>(n - 1);
+  const auto middle = [&](std::size_t first) {
+    std::vector<double> off;
+    for (std::size_t i = first; i < first + some; ++i)
+      off.push_back(time[i] - time[0] - rough * static_cast<double>(i));
+    return quantile(std::move(off), 0.5);
+  };
+  return rough + (middle(n - some) - middle(0)) / static_cast<double>(n - some);
+}
+
 /// Stamps against the even clock between the first and the last of them, in steps of that clock.
 std::vector<double> off_even(const std::vector<double> &time, double step_s) {
   std::vector<double> out;
@@ -81,7 +96,7 @@ std::optional<EvenRows> even_rows(const Capture &capture) {
   if (n < criteria::kFewestSamples || !capture.starts.empty())
     return std::nullopt;
   const std::vector<double> &time = capture.time_s;
-  const double step_s = (time.back() - time.front()) / static_cast<double>(n - 1);
+  const double step_s = even_step(time);
   if (!(step_s > 0.0) || !std::ranges::all_of(time, [](double t) { return std::isfinite(t); }))
     return std::nullopt;
   const std::vector<double> off = off_even(time, step_s);
