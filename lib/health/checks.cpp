@@ -26,6 +26,16 @@ HealthCheck cannot_tell(std::string id, const std::string &why) {
   return {std::move(id), HealthState::unknown, kAbsent, kAbsent, "", in_plain_numbers(why)};
 }
 
+HealthCheck failed_by(const Evidence &e, std::string id, const std::vector<RowRange> &rows,
+                      const std::string &explanation) {
+  HealthCheck out =
+      verdict(std::move(id), false, static_cast<double>(rows_of(rows)), 0, "rows", explanation);
+  for (const RowRange &r : rows)
+    if (out.times_s.size() < kMostTimes)
+      out.times_s.push_back(e.capture.time_s[r.first]);
+  return out;
+}
+
 std::string no_figures(const Evidence &e) {
   if (!e.ellipse)
     return kNoCircle;

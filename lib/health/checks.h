@@ -6,9 +6,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "health/evidence.h"
 #include "health/health.h"
+#include "health/wrong_stretches.h"
 
 namespace ada::health {
 
@@ -45,6 +47,10 @@ inline constexpr const char *kNoCircle = "there is no circle to measure it on";
 HealthCheck verdict(std::string id, bool passed, double measured, double limit, std::string unit,
                     const std::string &explanation);
 HealthCheck cannot_tell(std::string id, const std::string &why);
+
+/// A check that failed by stretches of rows of the sample, with the times at which they begin.
+HealthCheck failed_by(const Evidence &e, std::string id, const std::vector<RowRange> &rows,
+                      const std::string &explanation);
 
 /// Why a figure of the circle proves nothing here; empty where it does. A channel that does not
 /// follow the magnet bends the circle of the other one, too.

@@ -103,7 +103,7 @@ inline constexpr double kReferenceScatter = 0.5;
 /// as it, or as the noise of the angle, the pair goes on, and as many rows, while the reference is
 /// held, and the part of the record above which the reference is not held but stands. Of a way as
 /// many robust deviations from a straight course do not count: hum has a range of two.
-inline constexpr double kStaysWithin = 6.0;
+inline constexpr double kStaysWithin = 8.5; // two values differ by sqrt(2) of it: six of that
 inline constexpr std::size_t kFewestHeldByReference = 4;
 inline constexpr std::size_t kFewestValues = 20;
 inline constexpr double kNearlyAllValues = 0.95;

@@ -14,7 +14,6 @@
 #include "health/checks.h"
 #include "health/criteria.h"
 #include "health/reference_share.h"
-#include "health/wrong_stretches.h"
 
 namespace ada::health {
 
@@ -71,19 +70,13 @@ std::string why_not(const Evidence &e) {
 }
 
 HealthCheck held_fault(const Evidence &e, const std::vector<RowRange> &held) {
-  const auto longest =
-      std::max_element(held.begin(), held.end(),
-                       [](const RowRange &a, const RowRange &b) { return a.size() < b.size(); });
-  HealthCheck out = verdict(
-      "reference", false, static_cast<double>(rows_of(held)), 0, "rows",
-      fmt::format("the reference keeps its value while the pair turns on: {}, first at {}, for {} "
-                  "rows at most",
+  const RowRange longest = *std::ranges::max_element(held, {}, &RowRange::size);
+  return failed_by(
+      e, "reference", held,
+      fmt::format("the reference keeps its value while the pair turns on: {}, first at "
+                  "{}, for {} rows at most",
                   times_text(held.size()), moment_text(e.capture.time_s[held.front().first]),
-                  longest->size()));
-  for (const RowRange &r : held)
-    if (out.times_s.size() < kMostTimes)
-      out.times_s.push_back(e.capture.time_s[r.first]);
-  return out;
+                  longest.size()));
 }
 
 } // namespace
@@ -103,9 +96,9 @@ HealthCheck check_reference(const Evidence &e) {
     return cannot_tell("reference", "the magnet hardly turns");
   const double left = std::min(scatter(angles.between), scatter(angles.against)) / turning;
   const bool passed = left <= kReferenceScatter;
-  // A sample of a long recording has its gaps where others of it are.
-  if (const std::vector<RowRange> held = held_reference(e.capture); passed && !held.empty())
-    return held_fault(e, held);
+  if (passed)
+    if (const std::vector<RowRange> held = held_reference(e.capture); !held.empty())
+      return held_fault(e, held);
   return verdict("reference", passed, left, kReferenceScatter, "of its turning",
                  passed ? "the reference goes with the sensor" : why_not(e));
 }

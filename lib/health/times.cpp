@@ -12,7 +12,6 @@
 #include "base/text.h"
 #include "health/checks.h"
 #include "health/criteria.h"
-#include "health/wrong_stretches.h"
 #include "recording/capture_file.h"
 
 namespace ada::health {
@@ -118,19 +117,16 @@ HealthCheck check_gaps(const Evidence &e) {
                                    : fmt::format("{}; within a rest samples are missing {} times",
                                                  read, rests.lost));
   }
-  if (const std::vector<RowRange> twice = repeated_blocks(e.capture);
-      s.gaps == 0 && !twice.empty()) {
-    HealthCheck out = gaps_fault(
-        static_cast<double>(rows_of(twice)), 0, "rows",
-        fmt::format("blocks of rows are those of an earlier moment to the last bit: {}, {} rows in "
-                    "all, first at {}: a buffer was delivered twice, or read before it was filled",
+  const std::vector<RowRange> twice =
+      s.gaps == 0 ? repeated_blocks(e.capture) : std::vector<RowRange>{};
+  if (!twice.empty())
+    return failed_by(
+        e, "gaps", twice,
+        fmt::format("blocks of rows are those of an earlier moment to the last bit: "
+                    "{}, {} rows in all, first at {}: a buffer was delivered twice, or "
+                    "read before it was filled",
                     times_text(twice.size()), rows_of(twice),
                     moment_text(e.capture.time_s[twice.front().first])));
-    for (const RowRange &r : twice)
-      if (out.times_s.size() < kMostTimes)
-        out.times_s.push_back(e.capture.time_s[r.first]);
-    return out;
-  }
   constexpr double kCountable = 9007199254740992.0; // 2^53: beyond, a number of samples is none
   const std::string missing = s.lost < kCountable
                                   ? fmt::format("about {:.0f} samples are missing", s.lost)

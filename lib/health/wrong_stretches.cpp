@@ -13,7 +13,7 @@
 #include "base/robust.h"
 #include "health/criteria.h"
 #include "motion/kinematics.h"
-#include "motion/own_angle.h"
+#include "motion/own_vector.h"
 
 namespace ada {
 
@@ -22,17 +22,8 @@ namespace {
 /// How far the pair goes over some rows.
 class Way {
 public:
-  explicit Way(const Capture &c) : angle_(own_angle(c)), on_circle_(c.size()) {
-    const Reach sine = bulk(c.vsin_v), cosine = bulk(c.vcos_v);
-    std::vector<double> radius;
-    for (std::size_t i = 0; i < c.size(); ++i)
-      radius.push_back(std::hypot(c.vsin_v[i] - 0.5 * (sine.low + sine.high),
-                                  c.vcos_v[i] - 0.5 * (cosine.low + cosine.high)));
-    const double usual = quantile(radius, 0.5);
-    for (std::size_t i = 0; i < c.size(); ++i)
-      on_circle_[i] = radius[i] > 0.5 * usual && radius[i] < 1.5 * usual;
-  }
-  const std::vector<double> &angle() const { return angle_; }
+  explicit Way(const Capture &c) : own_(own_vector(c)) {}
+  const std::vector<double> &angle() const { return own_.angle; }
   /// From one end to the other of where it is, rad.
   double range(std::size_t first, std::size_t last) const {
     double low = 0.0, high = 0.0;
@@ -63,28 +54,27 @@ public:
 private:
   std::vector<double> path(std::size_t first, std::size_t last) const {
     std::vector<double> out;
-    double at = 0.0, before = angle_[first];
+    double at = 0.0, before = own_.angle[first];
     for (std::size_t i = first; i <= last; ++i) {
-      if (!on_circle_[i])
+      // Near the centre, and far off the circle, it has no angle that tells.
+      if (!(std::abs(own_.length[i] / own_.usual_length_v - 1.0) < 0.5))
         continue;
-      at += wrap_centred(angle_[i] - before, kTwoPi);
-      before = angle_[i];
+      at += wrap_centred(own_.angle[i] - before, kTwoPi);
+      before = own_.angle[i];
       out.push_back(at);
     }
     return out;
   }
 
-  std::vector<double> angle_;
-  std::vector<char> on_circle_;
+  OwnVector own_;
 };
 
 class Blocks {
 public:
-  explicit Blocks(const Capture &capture) : c_(capture), angle_(own_angle(capture)) {
+  explicit Blocks(const Capture &capture) : c_(capture), own_(own_vector(capture)) {
     last_.fill(kNone);
-    const double radius_v = 0.25 * (bulk(c_.vsin_v).width() + bulk(c_.vcos_v).width()),
-                 count_v = std::hypot(converter_step(c_.vsin_v), converter_step(c_.vcos_v));
-    of_a_count_ = radius_v > 0.0 ? count_v / radius_v : kTwoPi;
+    const double count_v = std::hypot(converter_step(c_.vsin_v), converter_step(c_.vcos_v));
+    of_a_count_ = own_.usual_length_v > 0.0 ? count_v / own_.usual_length_v : kTwoPi;
   }
 
   std::vector<RowRange> find() {
@@ -138,7 +128,7 @@ private:
       if (at == 0 || at >= c_.size())
         continue;
       const auto step = [&](std::size_t i) {
-        return wrap_centred(angle_[i] - angle_[i - 1], kTwoPi);
+        return wrap_centred(own_.angle[i] - own_.angle[i - 1], kTwoPi);
       };
       std::vector<double> about;
       for (std::size_t i = at > kReach ? at - kReach : 1; i < std::min(c_.size(), at + kReach); ++i)
@@ -173,7 +163,7 @@ private:
   }
 
   const Capture &c_;
-  const std::vector<double> angle_;
+  const OwnVector own_;
   std::array<std::size_t, kPlaces> last_{};
   std::vector<RowRange> found_;
   double of_a_count_ = 0.0; ///< rad, by which a count of each converter turns the pair
@@ -209,6 +199,7 @@ std::vector<RowRange> held_reference(const Capture &c) {
   struct Held {
     RowRange rows;
     double way, net, caught_up;
+    bool goes_on;
   };
   std::vector<Held> all;
   std::vector<double> ways, rows, steps;
@@ -225,12 +216,14 @@ std::vector<RowRange> held_reference(const Capture &c) {
     rows.push_back(static_cast<double>(end - first));
     steps.push_back(step);
     if (end - first >= health::kFewestHeldByReference)
-      all.push_back({{first, end}, ways.back(), goes_on ? 0.0 : way.net(first, last), step});
+      all.push_back({{first, end}, ways.back(), way.net(first, last), step, goes_on});
   }
   if (all.empty() || ways.size() < health::kFewestValues)
     return {};
   // A line lasts as far as the pair goes, and a poll as long as the next one takes. One that was
-  // held has to catch up, unless the record ends.
+  // held has to catch up, unless the record ends, or it was by more than half a turn, of which the
+  // step of the reference shows the rest.
+  const double half_turn = 0.5 * kTwoPi * c.meta.periods_per_turn;
   const auto usual = [](std::vector<double> of) {
     return health::kHeldLonger * quantile(std::move(of), health::kNearlyAllValues);
   };
@@ -239,7 +232,7 @@ std::vector<RowRange> held_reference(const Capture &c) {
   std::vector<RowRange> out;
   for (const Held &h : all)
     if (h.way > farthest && static_cast<double>(h.rows.size()) > longest &&
-        (h.caught_up > largest || h.net > farthest))
+        (h.caught_up > largest || h.net > (h.goes_on ? std::max(half_turn, farthest) : farthest)))
       out.push_back({h.rows.first + 1, h.rows.end});
   if (static_cast<double>(rows_of(out)) > health::kMostHeld * static_cast<double>(c.size()))
     return {};

@@ -11,6 +11,7 @@
 #include "base/angle.h"
 #include "base/pick.h"
 #include "conversion/angle_solver.h"
+#include "diagnosis/conditions/even_rows.h"
 #include "diagnosis/conditions/pair_alone.h"
 #include "diagnosis/conditions/reference_course.h"
 #include "diagnosis/search/fit.h"
@@ -182,10 +183,10 @@ bool has_part_in(const Diagnosis &d, Axis axis) {
 
 /// Without a reference what is known of the sensor may have bent the motion or not, by how the
 /// diagnosis went: the look that the extended model fits.
-Scene scene_of(const Diagnosis &d, const Capture &capture) {
+Scene scene_as_timed(const Diagnosis &d, const Capture &capture) {
   if (!d.reference_aside.empty() && capture.has_reference()) {
     const Capture pair = without_reference(capture);
-    Scene out = scene_of(d, pair);
+    Scene out = scene_as_timed(d, pair);
     out.capture = &capture;
     return out;
   }
@@ -214,6 +215,14 @@ Scene scene_of(const Diagnosis &d, const Capture &capture) {
   }
   Scene other = prepare(capture, false, &named, d.extended.vdd_reference_v);
   return misfit(other) < misfit(out) ? std::move(other) : std::move(out);
+}
+
+/// At the times that the diagnosis took.
+Scene scene_of(const Diagnosis &d, const Capture &capture) {
+  const auto even = even_rows(capture);
+  Scene out = scene_as_timed(d, even ? even->capture : capture);
+  out.capture = &capture;
+  return out;
 }
 
 } // namespace

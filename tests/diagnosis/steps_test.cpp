@@ -109,6 +109,25 @@ KIND(a_magnet_that_loses_strength_at_once_does_not_wander) {
   EXPECT_NEAR(k->values[0], bench.pair.k, 4.0 * k->std_errors[0]) << what;
 }
 
+/// Without noise a slip has one moment, between two rows.
+TEST(Steps, ASlipWithoutNoiseHasItsMoment) {
+  Bench bench;
+  bench.pair.noise_v = 0.0;
+  const double moment = some_moment(bench);
+  const auto shaft = there_and_back(bench);
+  Capture c = bench.capture(18000, 18000 / kStepSpan, 2,
+                            [&](double t) { return shaft(t) + (t >= moment ? kRadPerDeg : 0.0); });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *slip = named(d, "angle-slip");
+  ASSERT_TRUE(slip) << all_of(d);
+  const double row_s = kStepSpan / 18000;
+  EXPECT_NEAR(slip->values[0], moment, row_s);
+  EXPECT_GT(slip->std_errors[0], 0.0);
+  EXPECT_LT(slip->std_errors[0], row_s); // false for what is no number
+}
+
 KIND(slips_of_different_size_are_each_told) {
   Bench bench;
   const double first = kStepSpan * bench.within(0.1, 0.4),

@@ -20,6 +20,7 @@
 #include "diagnosis/conditions/over_supply.h"
 #include "diagnosis/criteria.h"
 #include "health/criteria.h"
+#include "health/wrong_stretches.h"
 
 namespace ada {
 
@@ -91,18 +92,14 @@ Off off_curve(const Capture &c, const Pair &pair, const EllipseParameters &curve
   return out;
 }
 
-struct Row {
-  std::size_t first, end;
-};
-
 /// Rows in which a column is off by more than a limit, and which are no single outliers: each with
 /// what still belongs to it on either side.
-std::vector<Row> rows_of(const std::vector<double> &by, double spread) {
+std::vector<RowRange> rows_of(const std::vector<double> &by, double spread) {
   constexpr std::size_t kBeside = 2, kFewest = health::kMaxFaultyRow + 1;
   constexpr double kBack = 3.0; // standard deviations
   const double limit = std::max(health::kFarOff, kOffCurve * spread);
   const auto off = [&](std::size_t i) { return std::abs(by[i]) > limit; };
-  std::vector<Row> rows;
+  std::vector<RowRange> rows;
   for (std::size_t i = 0; i < by.size(); ++i) {
     if (!off(i))
       continue;
@@ -111,13 +108,13 @@ std::vector<Row> rows_of(const std::vector<double> &by, double spread) {
     else
       rows.push_back({i, i + 1});
   }
-  std::erase_if(rows, [&](const Row &r) {
+  std::erase_if(rows, [&](const RowRange &r) {
     std::size_t count = 0;
     for (std::size_t i = r.first; i < r.end; ++i)
       count += off(i) ? 1 : 0;
     return count < kFewest;
   });
-  for (Row &r : rows) {
+  for (RowRange &r : rows) {
     while (r.first > 0 && std::abs(by[r.first - 1]) > kBack * spread)
       --r.first;
     while (r.end < by.size() && std::abs(by[r.end]) > kBack * spread)
@@ -129,7 +126,7 @@ std::vector<Row> rows_of(const std::vector<double> &by, double spread) {
 }
 
 /// Whether a row begins or ends at once: what follows the speed or the load does neither.
-bool is_abrupt(const std::vector<double> &by, const Row &r) {
+bool is_abrupt(const std::vector<double> &by, const RowRange &r) {
   constexpr std::size_t kSteps = 3;
   constexpr double kOfWorst = 0.5;
   double worst = 0.0, step = 0.0;
@@ -142,11 +139,12 @@ bool is_abrupt(const std::vector<double> &by, const Row &r) {
 }
 
 /// In their order; what overlaps is one row.
-std::vector<Row> joined(std::vector<Row> rows, const std::vector<Row> &more) {
+std::vector<RowRange> joined(std::vector<RowRange> rows, const std::vector<RowRange> &more) {
   rows.insert(rows.end(), more.begin(), more.end());
-  std::sort(rows.begin(), rows.end(), [](const Row &a, const Row &b) { return a.first < b.first; });
-  std::vector<Row> out;
-  for (const Row &r : rows)
+  std::sort(rows.begin(), rows.end(),
+            [](const RowRange &a, const RowRange &b) { return a.first < b.first; });
+  std::vector<RowRange> out;
+  for (const RowRange &r : rows)
     if (!out.empty() && r.first <= out.back().end)
       out.back().end = std::max(out.back().end, r.end);
     else
@@ -157,7 +155,7 @@ std::vector<Row> joined(std::vector<Row> rows, const std::vector<Row> &more) {
 /// Whether the rows come wherever the vector points. `psi` within a row is taken on the line
 /// between its ends. Where the signal itself leaves the ellipse at an angle, it does so whenever it
 /// passes.
-bool come_at_any_angle(const std::vector<Row> &rows, const std::vector<double> &psi) {
+bool come_at_any_angle(const std::vector<RowRange> &rows, const std::vector<double> &psi) {
   constexpr std::size_t kSectors = 36;
   constexpr double kOften = 0.25; // of the samples of a sector
   std::array<double, kSectors> off{}, all{};
@@ -167,7 +165,7 @@ bool come_at_any_angle(const std::vector<Row> &rows, const std::vector<double> &
   };
   for (double angle : psi)
     all[sector(angle)] += 1.0;
-  for (const Row &r : rows) {
+  for (const RowRange &r : rows) {
     const double from = psi[r.first - 1], way = wrap_centred(psi[r.end] - from, kTwoPi);
     for (std::size_t i = r.first; i < r.end; ++i) {
       const double part =
@@ -207,7 +205,7 @@ public:
 
   /// Whether at most other passes of the place of a row the pair is off to the same side, by half
   /// of what it is there at the worst.
-  bool recurs(const Row &r, const std::vector<double> &by) const {
+  bool recurs(const RowRange &r, const std::vector<double> &by) const {
     const auto larger = [](double a, double b) { return std::abs(a) < std::abs(b); };
     const double worst = *std::max_element(by.begin() + static_cast<std::ptrdiff_t>(r.first),
                                            by.begin() + static_cast<std::ptrdiff_t>(r.end), larger);
@@ -234,7 +232,7 @@ private:
   }
 
   /// In order of time, those that stand where the row does, in any turn.
-  std::vector<std::uint32_t> samples_about(const Row &r) const {
+  std::vector<std::uint32_t> samples_about(const RowRange &r) const {
     const auto [low, high] =
         std::minmax_element(way_.begin() + static_cast<std::ptrdiff_t>(r.first),
                             way_.begin() + static_cast<std::ptrdiff_t>(r.end));
@@ -259,19 +257,19 @@ private:
 
 /// Takes out what comes again each time the shaft passes: a weak pole or a chip of the magnet
 /// belongs to the angle.
-void leave_to_the_angle(const Capture &c, const Off &off, std::vector<Row> &rows) {
+void leave_to_the_angle(const Capture &c, const Off &off, std::vector<RowRange> &rows) {
   const std::vector<double> way = way_of(c, off.psi);
   const auto [low, high] = std::minmax_element(way.begin(), way.end());
   if (rows.size() > kMostCompared || *high - *low < kTwoPi)
     return;
   const Places places(way);
-  const auto most = [](const std::vector<double> &by, const Row &r) {
+  const auto most = [](const std::vector<double> &by, const RowRange &r) {
     double out = 0.0;
     for (std::size_t i = r.first; i < r.end; ++i)
       out = std::max(out, std::abs(by[i]));
     return out;
   };
-  std::erase_if(rows, [&](const Row &r) {
+  std::erase_if(rows, [&](const RowRange &r) {
     return places.recurs(r, most(off.along, r) >= most(off.across, r) ? off.along : off.across);
   });
 }
@@ -307,16 +305,16 @@ Episodes leave_out_episodes(const Capture &capture, std::span<char> usable) {
       }
     }
   }
-  std::vector<Row> apart;
+  std::vector<RowRange> apart;
   if (capture.has_reference())
     apart = rows_of(off.across, robust_spread(off.across));
-  std::erase_if(apart, [&](const Row &r) { return !is_abrupt(off.across, r); });
-  std::vector<Row> rows = joined(rows_of(off.along, robust_spread(off.along)), apart);
+  std::erase_if(apart, [&](const RowRange &r) { return !is_abrupt(off.across, r); });
+  std::vector<RowRange> rows = joined(rows_of(off.along, robust_spread(off.along)), apart);
   leave_to_the_angle(capture, off, rows);
   if (rows.empty() || rows.front().first == 0 || rows.back().end == n)
     return {};
   Episodes out;
-  for (const Row &r : rows) {
+  for (const RowRange &r : rows) {
     out.samples += r.end - r.first;
     out.longest_s = std::max(out.longest_s, capture.time_s[r.end - 1] - capture.time_s[r.first]);
     for (std::size_t i = r.first; i < r.end; ++i) {
@@ -331,7 +329,7 @@ Episodes leave_out_episodes(const Capture &capture, std::span<char> usable) {
   if (static_cast<double>(out.samples) > criteria::kMostOfEpisodes * static_cast<double>(n) ||
       !come_at_any_angle(rows, off.psi))
     return {};
-  for (const Row &r : rows)
+  for (const RowRange &r : rows)
     std::fill(usable.begin() + static_cast<std::ptrdiff_t>(r.first),
               usable.begin() + static_cast<std::ptrdiff_t>(r.end), char{0});
   return out;

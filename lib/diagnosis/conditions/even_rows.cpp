@@ -12,7 +12,7 @@
 #include "base/angle.h"
 #include "base/robust.h"
 #include "diagnosis/criteria.h"
-#include "motion/own_angle.h"
+#include "motion/own_vector.h"
 
 namespace ada {
 
@@ -106,8 +106,8 @@ std::optional<EvenRows> even_rows(const Capture &capture) {
   if (!(robust_spread(off) > std::max(criteria::kUnevenStamps, last_digit_s / step_s)) ||
       !come_back(off) || !each_for_itself(off))
     return std::nullopt;
-  const std::vector<double> angle = own_angle(capture);
-  const Rough rough = roughness(angle, time);
+  const OwnVector own = own_vector(capture);
+  const Rough rough = roughness(own.angle, time);
   if (!(criteria::kRowsTellBetter * rough.by_row < rough.by_stamp))
     return std::nullopt;
   EvenRows out{capture, 0.0, 0.0};
@@ -122,11 +122,10 @@ std::optional<EvenRows> even_rows(const Capture &capture) {
   const double rms_steps = std::sqrt(squares / static_cast<double>(n));
   std::vector<double> way;
   for (std::size_t i = 1; i < n; ++i)
-    way.push_back(std::abs(wrap_centred(angle[i] - angle[i - 1], kTwoPi)));
-  const double radius_v = 0.25 * (bulk(capture.vsin_v).width() + bulk(capture.vcos_v).width());
+    way.push_back(std::abs(wrap_centred(own.angle[i] - own.angle[i - 1], kTwoPi)));
   out.rms_s = rms_steps * step_s;
-  out.rms_v =
-      std::min(1.0, rms_steps * quantile(std::move(way), 0.5)) * radius_v / std::numbers::sqrt2;
+  out.rms_v = std::min(1.0, rms_steps * quantile(std::move(way), 0.5)) * own.usual_length_v /
+              std::numbers::sqrt2;
   return out;
 }
 

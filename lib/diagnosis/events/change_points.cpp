@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The libada4571 authors
 
 #include "diagnosis/events/change_points.h"
+#include "diagnosis/criteria.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -201,7 +202,9 @@ bool set_exact_moment(const Scene &scene, Model &model, std::size_t effect, doub
   const auto [from, to] = within_gap(scene, less, always, near.time[at - 1], near.time[at]);
   e.values[0] = 0.5 * (from + to);
   e.std_errors.resize(e.values.size());
-  const double variance = (total + *least) / (2.0 * static_cast<double>(near.size()));
+  // Without noise there is one moment.
+  const double variance = std::max(criteria::kLeastMeanSquare,
+                                   (total + *least) / (2.0 * static_cast<double>(near.size())));
   e.std_errors[0] =
       std::hypot((to - from) / std::sqrt(12.0), spread_of_moment(near.time, squares, at, variance));
   return true;
