@@ -497,8 +497,9 @@ inline constexpr double kWithinTwo = 0.95;
 /// a quarter. Fewer than eight say nothing; each holds this many samples.
 inline constexpr std::size_t kStretches = 40, kFewestStretches = 8, kFewestOfStretch = 10;
 
-/// Of the power of a remainder in the orders that tell, as much at least must be the reference's
-/// ripple against even time, order by order, for it to be the reference's.
+/// What a reference ripples by against even time, projected on what a remainder would turn the
+/// vector by the other way, is as much of that at least, and that as much of it, for the remainder
+/// to be the reference's: half way from a shaft that ripples by half of it is 0.75.
 inline constexpr double kMostOfRemainder = 0.75;
 
 /// Time stamps against an even clock, in its steps: from what scatter on they are uneven, of how

@@ -357,7 +357,7 @@ bool Work::is_of_the_reference(const Model &with) const {
     return false;
   const Observations data = thinned(split_.train);
   const std::vector<double> turned = turned_by_remainder(data, with);
-  double of_orders2 = 0.0, apart2 = 0.0, errors2 = 0.0;
+  double of_orders2 = 0.0, against2 = 0.0, error4 = 0.0;
   const auto figure = static_cast<std::size_t>(scene_.periods);
   for (std::size_t n = 1; n <= ripples.size(); ++n) {
     if (n == figure || n == 2 * figure) // the ellipse has taken that up
@@ -367,15 +367,17 @@ bool Work::is_of_the_reference(const Model &with) const {
       order += turned[i] * std::polar(2.0 / static_cast<double>(turned.size()),
                                       static_cast<double>(n) * data.alpha[i]);
     const Ripple &r = ripples[n - 1];
-    // What the reference reads too much the sensor seems to read too little.
+    // What the reference reads too much the sensor seems to read too little. The errors of the
+    // ripples know nothing of the remainder, and so of many orders they cancel.
     of_orders2 += std::norm(order);
-    apart2 += std::norm(order + std::complex<double>(r.cos, r.sin));
-    errors2 += 2.0 * r.error * r.error;
+    against2 -= (order * std::complex<double>(r.cos, -r.sin)).real();
+    error4 += std::norm(order) * r.error * r.error;
   }
-  // Half of it at least is of orders that tell, and the errors of the ripples, which add up over
-  // the orders, do not drown it: of a rough motion they tell nothing.
-  return of_orders2 > mean_square(turned) && errors2 < of_orders2 &&
-         apart2 - errors2 < (1.0 - criteria::kMostOfRemainder) * of_orders2;
+  // Half of it at least is of orders that tell, and of these the reference has as much, no less and
+  // no more, clearly beyond the errors.
+  return of_orders2 > mean_square(turned) && against2 > criteria::kMostOfRemainder * of_orders2 &&
+         criteria::kMostOfRemainder * against2 < of_orders2 &&
+         against2 > criteria::kClearErrors * std::sqrt(error4);
 }
 
 void Work::carry_remainder(const DataSplit &white) {
