@@ -8,9 +8,12 @@
 #include <exception>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <map>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "base/angle.h"
@@ -137,13 +140,17 @@ std::vector<Program> programs_for(const Bench &bench, int periods, bool heat) {
   return out;
 }
 
-/// Its rows by simulation, and how many rows of the real one stand for each.
+/// Its rows by simulation, and how many rows of the real one stand for each; as the truth fits
+/// them.
 struct Imagined {
   Capture capture;
   double rows_each;
+  Scene scene;
+  FitResult self;
 };
 
-Imagined imagine(const Program &program, const Bench &bench, const Model &truth) {
+std::shared_ptr<const Imagined> imagine(const Program &program, const Bench &bench,
+                                        const Model &truth) {
   constexpr double kRows = 2400.0; // shapes are known by fewer than sizes are
   // No whole number of rows a turn, which would show the same places only.
   constexpr double kUneven = 1.0137;
@@ -161,19 +168,44 @@ Imagined imagine(const Program &program, const Bench &bench, const Model &truth)
   o.has_vdd = bench.vdd;
   o.has_reference = bench.reference;
   constexpr std::uint64_t kSeed = 1; // the same answer at each call
-  return {Simulation(truth, o, kSeed).run(), bench.rate_hz / o.sample_rate_hz};
+  const auto out = std::make_shared<Imagined>();
+  out->capture = Simulation(truth, o, kSeed).run();
+  out->rows_each = bench.rate_hz / o.sample_rate_hz;
+  out->scene = prepare(out->capture, false);
+  if (!out->scene.insufficient.empty())
+    return {};
+  out->self = fit(out->scene.all, truth);
+  return out->self.determined && out->self.rss > 0.0 ? out : nullptr;
 }
+
+/// The captures of one truth: several findings, and a channel more, ask for the same again.
+class Imagination {
+public:
+  explicit Imagination(const Model &truth) : truth_(truth) {}
+
+  /// None of a motion that shows nothing of the model.
+  std::shared_ptr<const Imagined> of(const Program &program, const Bench &bench) {
+    auto &out = known_[std::tuple(program.motion, program.temperature, program.duration_s,
+                                  bench.vtemp, bench.vdd, bench.reference)];
+    if (!out)
+      out = imagine(program, bench, truth_);
+    return *out;
+  }
+
+private:
+  const Model &truth_;
+  std::map<std::tuple<std::string, std::string, double, bool, bool, bool>,
+           std::optional<std::shared_ptr<const Imagined>>>
+      known_;
+};
 
 /// Nats by which such a capture speaks for the cause at `place` of the truth rather than for each
 /// of its rivals; nothing: it would not tell anything.
 std::vector<double> nats_against(const Imagined &imagined, bool one_speed, const Model &truth,
                                  std::size_t place, const std::vector<const Effect *> &rivals) {
-  const Scene scene = prepare(imagined.capture, false);
-  if (!scene.insufficient.empty())
-    return {};
-  const FitResult self = fit(scene.all, truth);
-  const FitResult less = fit(scene.all, truth.without(place));
-  if (!self.determined || !less.determined || !(self.rss > 0.0))
+  const Scene &scene = imagined.scene;
+  const FitResult &self = imagined.self, less = fit(scene.all, truth.without(place));
+  if (!less.determined)
     return {};
   const std::vector<Candidate> list = candidates(scene, scene.all, less.model, true);
   const SearchData aside{&scene, scene.all, scene.all, &scene};
@@ -255,9 +287,9 @@ using GoesOn = std::function<void()>;
 /// Which program tells most rivals apart; of those, the first that does it half as clearly as the
 /// best. Takes them out of `rivals`.
 std::optional<Experiment> best_of(const std::vector<Program> &programs, const Bench &bench,
-                                  const std::vector<std::string> &record, const Model &truth,
-                                  std::size_t place, std::vector<const Effect *> &rivals,
-                                  const GoesOn &goes_on) {
+                                  const std::vector<std::string> &record, Imagination &imagination,
+                                  const Model &truth, std::size_t place,
+                                  std::vector<const Effect *> &rivals, const GoesOn &goes_on) {
   constexpr double kAsClear = 0.5;
   // As much again as what is rejected: the next capture has a noise of its own.
   constexpr double kTellsApart = 2.0 * criteria::kRivalNats;
@@ -272,7 +304,8 @@ std::optional<Experiment> best_of(const std::vector<Program> &programs, const Be
     Separated told{&p, {}, 0.0};
     std::vector<double> nats;
     try {
-      nats = nats_against(imagine(p, bench, truth), p.one_speed, truth, place, rivals);
+      if (const auto imagined = imagination.of(p, bench))
+        nats = nats_against(*imagined, p.one_speed, truth, place, rivals);
     } catch (const std::exception &) { // a model that says nothing of such a motion
       continue;
     }
@@ -319,6 +352,7 @@ std::vector<Experiment> next_experiments(const Diagnosis &d, const Capture &capt
   if (!bench)
     return out;
   const Model truth = shown_again(d.extended);
+  Imagination imagination(truth);
   for (std::size_t k = 0; k < d.findings.size() && out.size() < kMost; ++k) {
     const Finding &f = d.findings[k];
     const auto self =
@@ -341,7 +375,7 @@ std::vector<Experiment> next_experiments(const Diagnosis &d, const Capture &capt
                          const std::vector<std::string> &record) {
       if (rivals.empty() || out.size() >= kMost)
         return;
-      if (auto e = best_of(of, with, record, truth, place, rivals, goes_on)) {
+      if (auto e = best_of(of, with, record, imagination, truth, place, rivals, goes_on)) {
         e->finding = k;
         out.push_back(std::move(*e));
       }
