@@ -40,8 +40,8 @@ std::vector<std::string_view> names_of(const SearchResult &found) {
 
 /// Of causes that stand equally well beside what has no name, the one leads that leaves less of it:
 /// less of the residual above the noise. The model with it; nothing where none leaves so little.
-std::optional<Model> with_better_rival(const DataSplit &split, const SearchResult &found,
-                                       double noise_v2) {
+std::optional<Model> with_better_rival(const Scene &scene, const DataSplit &split,
+                                       const SearchResult &found, double noise_v2) {
   const auto unnamed_v2 = [&](const Model &model) {
     return white_sum_of_squares(split.heldout, as_seen_by(split.heldout, model)) /
                (2.0 * static_cast<double>(split.heldout.size())) -
@@ -51,7 +51,8 @@ std::optional<Model> with_better_rival(const DataSplit &split, const SearchResul
   const Model *better = nullptr;
   for (const std::vector<Rival> &rivals : found.alternatives)
     for (const Rival &rival : rivals)
-      if (const double left = unnamed_v2(rival.model); left < least) {
+      if (const double left = unnamed_v2(rival.model);
+          left < least && can_show(scene, rival.model, *find_effect(rival.id))) {
         least = left;
         better = &rival.model;
       }
@@ -187,9 +188,6 @@ bool brings_forth(const Model &with, const Model &without) {
 std::vector<EffectInstance> direction_errors_like(const Scene &scene, const Model &model,
                                                   const EffectInstance &harmonic) {
   const int periods = model.periods_per_turn;
-  const ResidualColumns none;
-  const Residual facts =
-      residual_view(scene, scene.all, none, scene.white_noise_v, model.baseline.amplitude_v);
   std::vector<EffectInstance> out;
   const auto order = chosen(harmonic, "order");
   if (!order || !chosen(harmonic, "channel"))
@@ -197,7 +195,7 @@ std::vector<EffectInstance> direction_errors_like(const Scene &scene, const Mode
   for (const Effect *effect : catalogue()) {
     const EffectInfo &info = effect->info();
     if ((info.stage != Stage::field && info.stage != Stage::record) ||
-        info.evidence != Evidence::signal || info.remembers || !effect->invisible(facts).empty())
+        info.evidence != Evidence::signal || info.remembers || !can_show(scene, model, *effect))
       continue;
     out.push_back({effect, {}, {}});
     for (const ParameterInfo &p : info.parameters)
@@ -428,7 +426,7 @@ SearchResult name_against_anonymous(const SearchStart &start, DataSplit &split,
     split.train = thinned(split.train);
     split.train.coloured = std::make_shared<Coloured>(discrepancy, split.train);
     const auto better = round < kMostRounds
-                            ? with_better_rival(split, found, left.selection.noise_v2)
+                            ? with_better_rival(start.scene, split, found, left.selection.noise_v2)
                             : std::nullopt;
     if (better)
       found.fit.model = *better; // the next round orders and weighs it anew

@@ -22,9 +22,6 @@ namespace {
 /// reject in its place.
 std::vector<Rival> rivals_of(const Scene &scene, const DataSplit &split, const Model &model,
                              std::size_t effect) {
-  const ResidualColumns none;
-  const Residual facts =
-      residual_view(scene, scene.all, none, scene.white_noise_v, model.baseline.amplitude_v);
   std::vector<Rival> out;
   const double nats = nats_beside_anonymous(scene, split, model);
   // What has an order to choose begins where it takes most.
@@ -37,7 +34,7 @@ std::vector<Rival> rivals_of(const Scene &scene, const DataSplit &split, const M
   for (const Separation &from : model.effects[effect].effect->info().separations) {
     const Effect *other = find_effect(from.rival);
     if (!other || holds(model, other) || other->info().evidence != Evidence::signal ||
-        has_moment(*other) || !other->invisible(facts).empty())
+        has_moment(*other) || !can_show(scene, model, *other))
       continue;
     Model rival = model;
     rival.effects[effect] = start_of(*other);

@@ -142,6 +142,14 @@ Residual residual_view(const Scene &scene, const Observations &data, const Resid
   return r;
 }
 
+bool can_show(const Scene &scene, const Model &model, const Effect &effect) {
+  const ResidualColumns none;
+  return effect
+      .invisible(
+          residual_view(scene, scene.all, none, scene.white_noise_v, model.baseline.amplitude_v))
+      .empty();
+}
+
 std::vector<Candidate> candidates(const Scene &scene, const Observations &data, const Model &model,
                                   bool signatures) {
   const ResidualColumns columns = residual_columns(data, model);

@@ -34,6 +34,10 @@ struct ResidualColumns;
 Residual residual_view(const Scene &scene, const Observations &data, const ResidualColumns &columns,
                        double noise_v, double amplitude_v);
 
+/// Whether a capture can show an effect as such. One that it cannot may be an alternative of what
+/// looks the same, and never leads.
+bool can_show(const Scene &scene, const Model &model, const Effect &effect);
+
 /// Best variant of each effect, by gain, best first: also of those that this capture cannot show as
 /// such, but which may look like another. `signatures`: with shapes whose physical cause is open.
 std::vector<Candidate> candidates(const Scene &scene, const Observations &data, const Model &model,

@@ -71,6 +71,15 @@ std::string looks_like_ripple(const Residual &r, const std::string &of_order) {
   return "without a reference and a range of speeds it looks like a speed ripple" + of_order;
 }
 
+std::string turns_with_poles(const Residual &r) {
+  constexpr int kMostOfOneMagnet = 2;
+  if (r.periods <= kMostOfOneMagnet)
+    return "";
+  return "at a ring of poles it comes with each pole, as offsets, mismatch and harmonics of the "
+         "pair "
+         "do";
+}
+
 void SlowCourse::draw(double duration_s, Rng &rng, std::vector<double> &numbers) {
   const double span = duration_s > 0.0 ? duration_s : kEndless;
   std::normal_distribution<double> normal;

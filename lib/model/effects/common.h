@@ -86,6 +86,12 @@ protected:
 /// same order; empty where it does.
 std::string looks_like_ripple(const Residual &r, const std::string &of_order);
 
+/// Why what adds to the field of one magnet on the axis is not to be seen; empty where that may be
+/// what turns. An AMR pair passes two periods with it, and any other pair one. With more of them a
+/// ring of poles turns the field as often: a constant field comes with each pole there, and so does
+/// the place of the sensor.
+std::string turns_with_poles(const Residual &r);
+
 /// Which of sensor and reference is at fault.
 inline constexpr std::string_view kSteadySpin =
     "capture a steady spin: whichever of sensor and reference keeps uniform time is the innocent "

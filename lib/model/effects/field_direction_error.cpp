@@ -65,7 +65,8 @@ public:
   std::vector<std::vector<double>> guesses(const Residual &r) const override {
     auto out = one_of_each(3, 0, 1, 12);
     add_orders_seen(r, kParameters[0], Orders::whole, out);
-    out.erase(out.begin(), out.begin() + 2); // orders 1 and 2 have a cause of their own
+    if (turns_with_poles(r).empty())
+      out.erase(out.begin(), out.begin() + 2); // orders 1 and 2 have a cause of their own
     return out;
   }
 

@@ -13,9 +13,10 @@ constexpr std::array<ParameterInfo, 2> kParameters{
     ParameterInfo{"e_deg", "deg", 0.2, 0.0, 20.0, Role::fitted, 0.01},
     ParameterInfo{"phase_deg", "deg", 0.0, -360.0, 360.0}};
 
-constexpr std::array<Separation, 1> kSeparations{
+constexpr std::array<Separation, 2> kSeparations{
     {{"stray-field", "capture a steady spin: whichever of sensor and reference keeps uniform time "
-                     "is the innocent one; or turn the reference on the shaft by 90 degrees"}}};
+                     "is the innocent one; or turn the reference on the shaft by 90 degrees"},
+     {"field-direction-error", kSteadySpin}}};
 
 constexpr EffectInfo kInfo{.id = "reference-eccentricity",
                            .cause = "The reference itself is off centre; the sensor is right.",

@@ -53,8 +53,10 @@ public:
       w.fy[i] = along * sb + across * cb;
     }
   }
+  bool refuted(Values, const Residual &r) const override { return !turns_with_poles(r).empty(); }
   std::string invisible(const Residual &r) const override {
-    return looks_like_ripple(r, " of order 2");
+    const std::string poles = turns_with_poles(r);
+    return poles.empty() ? looks_like_ripple(r, " of order 2") : poles;
   }
 
 protected:

@@ -41,8 +41,10 @@ public:
       w.fy[i] += by;
     }
   }
+  bool refuted(Values, const Residual &r) const override { return !turns_with_poles(r).empty(); }
   std::string invisible(const Residual &r) const override {
-    return looks_like_ripple(r, " of order 1");
+    const std::string poles = turns_with_poles(r);
+    return poles.empty() ? looks_like_ripple(r, " of order 1") : poles;
   }
 };
 
