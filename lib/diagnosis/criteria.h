@@ -392,7 +392,7 @@ inline constexpr double kOfStep = 0.1;
 inline constexpr double kOfReferenceStep = 0.1;
 /// Two causes this correlated are one and the same in the data: both together would cancel each
 /// other at sizes that mean nothing. Unless far more is gained than by chance: two speeds just tell
-/// two lags apart.
+/// two lags apart. Or they do not cancel, and each is clear of its error.
 inline constexpr double kOneShape = 0.995, kNearlyOne = 0.999, kFarMoreNats = 1000.0;
 /// Part of the best worth from which on another candidate does about as well.
 inline constexpr double kAsWell = 0.98;
@@ -501,15 +501,6 @@ inline constexpr std::size_t kStretches = 40, kFewestStretches = 8, kFewestOfStr
 /// vector by the other way, is as much of that at least, and that as much of it, for the remainder
 /// to be the reference's: half way from a shaft that ripples by half of it is 0.75.
 inline constexpr double kMostOfRemainder = 0.75;
-
-/// Time stamps against an even clock, in its steps: from what scatter on they are uneven, of how
-/// many last digits of the number, how near the clock the middle of some of them comes again and
-/// again where no row is missing, the part of their scatter that they have from each to the next at
-/// least, where white ones have all of it, and how many times as near the way between its
-/// neighbours the rows lie by their number than by the stamps. A stamp rounded to a microsecond
-/// scatters by 0.003 steps of 10 kHz.
-inline constexpr double kUnevenStamps = 0.02, kUnevenDigits = 8.0, kSameClock = 0.5,
-                        kStampsApart = 0.5, kRowsTellBetter = 2.0;
 
 /// Electrical periods from which on what is left along the radius is that of the period in the
 /// middle: a median of fewer knows no better than their mean what is usual.

@@ -275,6 +275,25 @@ bool Search::all_stand_alone(const Model &model) const {
   return true;
 }
 
+/// Whether an effect stands beside those that look like it: none takes back what another does, and
+/// each is clear of its error, which their likeness makes large.
+bool Search::adds_up(const FitResult &fit, std::size_t effect) const {
+  constexpr double kAlike = 0.9; // cosine of the angle between two moves
+  const auto is_clear = [&](std::size_t k) {
+    return errors_from_none(fit, k) > criteria::kClearErrors;
+  };
+  const Eigen::MatrixXd own = own_moves(fit.model);
+  const auto at = static_cast<Eigen::Index>(effect);
+  for (Eigen::Index k = 0; k < own.cols(); ++k) {
+    const double both = std::sqrt(own(at, at) * own(k, k));
+    if (k == at || !(std::abs(own(at, k)) > kAlike * both))
+      continue;
+    if (own(at, k) < 0.0 || !is_clear(static_cast<std::size_t>(k)))
+      return false;
+  }
+  return is_clear(effect);
+}
+
 /// What an effect explains, V rms: no more than it moves, and where the evidence stands beside the
 /// pair all of that.
 double Search::size_of(const State &with, const State &less, std::size_t effect) const {
@@ -415,6 +434,27 @@ bool Search::helps_in_each_direction(const State &with, const State &less) const
       return false;
   }
   return true;
+}
+
+/// A filter, or a delay, of both channels makes neither worse: one that helps the one at the cost
+/// of the other stands for what that one has alone, as a filter of its own.
+bool Search::helps_both_channels(const State &with, const State &less, std::size_t effect) const {
+  const EffectInfo &info = with.fit.model.effects[effect].effect->info();
+  if (info.stage != Stage::chain || info.character != Character::dynamic)
+    return true;
+  const Observations &data = data_.heldout;
+  const ResidualColumns a = residual_columns(data, with.judged),
+                        b = residual_columns(data, less.judged);
+  const double n = static_cast<double>(data.size());
+  const double variance =
+      std::max(white_sum_of_squares(data, with.judged) / (2.0 * n), criteria::kLeastMeanSquare);
+  const auto nats = [&](const std::vector<double> &now, const std::vector<double> &before) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < now.size(); ++i)
+      sum += before[i] * before[i] - now[i] * now[i];
+    return 0.5 * sum / variance;
+  };
+  return std::min(nats(a.sin, b.sin), nats(a.cos, b.cos)) > -criteria::kRivalNats;
 }
 
 /// A true cause makes no part of the record worse: one that helps here at the cost of there stands

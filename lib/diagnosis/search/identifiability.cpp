@@ -130,14 +130,35 @@ double Blur::left_by(const EffectInstance &rival, double part) const {
                   std::max({second * (part + offset_v_), in_transfer_v_, second * others_v_}));
 }
 
-double canonical_correlation(const FitResult &fit, std::size_t effect, std::size_t from) {
-  std::vector<std::pair<Eigen::Index, Eigen::Index>> place; // first coordinate, count
-  Eigen::Index at = 4;
-  for (const EffectInstance &e : fit.model.effects) {
+namespace {
+
+/// The first coordinate of each effect, and how many it has.
+std::vector<std::pair<Eigen::Index, Eigen::Index>> places_of(const Model &model) {
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> out;
+  Eigen::Index at = 4; // behind the baseline's
+  for (const EffectInstance &e : model.effects) {
     const auto n = static_cast<Eigen::Index>(e.effect->to_coordinates(e.values).size());
-    place.emplace_back(at, n);
+    out.emplace_back(at, n);
     at += n;
   }
+  return out;
+}
+
+} // namespace
+
+double errors_from_none(const FitResult &fit, std::size_t effect) {
+  const auto [first, n] = places_of(fit.model)[effect];
+  if (n == 0)
+    return 0.0;
+  const EffectInstance &e = fit.model.effects[effect];
+  const std::vector<double> x = e.effect->to_coordinates(e.values);
+  const Eigen::Map<const Eigen::VectorXd> at(x.data(), n);
+  const double squares = at.dot(fit.covariance.block(first, first, n, n).ldlt().solve(at));
+  return std::sqrt(std::max(0.0, squares) / static_cast<double>(n));
+}
+
+double canonical_correlation(const FitResult &fit, std::size_t effect, std::size_t from) {
+  const auto place = places_of(fit.model);
   const auto whitener = [&](std::size_t k) -> Eigen::MatrixXd {
     const auto [first, n] = place[k];
     const Eigen::MatrixXd block = fit.covariance.block(first, first, n, n);

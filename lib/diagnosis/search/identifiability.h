@@ -54,6 +54,10 @@ private:
   double amplitude_v_, offset_v_, in_transfer_v_, others_v_;
 };
 
+/// How many of its standard errors an effect is away from none, over its coordinates in the mean
+/// (Wald).
+double errors_from_none(const FitResult &fit, std::size_t effect);
+
 /// Largest correlation of any mixture of one effect's coordinates with any of another's from
 /// `first` on, 0 to 1: at 1 the two are one in these data. Of a cause that shows with the angle
 /// alone and one that shows beyond it no correlation counts.

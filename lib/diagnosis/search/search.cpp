@@ -179,15 +179,17 @@ bool Search::forward(State &now) {
       continue;
     const double worth = against_unnamed(state, now, last) - penalty(c.start.effects.back());
     const bool clear = worth > criteria::kFarMoreNats && !c.effect->info().signature;
-    if (!worth_keeping(worth, *c.effect) ||
-        canonical_correlation(state.fit, last, given_) >
-            (clear ? criteria::kNearlyOne : criteria::kOneShape))
+    if (!worth_keeping(worth, *c.effect))
+      continue;
+    const double alike = canonical_correlation(state.fit, last, given_);
+    if (alike > (clear ? criteria::kNearlyOne : criteria::kOneShape) && !adds_up(state.fit, last))
       continue;
     const double size = size_of(state, now, last);
     if (c.effect->info().signature && !dominates(size, last, state.fit.model))
       continue;
     if (size < least_of_noise(*c.effect) * noise_v_ ||
         !beyond_doubt(size, state.fit.model, last, allowance) || !helps_everywhere(state, now) ||
+        !helps_both_channels(state, now, last) ||
         (has_moment(*c.effect) && !helps_in_each_direction(state, now)))
       continue;
     accepted = std::max(accepted, c.gain);
@@ -270,7 +272,8 @@ bool Search::backward(State &now) {
         (effect.info().prior_rank == 0 || // expected, and not the likeliest of many
          is_measured_aside(data_.train, now.fit.model, k) ||
          stands_out(now, k, std::min(size, own_v))) &&
-        helps_everywhere(now, less) && (!has_moment(effect) || helps_in_each_direction(now, less));
+        helps_everywhere(now, less) && helps_both_channels(now, less, k) &&
+        (!has_moment(effect) || helps_in_each_direction(now, less));
     if (worth_it)
       continue;
     now = std::move(less);

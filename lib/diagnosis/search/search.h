@@ -101,6 +101,7 @@ private:
   bool worth_keeping(double worth, const Effect &effect) const;
   double against_unnamed(const State &with, const State &less, std::size_t effect) const;
   bool helps_everywhere(const State &with, const State &less) const;
+  bool helps_both_channels(const State &with, const State &less, std::size_t effect) const;
   bool helps_in_each_direction(const State &with, const State &less) const;
   double unknown_v(const State &now) const;
   double moved_off_angle_v(const Model &model, std::size_t effect) const;
@@ -112,6 +113,7 @@ private:
   Eigen::MatrixXd own_moves(const Model &model) const;
   bool stands_alone(const Eigen::MatrixXd &own, std::size_t effect) const;
   bool the_records_could(const State &state, std::size_t effect) const;
+  bool adds_up(const FitResult &fit, std::size_t effect) const;
   bool others_stay(const Model &model, std::size_t effect, const Model &rival, double part) const;
   bool all_stand_alone(const Model &model) const;
   State evaluate(const Model &start, int iterations = 6) const;
