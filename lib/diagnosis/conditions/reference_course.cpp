@@ -68,6 +68,15 @@ struct Rows {
   ArrayXd speed, acceleration;   ///< rad/s, rad/s^2
   Interval of_time, of_way;
   double way() const { return 2.0 * of_way.half; }
+  /// Between rows, in a straight line.
+  double speed_at(double time_s) const {
+    const auto after = std::lower_bound(time.begin(), time.end(), time_s) - time.begin();
+    if (after == 0 || after == time.size())
+      return speed.size() > 0 ? speed[std::clamp<Eigen::Index>(after, 0, speed.size() - 1)] : 0.0;
+    const double step = time[after] - time[after - 1];
+    const double part = step > 0.0 ? (time_s - time[after - 1]) / step : 0.0;
+    return speed[after - 1] + part * (speed[after] - speed[after - 1]);
+  }
 };
 
 ArrayXd as_array(const std::vector<double> &v) {
@@ -106,14 +115,16 @@ Rows rows_of(const Capture &capture, std::size_t begin, const std::vector<double
 }
 
 /// What the pair departs by beside the ellipse that it draws: polynomials over the way and over
-/// time, of these degrees, and steps; degree 0: nothing.
+/// time, of these degrees, a lag that grows with the time, and steps; degree 0: nothing.
 struct Course {
   int way = 0, time = 0;
+  bool clock = false;            ///< of the reference, which is not the pair's
   std::vector<double> steps_s{}; ///< slips, which are no part of what the reference is mended by
-  int slow() const { return way + time; }
+  int slow() const { return way + time + (clock ? 1 : 0); }
   int numbers() const { return slow() + static_cast<int>(steps_s.size()); }
   /// The same with other degrees.
-  Course of(int over_way, int over_time) const { return {over_way, over_time, steps_s}; }
+  Course of(int over_way, int over_time) const { return {over_way, over_time, false, steps_s}; }
+  Course by_clock() const { return {0, 0, true, steps_s}; }
   Course with_step(double at_s) const {
     Course out = *this;
     out.steps_s.push_back(at_s);
@@ -138,13 +149,16 @@ double chebyshev(int degree, double x) {
 }
 
 /// What goes with each of the numbers of a course at one row.
-Eigen::VectorXd terms_at(const Rows &rows, const Course &course, double time_s, double alpha_rad) {
+Eigen::VectorXd terms_at(const Rows &rows, const Course &course, double time_s, double alpha_rad,
+                         double speed_rad_s) {
   Eigen::VectorXd out(course.numbers());
   Eigen::Index k = 0;
   for (int degree = 1; degree <= course.way; ++degree)
     out[k++] = chebyshev(degree, rows.of_way.place(alpha_rad));
   for (int degree = 1; degree <= course.time; ++degree)
     out[k++] = chebyshev(degree, rows.of_time.place(time_s));
+  if (course.clock) // of the way that half of the record takes, so that its number is a part of it
+    out[k++] = speed_rad_s * rows.of_time.half * rows.of_time.place(time_s);
   for (double at_s : course.steps_s)
     out[k++] = time_s < at_s ? -0.5 : 0.5;
   return out;
@@ -153,7 +167,7 @@ Eigen::VectorXd terms_at(const Rows &rows, const Course &course, double time_s, 
 Eigen::MatrixXd columns_of(const Rows &rows, const Course &course) {
   Eigen::MatrixXd out(rows.alpha.size(), course.numbers());
   for (Eigen::Index i = 0; i < out.rows(); ++i)
-    out.row(i) = terms_at(rows, course, rows.time[i], rows.alpha[i]);
+    out.row(i) = terms_at(rows, course, rows.time[i], rows.alpha[i], rows.speed[i]);
   return out;
 }
 
@@ -191,9 +205,12 @@ Fit fit(const Rows &rows, int orders, const Course &course, const Eigen::VectorX
       departs.col(own + 2 * order - 1) = (order * turned).cos();
       departs.col(own + 2 * order) = (order * turned).sin();
     }
-    const double lag_s = -size[own] / fastest; // to second order it goes with the acceleration
+    // To second order a lag goes with the acceleration.
+    ArrayXd lag_s = ArrayXd::Constant(n, -size[own] / fastest);
+    if (course.clock)
+      lag_s -= size[course.way + course.time] * (rows.time - rows.of_time.middle);
     const ArrayXd psi = rows.periods * (rows.alpha + (departs * size).array() +
-                                        0.5 * lag_s * lag_s * rows.acceleration);
+                                        0.5 * lag_s.square() * rows.acceleration);
     Eigen::MatrixXd circle(n, 3);
     circle << Eigen::VectorXd::Ones(n), psi.cos().matrix(), psi.sin().matrix();
     const Eigen::LDLT<Eigen::Matrix3d> normal_of_circle(circle.transpose() * circle);
@@ -331,7 +348,7 @@ private:
 
   /// Of what a plain curve over the way and one over time leave beside these steps.
   double inflation_beside(std::vector<double> steps) const {
-    const Course all{kPlain, kPlain, std::move(steps)};
+    const Course all{kPlain, kPlain, false, std::move(steps)};
     return inflation(fit(rows_, kOrders, all, begin_of(rows_, all)).along);
   }
 
@@ -420,7 +437,7 @@ std::vector<double> Record::steps() {
   for (std::size_t k = steps.size(); k-- > 0;) {
     std::vector<double> fewer = steps;
     fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(k));
-    if (Best without = best_of({1, 1, fewer}); without.nats < best.nats + penalty) {
+    if (Best without = best_of({1, 1, false, fewer}); without.nats < best.nats + penalty) {
       best = std::move(without);
       steps = std::move(fewer);
     }
@@ -464,10 +481,12 @@ std::optional<Fit> Record::course() {
       (none.nats - best.nats < criteria::kRivalNats && inflation(none.fit.along) < kEven))
     return {};
   try_course(slips.of(0, 1), best);
-  try_course(slips.of(1, 1), best);
+  try_course(slips.by_clock(), best);
+  if (!best.fit.course.clock)
+    try_course(slips.of(1, 1), best);
   bool found = takes_all_but(1.0 - criteria::kStraight, best.fit);
   const bool may_bend = travel_ > kTurnsOfCurve * kTwoPi;
-  if (!found && may_bend) {
+  if (!found && may_bend && !best.fit.course.clock) {
     for (int degree = 2; degree <= kPlain; ++degree) {
       try_course(slips.of(degree, 0), best);
       try_course(slips.of(0, degree), best);
@@ -479,7 +498,7 @@ std::optional<Fit> Record::course() {
       is_a_step(best))
     return {};
   const Course kind = best.fit.course;
-  for (int degree = 2; may_bend && degree <= kMostDegrees; ++degree)
+  for (int degree = 2; may_bend && !kind.clock && degree <= kMostDegrees; ++degree)
     try_course(kind.time > 0 ? kind.of(kind.way, degree) : kind.of(degree, 0), best);
   best.fit.variances *=
       best.fit.squares / (2.0 * static_cast<double>(rows_.alpha.size())) * inflated_;
@@ -501,7 +520,7 @@ struct Mean {
 
 /// What the courses of all records have in common.
 struct Told {
-  Mean turns_more, drift_deg_s;
+  Mean turns_more, drift_deg_s, clock_ppm;
   double bend_deg = 0.0, way = 0.0;
   double squares_rad2 = 0.0; ///< of the courses, over all rows
   int numbers = 0;
@@ -517,8 +536,9 @@ void mend(const Rows &rows, const Fit &found, const std::vector<double> &referen
   for (std::size_t k = 0; k < reference.size(); ++k) {
     const double time_s = capture.time_s[begin + k];
     const int slow = found.course.slow();
-    const double off =
-        terms_at(rows, found.course, time_s, reference[k]).head(slow).dot(found.size.head(slow));
+    const double off = terms_at(rows, found.course, time_s, reference[k], rows.speed_at(time_s))
+                           .head(slow)
+                           .dot(found.size.head(slow));
     capture.reference_deg[begin + k] = (reference[k] + off) * kDegPerRad;
     if (std::isnan(off))
       continue;
@@ -531,6 +551,11 @@ void mend(const Rows &rows, const Fit &found, const std::vector<double> &referen
     told.bend_deg = std::max(told.bend_deg, bend.width() * kDegPerRad);
   told.way = std::max(told.way, rows.way());
   told.numbers += found.course.slow();
+  if (found.course.clock) {
+    constexpr double kPpm = 1e6;
+    const Eigen::Index at = found.course.way + found.course.time;
+    told.clock_ppm.add(kPpm * found.size[at], kPpm * std::sqrt(found.variances[at]));
+  }
   if (found.course.way > 0)
     told.turns_more.add(scale, 2.0 * std::sqrt(found.variances[0]) / rows.way());
   if (found.course.time > 0)
@@ -570,6 +595,8 @@ std::optional<FollowedReference> followed_reference(const Capture &capture) {
                  .scale_error = told.turns_more.error() / (turns * turns),
                  .drift_deg_s = told.drift_deg_s.value(),
                  .drift_error = told.drift_deg_s.error(),
+                 .clock_ppm = told.clock_ppm.value(),
+                 .clock_error = told.clock_ppm.error(),
                  .bend_deg = told.bend_deg,
                  .within_a_turn = told.way < kTwoPi};
   return out;

@@ -73,14 +73,21 @@ std::string in_words(const ReferenceCourse &c) {
         static_cast<int>(std::clamp(1.0 - std::log10(c.scale_error), 3.0, 9.0)), c.scale_error));
   if (c.drift_error > 0.0)
     parts.push_back(fmt::format("drifts by {:.4g} +- {:.2g} deg/s", c.drift_deg_s, c.drift_error));
+  if (c.clock_error > 0.0)
+    parts.push_back(fmt::format("is late by {} and {} ({:+.4g} +- {:.2g} us for each second): its "
+                                "clock is not the pair's",
+                                c.clock_ppm < 0.0 ? "less" : "more",
+                                c.clock_ppm < 0.0 ? "less" : "more", c.clock_ppm, c.clock_error));
   if (c.bend_deg > 0.0)
     parts.push_back(fmt::format("bends by {:.3g} deg beside that", c.bend_deg));
-  const char *or_else = c.drift_error <= 0.0   ? ": its scale, or a drift"
+  const bool clock = c.clock_error > 0.0;
+  const char *or_else = clock                  ? ""
+                        : c.drift_error <= 0.0 ? ": its scale, or a drift"
                         : c.scale_error <= 0.0 ? ", or its scale does where the shaft turns evenly"
                                                : "";
-  std::string out = fmt::format("the reference {}{}; a magnet that creeps on its shaft looks the "
-                                "same; the pair is judged without that",
-                                fmt::join(parts, " and "), or_else);
+  std::string out = fmt::format("the reference {}{}{}; the pair is judged without that",
+                                fmt::join(parts, " and "), or_else,
+                                clock ? "" : "; a magnet that creeps on its shaft looks the same");
   if (c.within_a_turn)
     out +=
         ". Within one turn an error once a turn, of the sensor or of the reference, may look so: "

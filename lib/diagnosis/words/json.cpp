@@ -134,6 +134,9 @@ std::string to_json(const Diagnosis &d) {
     if (c.scale_error > 0.0)
       out["capture"]["reference_scale"] = {
           {"value", c.scale}, {"std_error", c.scale_error}, {"unit", "1"}};
+    if (c.clock_error > 0.0)
+      out["capture"]["reference_clock"] = {
+          {"value", c.clock_ppm}, {"std_error", c.clock_error}, {"unit", "ppm"}};
     if (c.drift_error > 0.0)
       out["capture"]["reference_drift"] = {{"value", c.drift_deg_s},
                                            {"std_error", c.drift_error},
