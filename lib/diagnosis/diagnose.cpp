@@ -15,7 +15,6 @@
 #include "base/plain_numbers.h"
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/between_captures.h"
-#include "diagnosis/conditions/even_rows.h"
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/pair_alone.h"
 #include "diagnosis/conditions/reference_course.h"
@@ -25,6 +24,7 @@
 #include "diagnosis/search/admission.h"
 #include "diagnosis/words/explain.h"
 #include "diagnosis/work.h"
+#include "health/even_rows.h"
 #include "health/reference_share.h"
 
 namespace ada {

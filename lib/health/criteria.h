@@ -151,6 +151,17 @@ inline constexpr double kVtempLeastNoise = 1e-4;
 /// programs count the bits without it.
 inline constexpr double kCodesOverBits = 2;
 
+/// Time stamps against an even clock, in its steps: from what scatter on they are uneven, of how
+/// many last digits of the number, how near the clock the middle of some of them comes again and
+/// again where no row is missing, the part of their scatter that they have from each to the next at
+/// least, where white ones have all of it, and how many times as near the way between its
+/// neighbours the rows lie by their number than by the stamps. A stamp rounded to a microsecond
+/// scatters by 0.003 steps of 10 kHz.
+inline constexpr double kUnevenStamps = 0.02, kUnevenDigits = 8.0, kSameClock = 0.5,
+                        kStampsApart = 0.5, kRowsTellBetter = 2.0;
+/// Rows from which an even clock is known.
+inline constexpr std::size_t kFewestOfClock = 12;
+
 /// Electrical degrees of an arc from which on its middle is known: on less, the smallest distortion
 /// moves it by more than the arc is long, so that no calibration is made of it either.
 inline constexpr double kLeastArcDeg = 90;

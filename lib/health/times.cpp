@@ -7,11 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "base/angle.h"
 #include "base/frame.h"
 #include "base/robust.h"
 #include "base/text.h"
 #include "health/checks.h"
 #include "health/criteria.h"
+#include "health/even_rows.h"
+#include "motion/own_vector.h"
 #include "recording/capture_file.h"
 
 namespace ada::health {
@@ -87,6 +90,39 @@ Rests rests_between_gaps(const Evidence &e) {
   return {moved.size() + 1, lost};
 }
 
+/// Rows between two pauses where the pair turns, and over a pause no further than from row to row:
+/// the stamps are those of a delivery. 0: it does not turn, or it turns on while no row is read.
+double rows_of_a_delivery(const Evidence &e) {
+  constexpr double kPause = 1.5; // usual steps, as of a gap
+  constexpr double kLong = 4.0;  // usual steps, in which a shaft goes clearly further than in one
+  constexpr double kAsFar = 2.0; // ways of a step
+  constexpr double kTurns = 0.5; // of the way to and fro leads on: noise makes far less
+  constexpr std::size_t kFewest = 5;
+  if (e.what.is_long || e.tally.steps.gaps < kFewest)
+    return 0.0;
+  const Capture &c = e.capture;
+  const OwnVector own = own_vector(c);
+  std::vector<double> over, within;
+  double on = 0.0, way = 0.0;
+  for (std::size_t i = 1; i < c.size(); ++i) {
+    const double took = (c.time_s[i] - c.time_s[i - 1]) / e.usual_step_s,
+                 moved = wrap_centred(own.angle[i] - own.angle[i - 1], kTwoPi);
+    if (!std::isfinite(moved))
+      continue;
+    if (took > kLong)
+      over.push_back(std::abs(moved));
+    else if (took < kPause) {
+      within.push_back(std::abs(moved));
+      on += moved;
+      way += std::abs(moved);
+    }
+  }
+  if (over.size() < kFewest || within.size() < kFewest || !(std::abs(on) > kTurns * way) ||
+      !(quantile(over, 0.5) < kAsFar * quantile(within, 0.5)))
+    return 0.0;
+  return static_cast<double>(c.size()) / static_cast<double>(over.size() + 1);
+}
+
 } // namespace
 
 HealthCheck check_gaps(const Evidence &e) {
@@ -117,6 +153,21 @@ HealthCheck check_gaps(const Evidence &e) {
                                    : fmt::format("{}; within a rest samples are missing {} times",
                                                  read, rests.lost));
   }
+  if (const double rows = rows_of_a_delivery(e); rows > 0.0)
+    return gaps_fault(
+        rows, 1, "rows",
+        fmt::format("time stamps come in batches of about {:.3g} rows, up to {:.3g} s apart, over "
+                    "which the pair turns on from row to row: they say when rows were delivered, "
+                    "and show neither missing samples nor any speed",
+                    rows, s.longest_gap_s));
+  if (s.gaps > 0 && !e.what.is_long)
+    if (const auto even = even_rows(e.capture))
+      return verdict(
+          "gaps", true, even->rms_s, kAbsent, "s",
+          fmt::format("no sample is missing: the time stamps come back to an even clock, "
+                      "from which they scatter by {:.3g} s rms, and say when a row was "
+                      "delivered",
+                      even->rms_s));
   const std::vector<RowRange> twice =
       s.gaps == 0 ? repeated_blocks(e.capture) : std::vector<RowRange>{};
   if (!twice.empty())

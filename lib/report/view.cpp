@@ -11,10 +11,10 @@
 #include "base/angle.h"
 #include "base/pick.h"
 #include "conversion/angle_solver.h"
-#include "diagnosis/conditions/even_rows.h"
 #include "diagnosis/conditions/pair_alone.h"
 #include "diagnosis/conditions/reference_course.h"
 #include "diagnosis/search/fit.h"
+#include "health/even_rows.h"
 
 namespace ada {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: The libada4571 authors
 
-#include "diagnosis/conditions/even_rows.h"
+#include "health/even_rows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
-#include "diagnosis/criteria.h"
+#include "health/criteria.h"
 #include "motion/own_vector.h"
 
 namespace ada {
@@ -50,7 +50,7 @@ bool each_for_itself(const std::vector<double> &off_steps) {
   std::vector<double> apart;
   for (std::size_t i = 1; i < off_steps.size(); ++i)
     apart.push_back((off_steps[i] - off_steps[i - 1]) / std::numbers::sqrt2);
-  return robust_spread(apart) > criteria::kStampsApart * robust_spread(off_steps);
+  return robust_spread(apart) > health::kStampsApart * robust_spread(off_steps);
 }
 
 /// Whether the stamps come back to the same clock again and again: of rows that are missing they
@@ -63,7 +63,7 @@ bool come_back(const std::vector<double> &off_steps) {
       break;
     const std::vector<double> some(off_steps.begin() + static_cast<std::ptrdiff_t>(first),
                                    off_steps.begin() + static_cast<std::ptrdiff_t>(end));
-    if (!(std::abs(quantile(some, 0.5)) < criteria::kSameClock))
+    if (!(std::abs(quantile(some, 0.5)) < health::kSameClock))
       return false;
   }
   return true;
@@ -93,7 +93,7 @@ Rough roughness(const std::vector<double> &angle, const std::vector<double> &tim
 
 std::optional<EvenRows> even_rows(const Capture &capture) {
   const std::size_t n = capture.size();
-  if (n < criteria::kFewestSamples || !capture.starts.empty())
+  if (n < health::kFewestOfClock || !capture.starts.empty())
     return std::nullopt;
   const std::vector<double> &time = capture.time_s;
   const double step_s = even_step(time);
@@ -102,13 +102,13 @@ std::optional<EvenRows> even_rows(const Capture &capture) {
   const std::vector<double> off = off_even(time, step_s);
   // A stamp is known to the last digit of its number only.
   const double last_digit_s =
-      std::abs(time.back()) * std::numeric_limits<double>::epsilon() * criteria::kUnevenDigits;
-  if (!(robust_spread(off) > std::max(criteria::kUnevenStamps, last_digit_s / step_s)) ||
+      std::abs(time.back()) * std::numeric_limits<double>::epsilon() * health::kUnevenDigits;
+  if (!(robust_spread(off) > std::max(health::kUnevenStamps, last_digit_s / step_s)) ||
       !come_back(off) || !each_for_itself(off))
     return std::nullopt;
   const OwnVector own = own_vector(capture);
   const Rough rough = roughness(own.angle, time);
-  if (!(criteria::kRowsTellBetter * rough.by_row < rough.by_stamp))
+  if (!(health::kRowsTellBetter * rough.by_row < rough.by_stamp))
     return std::nullopt;
   EvenRows out{capture, 0.0, 0.0};
   out.capture.gaps.clear(); // of the stamps: no row is missing where they come back
