@@ -390,6 +390,46 @@ Eigen::VectorXd each_order_as_large_as_it_is(const Basis &basis, const Eigen::Ma
   return values;
 }
 
+/// How the outputs are wired, which is the last thing that happens to a pair.
+EllipseParts wiring_of(const Model &model) {
+  EllipseParts out;
+  for (const EffectInstance &e : model.effects)
+    if (e.effect->info().stage == Stage::record)
+      e.effect->fold(e.values, out);
+  return out;
+}
+
+/// What a model leaves of data, and these at the angle of the shaft, both as the outputs would be
+/// with their wires put right: the remainder is added before those.
+ResidualColumns left_at_shaft(const Model &model, Observations &data) {
+  ResidualColumns out = residual_columns(data, model);
+  data = at_shaft(model, std::move(data));
+  const EllipseParts wiring = wiring_of(model);
+  const auto turn_over = [&](auto &read, double &centre_v, std::vector<double> &left,
+                             std::vector<double> &has) {
+    for (auto &v : read)
+      v = static_cast<std::remove_reference_t<decltype(v)>>(model.supply_v) - v;
+    for (double &v : has)
+      v = model.supply_v - v;
+    for (double &v : left)
+      v = -v;
+    centre_v = model.supply_v - centre_v;
+    data.figure[1] = -data.figure[1];
+  };
+  if (wiring.sin_inverted)
+    turn_over(data.vsin, data.centre_sin_v, out.sin, out.model_sin);
+  if (wiring.cos_inverted)
+    turn_over(data.vcos, data.centre_cos_v, out.cos, out.model_cos);
+  if (wiring.swapped) {
+    std::swap(data.vsin, data.vcos);
+    std::swap(data.centre_sin_v, data.centre_cos_v);
+    std::swap(data.figure[0], data.figure[2]);
+    std::swap(out.sin, out.cos);
+    std::swap(out.model_sin, out.model_cos);
+  }
+  return out;
+}
+
 } // namespace
 
 Model with_remainder(const Scene &scene, const Anonymous &left, const Observations &data,
@@ -405,8 +445,7 @@ Model with_remainder(const Scene &scene, const Anonymous &left, const Observatio
     some.disturbed = Direction::radius;
     some.weight_along = weight_along;
   }
-  const ResidualColumns r = residual_columns(some, model);
-  some = at_shaft(model, std::move(some));
+  const ResidualColumns r = left_at_shaft(model, some);
   // What the other axes hold is fitted beside it, and so cannot leak into it; the baseline moves
   // along.
   const int p = scene.periods;
@@ -490,13 +529,18 @@ std::vector<double> turned_by_remainder(const Observations &data, const Model &m
   Model without = model;
   without.remainder.reset();
   const ResidualColumns all = residual_columns(data, model), rest = residual_columns(data, without);
+  // The wires may make the pair go round the other way.
+  const EllipseParts wiring = wiring_of(model);
+  const bool mirrored = wiring.swapped != (wiring.sin_inverted != wiring.cos_inverted);
+  const double sense = mirrored ? -1.0 : 1.0;
   std::vector<double> out;
   for (std::size_t i = 0; i < all.sin.size(); ++i) {
     const double s = rest.model_sin[i] - data.centre_sin_v;
     const double c = rest.model_cos[i] - data.centre_cos_v;
     const double ds = all.model_sin[i] - rest.model_sin[i];
     const double dc = all.model_cos[i] - rest.model_cos[i];
-    out.push_back((ds * c - dc * s) / std::max(s * s + c * c, 1e-12) / model.periods_per_turn);
+    out.push_back(sense * (ds * c - dc * s) / std::max(s * s + c * c, 1e-12) /
+                  model.periods_per_turn);
   }
   return out;
 }

@@ -126,8 +126,12 @@ std::optional<Level> level_at(const Channels &c, const End &end) {
         c.fallen(c.other_middle_v + half_way) > criteria::kCutBands * end.band_v) {
       ++out.peaks;
       in_peaks += to - from;
+      // About the middle of this peak: where the channels are not read at once, the other one is
+      // not at that of its range, and elsewhere at each speed.
+      const double here_v = 0.5 * (high + low);
       for (std::size_t k = from + 1; k + 1 < to; ++k) // the first and the last may be on the way
-        flatness.add(c.other[k], c.fallen(c.other[k]), c.top(k));
+        flatness.add(c.other[k] - here_v, c.fallen(c.other_middle_v + c.other[k] - here_v),
+                     c.top(k));
     }
     i = to - 1;
   }

@@ -93,15 +93,20 @@ std::optional<Standing> standing_off_curve(const FromEnd &rows) {
       criteria::kStandsStill * std::max(bulk(all[0]).width(), bulk(all[1]).width());
   if (std::max(at[0].band_v, at[1].band_v) > criteria::kStandsWithin * still_v)
     return std::nullopt;
-  const auto is_there = [&](std::size_t k) {
-    for (const int channel : {0, 1})
-      if (const Place &p = at[static_cast<std::size_t>(channel)];
-          !(std::abs(rows.value(channel, k) - p.value_v) <= std::max(p.band_v, still_v)))
-        return false;
-    return true;
+  const auto stays = [&](int channel, std::size_t k) {
+    const Place &p = at[static_cast<std::size_t>(channel)];
+    return std::abs(rows.value(channel, k) - p.value_v) <= std::max(p.band_v, still_v);
   };
-  while (stands < n && (!rows.usable(stands) || is_there(stands)))
+  while (stands < n && (!rows.usable(stands) || (stays(0, stands) && stays(1, stands))))
     ++stands;
+  // A channel that stood by itself before is stuck, and the shaft rests.
+  for (const int channel : {0, 1}) {
+    std::size_t alone = stands;
+    while (alone < n && (!rows.usable(alone) || stays(channel, alone)))
+      ++alone;
+    if (alone >= stands + end)
+      return std::nullopt;
+  }
   if (stands < end || n - stands < end)
     return std::nullopt;
   const auto curve = curve_beyond(rows, stands);

@@ -559,11 +559,25 @@ Spikes spikes_against(const Scene &scene, const Model &model,
   // Of what the first look left out, only what this model cannot explain either is a spike.
   std::vector<double> values, angles;
   std::array<std::vector<double>, 2> levels; // of the channel that stands out
-  const auto note_level = [&](const Observations &data, const ResidualColumns &r, std::size_t i) {
-    if (std::abs(r.sin[i]) > std::abs(r.cos[i]))
-      levels[0].push_back(data.vsin[i] - r.sin[i]);
+  // Of a pair that tells its angle itself a spike has moved that as well, and with it what the
+  // model has there: what lies on both sides says where the shaft was.
+  const auto note_place = [&](const Observations &data, const ResidualColumns &r, std::size_t i,
+                              std::size_t before, std::size_t after) {
+    double sin = r.sin[i], cos = r.cos[i], angle = data.alpha[i];
+    const Observations &all = scene.all;
+    if (!scene.has_reference && before < after && after < all.size()) {
+      const double took = all.time[after] - all.time[before];
+      const double part = took > 0.0 ? (data.time[i] - all.time[before]) / took : 0.5;
+      const auto between = [&](const auto &v) { return v[before] + part * (v[after] - v[before]); };
+      sin = data.vsin[i] - between(all.vsin);
+      cos = data.vcos[i] - between(all.vcos);
+      angle = between(all.alpha);
+    }
+    angles.push_back(angle);
+    if (std::abs(sin) > std::abs(cos))
+      levels[0].push_back(data.vsin[i] - sin);
     else
-      levels[1].push_back(data.vcos[i] - r.cos[i]);
+      levels[1].push_back(data.vcos[i] - cos);
   };
   std::vector<std::uint32_t> spiked; // of those
   std::vector<std::uint32_t> asked(apart.sin.size());
@@ -575,8 +589,7 @@ Spikes spikes_against(const Scene &scene, const Model &model,
     if (std::binary_search(motion.begin(), motion.end(), static_cast<std::uint32_t>(i)) ||
         !stands_out(there.sin[i], there.cos[i], beside(here, next, next), noise_v))
       continue;
-    angles.push_back(scene.spiked.alpha[i]);
-    note_level(scene.spiked, apart, i);
+    note_place(scene.spiked, apart, i, next > 0 ? next - 1 : next, next);
     add(apart, i, values, supply ? beside(plain, next, next) : Pair{});
     spiked.push_back(static_cast<std::uint32_t>(i));
   }
@@ -594,8 +607,7 @@ Spikes spikes_against(const Scene &scene, const Model &model,
         continue;
       }
       add(plain, i, values, supply ? beside(plain, i, i + 1) : Pair{});
-      angles.push_back(scene.all.alpha[i]);
-      note_level(scene.all, plain, i);
+      note_place(scene.all, plain, i, i > 0 ? i - 1 : i, i + 1);
       hit_places.push_back(static_cast<std::uint32_t>(i));
     }
   const std::size_t samples = spiked.size() + hit_places.size();
