@@ -27,7 +27,6 @@ constexpr double kMinCoverageDeg = 90.0;
 /// asking; beyond the second one the capture is refused.
 constexpr double kGoodErrorDeg = 0.01;
 constexpr double kGoodCoverageDeg = 270.0;
-constexpr double kMaxErrorDeg = 0.1;
 /// Likelihood ratio that mismatch and quadrature error must reach on a short arc: 1 % chance.
 constexpr double kWorthwhile = 9.21;
 
@@ -81,19 +80,19 @@ EllipseFit fit_with_what_the_data_carry(const RecordingToFit &what, bool &circle
   return circle;
 }
 
-void refuse_uncertain(const EllipseFit &fit, int periods) {
+void refuse_uncertain(const EllipseFit &fit, int periods, double most_deg) {
   const double error = error_deg(fit, periods);
   // A distortion that is no ellipse makes the fit uncertain by about as much as it bends the
   // angle by itself; that is not for this guard to refuse.
   const double distortion = fit.structure_rms_v / fit.value.amplitude_v / periods * kDegPerRad;
-  if (error <= kMaxErrorDeg + distortion)
+  if (error <= most_deg + distortion)
     return;
   char text[200];
   std::snprintf(
       text, sizeof text,
       "noise leaves the calibration uncertain by %.2g degrees rms, more than %.2g: capture "
       "more of the turn, or longer",
-      error, kMaxErrorDeg);
+      error, most_deg);
   throw Error(ADA4571_ERROR_UNUSABLE_DATA, text);
 }
 
@@ -150,9 +149,9 @@ const char *method_name(CalibrationMethod method) {
   return "";
 }
 
-PairEstimate estimate_pair(const RecordingToFit &what, CalibrationMethod method) {
+PairEstimate estimate_pair(const RecordingToFit &what, CalibrationMethod method, double most_deg) {
   if (what.is_long && method != CalibrationMethod::fit) // those need the path of the angle
-    return estimate_pair(RecordingToFit(what.recording, true), method);
+    return estimate_pair(RecordingToFit(what.recording, true), method, most_deg);
   const Capture &capture = *what.sample;
   refuse_dead_channels(capture);
   if (!what.is_long) // stretches do not show it; but then too many samples lie off the ellipse
@@ -169,7 +168,7 @@ PairEstimate estimate_pair(const RecordingToFit &what, CalibrationMethod method)
       fit.residual_rms_v * fit.residual_rms_v - fit.structure_rms_v * fit.structure_rms_v, 0.0));
   switch (method) {
   case CalibrationMethod::fit:
-    refuse_uncertain(fit, capture.meta.periods_per_turn);
+    refuse_uncertain(fit, capture.meta.periods_per_turn, most_deg);
     estimate.heldout_rms_v = fit.heldout_rms_v;
     estimate.value = fit.value;
     for (std::size_t i = 0; i < kEllipseSize; ++i)

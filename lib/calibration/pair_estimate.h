@@ -19,6 +19,9 @@ enum class CalibrationMethod { fit, mean, extrema };
 /// model leaves both out.
 inline constexpr double kSignificant = 5.0;
 
+/// Degrees of the shaft, rms, by which noise may leave a calibration uncertain.
+inline constexpr double kMaxErrorDeg = 0.1;
+
 const char *method_name(CalibrationMethod method);
 
 struct PairEstimate {
@@ -35,7 +38,9 @@ struct PairEstimate {
 /// Calibrates one capture by one method. The reference column is never looked at.
 /// Throws ADA4571_ERROR_UNUSABLE_DATA with the reason when the data cannot carry the method.
 /// Mean and extrema hold a recording in memory, the fit, which the first one makes, does not.
-PairEstimate estimate_pair(const RecordingToFit &what, CalibrationMethod method);
+/// `most_deg`: by which a fit may be uncertain.
+PairEstimate estimate_pair(const RecordingToFit &what, CalibrationMethod method,
+                           double most_deg = kMaxErrorDeg);
 PairEstimate estimate_pair(const Capture &capture, CalibrationMethod method);
 
 } // namespace ada

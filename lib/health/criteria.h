@@ -166,6 +166,10 @@ inline constexpr std::size_t kFewestOfClock = 12;
 /// moves it by more than the arc is long, so that no calibration is made of it either.
 inline constexpr double kLeastArcDeg = 90;
 
+/// Electrical degrees by which the ellipse of a capture may be uncertain that its own samples are
+/// held against: 1.7 % of the radius, a third of the band that they are to keep.
+inline constexpr double kYardstickErrorDeg = 1.0;
+
 /// Electrical degrees within which every peak was seen.
 inline constexpr double kWholeTurnDeg = 300;
 

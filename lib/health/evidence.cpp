@@ -120,8 +120,9 @@ void choose_yardstick(Evidence &e, const Model *model) {
     return;
   }
   try {
-    e.yardstick =
-        model_of(estimate_pair(e.what, CalibrationMethod::fit), e.capture.meta, "", "check");
+    const double most_deg = kYardstickErrorDeg / e.capture.meta.periods_per_turn;
+    e.yardstick = model_of(estimate_pair(e.what, CalibrationMethod::fit, most_deg), e.capture.meta,
+                           "", "check");
     e.yardstick_name = "the ellipse that fits this capture";
     return;
   } catch (const Error &error) {

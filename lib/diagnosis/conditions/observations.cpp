@@ -13,7 +13,6 @@
 #include "base/angle.h"
 #include "base/pick.h"
 #include "base/robust.h"
-#include "diagnosis/conditions/travel.h"
 #include "diagnosis/criteria.h"
 
 namespace ada {
@@ -257,21 +256,14 @@ void describe_motion(Scene &scene) {
     double time = 0.0, travel = 0.0;
   } forward, backward;
   std::vector<double> speed;
-  Travel travel(noise_between(all.alpha));
-  if (all.size() > 0)
-    travel.to(all.alpha.front());
   const bool at_rest = std::ranges::all_of(all.omega, [](auto w) { return w == 0.0f; });
   for (std::size_t i = 0; i < all.size(); ++i) {
     speed.push_back(std::abs(all.omega[i]));
-    // How fast it went in a pause of the record nobody saw, only how far it came; nor is there a
-    // speed of rows that are left out.
-    const double took = i > 0 ? std::abs(all.time[i] - all.time[i - 1]) : 0.0;
-    double dt = std::min(took, kMostSteps * all.frame_period_s);
-    double step = took > dt ? all.alpha[i] - all.alpha[i - 1] : dt * all.omega[i];
-    if (scene.radius_only && i > 0) { // what it goes is seen, and no smooth speed
-      const double before = travel.way();
-      step = std::copysign(travel.to(all.alpha[i]) - before, all.alpha[i] - all.alpha[i - 1]);
-    }
+    // What went on in a pause of the record nobody saw.
+    double dt =
+        i > 0 ? std::min(std::abs(all.time[i] - all.time[i - 1]), kMostSteps * all.frame_period_s)
+              : 0.0;
+    double step = dt * all.omega[i];
     if (at_rest && i > 0) { // it turns from one place to the next, and each way counts alike
       dt = 1.0;
       step = std::copysign(std::abs(all.alpha[i] - all.alpha[i - 1]), all.direction[i]);

@@ -15,7 +15,6 @@ public:
   explicit Travel(double noise_rad);
   /// The way until the next angle, unwrapped, rad.
   double to(double angle_rad);
-  double way() const { return way_rad_; }
 
 private:
   double play_rad_, at_rad_ = 0.0, way_rad_ = 0.0;

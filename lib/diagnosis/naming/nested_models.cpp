@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -47,9 +48,46 @@ Model without_findings(const SearchResult &found) {
   return model;
 }
 
-Finding supply_finding(const DataSplit &split, double rms_fraction, const SplitQuality &before,
-                       const SplitQuality &after) {
-  const double error = rms_fraction / std::sqrt(2.0 * static_cast<double>(split.train.size()));
+/// Standard error of the mean square of a supply that nobody recorded, of its mean: from stretch to
+/// stretch, since a supply goes on from row to row, and a few starts of a motor may be all of it.
+double error_of_supply(const DataSplit &split, const Model &model) {
+  const Observations &data = split.train;
+  const ResidualColumns r = residual_columns(data, model);
+  std::vector<double> parts;
+  const std::size_t stretch = std::max<std::size_t>(1, data.size() / criteria::kStretches);
+  for (std::size_t first = 0; first + stretch <= data.size(); first += stretch) {
+    double along2 = 0.0, of2 = 0.0;
+    for (std::size_t i = first; i < first + stretch; ++i) {
+      // What lies along the absolute voltages; of a pair that tells its angle itself, along that.
+      double s = data.vsin[i], c = data.vcos[i], reach = std::hypot(s, c);
+      if (!split.has_reference) {
+        const double out_s = r.model_sin[i] - data.centre_sin_v,
+                     out_c = r.model_cos[i] - data.centre_cos_v, out = std::hypot(out_s, out_c);
+        reach = (s * out_s + c * out_c) / out;
+        s = out_s * reach / out;
+        c = out_c * reach / out;
+      }
+      const double along = (r.sin[i] * s + r.cos[i] * c) / std::max(std::abs(reach), 1e-12);
+      along2 += along * along;
+      of2 += reach * reach;
+    }
+    parts.push_back(along2 / of2);
+  }
+  const double n = static_cast<double>(parts.size());
+  if (n < 2.0)
+    return 0.0;
+  const double mean = std::accumulate(parts.begin(), parts.end(), 0.0) / n;
+  double squares = 0.0;
+  for (double part : parts)
+    squares += (part - mean) * (part - mean);
+  return std::sqrt(squares / (n - 1.0) / n);
+}
+
+Finding supply_finding(const DataSplit &split, const Model &model, double rms_fraction,
+                       const SplitQuality &before, const SplitQuality &after) {
+  const double error =
+      std::max(rms_fraction / std::sqrt(2.0 * static_cast<double>(split.train.size())),
+               0.5 * error_of_supply(split, model) / rms_fraction);
   Finding out{
       &the_effect(follows_supply), {rms_fraction}, {error}, {}, {}, {}, before, after, false};
   put_in_words(out);
@@ -518,7 +556,7 @@ NestedModels nested_models(const Scene &scene, DataSplit &split, const SearchRes
     if (supply)
       step = fit_on_the_way(split, step, 6);
     const SplitQuality after = split.quality(step);
-    out.supply = supply_finding(split, found.supply_rms_fraction, out.first, after);
+    out.supply = supply_finding(split, step, found.supply_rms_fraction, out.first, after);
     out.last = after;
   }
   const bool weighs_alike = split.has_reference && found.disturbed != Direction::supply;

@@ -13,6 +13,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "diagnosis/conditions/travel.h"
 #include "diagnosis/search/step_causes.h"
 
 namespace ada {
@@ -21,6 +22,9 @@ void describe_capture(const Capture &capture, const Scene &scene, Diagnosis &d) 
   d.samples = capture.size();
   d.duration_s = capture.size() > 1 ? capture.time_s.back() - capture.time_s.front() : 0.0;
   d.turns = std::isfinite(scene.turns) ? scene.turns : 0.0; // equal times have no speed
+  // What the speeds of usable rows add up to leaves out the way over all others.
+  if (d.turns > 0.0 && capture.starts.empty())
+    d.turns = std::max(d.turns, travel_of(scene.all.alpha) / kTwoPi);
   d.periods_per_turn = scene.periods;
   d.channels = {"vsin_v", "vcos_v"};
   if (capture.has_vtemp())

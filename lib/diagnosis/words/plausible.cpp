@@ -24,10 +24,15 @@ void add_checks(Diagnosis &diagnosis, const Health &health, const std::string &w
     if (check.state != HealthState::failed)
       continue;
     diagnosis.failed_checks.push_back({check.id, which + check.explanation});
-    if (diagnosis.verdict == Verdict::no_discrepancy && is_of_the_scale(check.id)) {
-      diagnosis.verdict = Verdict::insufficient_data;
+    if (diagnosis.verdict != Verdict::no_discrepancy)
+      continue;
+    if (is_of_the_scale(check.id))
       diagnosis.reason = "the model fits, but " + which + check.explanation;
-    }
+    else if (check.id == "rotation" && !diagnosis.by_reference()) // a scatter has no discrepancy
+      diagnosis.reason = which + check.explanation;
+    else
+      continue;
+    diagnosis.verdict = Verdict::insufficient_data;
   }
 }
 
