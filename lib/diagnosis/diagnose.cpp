@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "base/angle.h"
 #include "base/plain_numbers.h"
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/between_captures.h"
@@ -22,6 +23,7 @@
 #include "diagnosis/criteria.h"
 #include "diagnosis/next_experiments.h"
 #include "diagnosis/search/admission.h"
+#include "diagnosis/search/fit.h"
 #include "diagnosis/words/explain.h"
 #include "diagnosis/work.h"
 #include "health/even_rows.h"
@@ -153,16 +155,15 @@ Diagnosis with_course(const ReferenceCourse &course, Diagnosis out) {
 }
 
 /// A result of the pair by itself, and why a reference is none: that of the capture, which had one,
-/// or of the second one. The two make every angle with each other.
-Diagnosis with_reference_aside(const std::string &why, bool has_reference, Diagnosis out) {
+/// or of the second one. `left_v`: what it leaves over of each channel.
+Diagnosis with_reference_aside(const std::string &why, bool has_reference, double left_v,
+                               Diagnosis out) {
   out.reference_aside = why;
   out.has_reference = has_reference;
   if (has_reference)
     out.channels.push_back("reference_deg");
   if (out.verdict == Verdict::insufficient_data)
     return out;
-  // Of two vectors that know nothing of each other each channel differs by the amplitude.
-  const double left_v = std::abs(out.extended.baseline.amplitude_v);
   return left_over({std::string(axis_name(Axis::angle)), why, left_v}, std::move(out));
 }
 
@@ -258,6 +259,64 @@ Structure of_stamps(const EvenRows &even) {
           even.rms_v};
 }
 
+/// By how much the angle of a model departs from a reference, rms, rad of the shaft.
+double off_reference_rad(const Capture &capture, const Model &model) {
+  const Scene scene = prepare(capture, false);
+  if (!scene.insufficient.empty())
+    return std::numeric_limits<double>::infinity();
+  const Observations data = scene.all.select(thin(scene.train, criteria::kRemainderSamples));
+  const ResidualColumns r = residual_columns(data, as_seen_by(data, model));
+  double squares = 0.0;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
+    squares += std::pow((r.sin[i] * c - r.cos[i] * s) / std::max(s * s + c * c, 1e-12), 2);
+  }
+  return std::sqrt(squares / static_cast<double>(data.size())) / capture.meta.periods_per_turn;
+}
+
+/// Whether all that was named is what every pair has, and some of that was not, or not clearly.
+bool misses_what_every_pair_has(const Diagnosis &d) {
+  std::size_t clear = 0, common = 0;
+  for (const Effect *effect : catalogue())
+    common += effect->info().prior_rank == 0;
+  for (const Finding &f : d.findings) {
+    if (f.effect->info().prior_rank != 0)
+      return false;
+    clear += !f.std_errors.empty() && std::abs(f.values[0]) > 2.0 * f.std_errors[0];
+  }
+  return clear < common;
+}
+
+/// The pair by itself, where a reference that wanders hides what the length of the vector shows:
+/// what is left lies along the figure, what every pair has is not found beside it, and the pair
+/// alone tells it, without an angle that departs from the reference any further.
+std::optional<Diagnosis> beside_wandering_reference(const Capture &capture,
+                                                    const DiagnosisOptions &options,
+                                                    const Diagnosis &by_reference) {
+  constexpr double kAlongFigure = 4.0; // what is left, over what lies off the figure
+  if (!capture.has_reference() || options.heldout || options.baseline ||
+      by_reference.verdict == Verdict::insufficient_data ||
+      by_reference.verdict == Verdict::no_discrepancy ||
+      by_reference.verdict == Verdict::explained || !misses_what_every_pair_has(by_reference) ||
+      !(by_reference.extended_quality.heldout.residual_rms_v >
+        kAlongFigure * off_own_figure_v(capture)))
+    return std::nullopt;
+  Diagnosis alone = diagnose_by_reference(without_reference(capture), options);
+  if (alone.verdict == Verdict::insufficient_data || misses_what_every_pair_has(alone))
+    return std::nullopt;
+  const double off = off_reference_rad(capture, alone.extended);
+  if (!(off < criteria::kNoWorse * off_reference_rad(capture, by_reference.extended)))
+    return std::nullopt;
+  alone.turns = by_reference.turns;
+  const double left_v = off * capture.meta.periods_per_turn *
+                        std::abs(alone.extended.baseline.amplitude_v) / std::numbers::sqrt2;
+  const std::string why =
+      fmt::format("the reference departs from the pair by {:.3g} deg rms, and not at the same "
+                  "places again, while the pair keeps to its ellipse to {:.3g} mV",
+                  off * kDegPerRad, 1e3 * off_own_figure_v(capture));
+  return with_reference_aside(why, true, left_v, std::move(alone));
+}
+
 Diagnosis diagnose_rows(const Capture &capture, const DiagnosisOptions &given) {
   DiagnosisOptions options = given;
   std::optional<FreshReadings> judge;
@@ -274,8 +333,11 @@ Diagnosis diagnose_rows(const Capture &capture, const DiagnosisOptions &given) {
   // The two are judged alike.
   const std::string why = why_of_no_shaft(capture),
                     of_judge = options.heldout ? why_of_no_shaft(*options.heldout) : std::string();
-  if (why.empty() && of_judge.empty())
-    return diagnose_by_reference(capture, options);
+  if (why.empty() && of_judge.empty()) {
+    Diagnosis out = diagnose_by_reference(capture, options);
+    const auto alone = beside_wandering_reference(capture, options, out);
+    return alone ? *alone : out;
+  }
   if (!draws_its_circle(capture)) // that may be the pair's fault, and is then said
     if (Diagnosis out = diagnose_by_reference(capture, options);
         why.empty() || out.verdict == Verdict::insufficient_data)
@@ -284,8 +346,11 @@ Diagnosis diagnose_rows(const Capture &capture, const DiagnosisOptions &given) {
   std::optional<Capture> judging;
   if (options.heldout)
     options.heldout = &judging.emplace(without_reference(*options.heldout));
+  Diagnosis out = diagnose_by_reference(pair, options);
+  // Of two vectors that know nothing of each other each channel differs by the amplitude.
+  const double left_v = std::abs(out.extended.baseline.amplitude_v);
   return with_reference_aside(!why.empty() ? why : "in the second capture " + of_judge,
-                              capture.has_reference(), diagnose_by_reference(pair, options));
+                              capture.has_reference(), left_v, std::move(out));
 }
 
 } // namespace

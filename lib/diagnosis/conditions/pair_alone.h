@@ -13,4 +13,7 @@ bool draws_its_circle(const Capture &capture);
 
 Capture without_reference(Capture capture);
 
+/// How far the readings lie off the ellipse that they draw, rms, V; infinite where they draw none.
+double off_own_figure_v(const Capture &capture);
+
 } // namespace ada
