@@ -411,6 +411,9 @@ inline constexpr double kComparable = 0.8;
 /// What scatters by less than this above noise may be noise. An estimate: 0.44 of the power of
 /// noise may lie hidden in it, which the held-out angle is asked about as well.
 inline constexpr double kMoreThanNoise = 1.2;
+/// What is left across the vector over what is left along it, below which the direction alone tells
+/// the figure: fitted alike, what the length does would have a hundred times its weight.
+inline constexpr double kFarLessAcross = 0.1;
 /// Mean square of what causes turn the vector by, each for itself, to that of what it is turned by
 /// without them, from which on they cancel each other: of causes that are independent it is 1.
 inline constexpr double kTurnsBack = 2.0;

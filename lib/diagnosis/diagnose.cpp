@@ -259,13 +259,15 @@ Structure of_stamps(const EvenRows &even) {
           even.rms_v};
 }
 
-/// By how much the angle of a model departs from a reference, rms, rad of the shaft.
-double off_reference_rad(const Capture &capture, const Model &model) {
+/// By how much the angle of a model departs from a reference, rms, rad of the shaft. The model gets
+/// the zero angle that suits it best.
+double off_reference_rad(const Capture &capture, Model &model) {
   const Scene scene = prepare(capture, false);
   if (!scene.insufficient.empty())
     return std::numeric_limits<double>::infinity();
   const Observations data = scene.all.select(thin(scene.train, criteria::kRemainderSamples));
-  const ResidualColumns r = residual_columns(data, as_seen_by(data, model));
+  model = as_seen_by(data, std::move(model));
+  const ResidualColumns r = residual_columns(data, model);
   double squares = 0.0;
   for (std::size_t i = 0; i < data.size(); ++i) {
     const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
@@ -274,17 +276,20 @@ double off_reference_rad(const Capture &capture, const Model &model) {
   return std::sqrt(squares / static_cast<double>(data.size())) / capture.meta.periods_per_turn;
 }
 
-/// Whether all that was named is what every pair has, and some of that was not, or not clearly.
-bool misses_what_every_pair_has(const Diagnosis &d) {
-  std::size_t clear = 0, common = 0;
-  for (const Effect *effect : catalogue())
-    common += effect->info().prior_rank == 0;
-  for (const Finding &f : d.findings) {
-    if (f.effect->info().prior_rank != 0)
-      return false;
-    clear += !f.std_errors.empty() && std::abs(f.values[0]) > 2.0 * f.std_errors[0];
-  }
-  return clear < common;
+/// Whether all that every pair has is named, and clear of its error.
+bool names_what_every_pair_has(const Diagnosis &d) {
+  return std::ranges::all_of(catalogue(), [&](const Effect *effect) {
+    return effect->info().prior_rank != 0 || std::ranges::any_of(d.findings, [&](const Finding &f) {
+             return f.effect == effect && !f.std_errors.empty() &&
+                    std::abs(f.values[0]) > 2.0 * f.std_errors[0];
+           });
+  });
+}
+
+/// Whether something else is named.
+bool names_more(const Diagnosis &d) {
+  return std::ranges::any_of(d.findings,
+                             [](const Finding &f) { return f.effect->info().prior_rank != 0; });
 }
 
 /// The pair by itself, where a reference that wanders hides what the length of the vector shows:
@@ -297,22 +302,25 @@ std::optional<Diagnosis> beside_wandering_reference(const Capture &capture,
   if (!capture.has_reference() || options.heldout || options.baseline ||
       by_reference.verdict == Verdict::insufficient_data ||
       by_reference.verdict == Verdict::no_discrepancy ||
-      by_reference.verdict == Verdict::explained || !misses_what_every_pair_has(by_reference) ||
+      by_reference.verdict == Verdict::explained || names_more(by_reference) ||
+      names_what_every_pair_has(by_reference) ||
       !(by_reference.extended_quality.heldout.residual_rms_v >
         kAlongFigure * off_own_figure_v(capture)))
     return std::nullopt;
   Diagnosis alone = diagnose_by_reference(without_reference(capture), options);
-  if (alone.verdict == Verdict::insufficient_data || misses_what_every_pair_has(alone))
+  if (alone.verdict == Verdict::insufficient_data || !names_what_every_pair_has(alone))
     return std::nullopt;
   const double off = off_reference_rad(capture, alone.extended);
-  if (!(off < criteria::kNoWorse * off_reference_rad(capture, by_reference.extended)))
+  Model other = by_reference.extended;
+  if (!(off < criteria::kNoWorse * off_reference_rad(capture, other)))
     return std::nullopt;
   alone.turns = by_reference.turns;
   const double left_v = off * capture.meta.periods_per_turn *
                         std::abs(alone.extended.baseline.amplitude_v) / std::numbers::sqrt2;
   const std::string why =
       fmt::format("the reference departs from the pair by {:.3g} deg rms, and not at the same "
-                  "places again, while the pair keeps to its ellipse to {:.3g} mV",
+                  "places again, while the pair keeps to its ellipse to {:.3g} mV: the reference "
+                  "wanders, or a coupling or the magnet moves on the shaft",
                   off * kDegPerRad, 1e3 * off_own_figure_v(capture));
   return with_reference_aside(why, true, left_v, std::move(alone));
 }

@@ -102,23 +102,32 @@ double rows_of_a_delivery(const Evidence &e) {
     return 0.0;
   const Capture &c = e.capture;
   const OwnVector own = own_vector(c);
-  std::vector<double> over, within;
+  const auto took = [&](std::size_t i) { return (c.time_s[i] - c.time_s[i - 1]) / e.usual_step_s; };
+  // A pair comes round between two places of the shaft.
+  const auto moved = [&](std::size_t i) {
+    return c.has_reference()
+               ? wrap_centred(c.reference_deg[i] - c.reference_deg[i - 1], 360.0) * kRadPerDeg
+               : wrap_centred(own.angle[i] - own.angle[i - 1], kTwoPi);
+  };
+  std::vector<double> over, within, beside; // beside a pause a shaft that rests there slows down
   double on = 0.0, way = 0.0;
   for (std::size_t i = 1; i < c.size(); ++i) {
-    const double took = (c.time_s[i] - c.time_s[i - 1]) / e.usual_step_s,
-                 moved = wrap_centred(own.angle[i] - own.angle[i - 1], kTwoPi);
-    if (!std::isfinite(moved))
+    const double move = moved(i);
+    if (!std::isfinite(move))
       continue;
-    if (took > kLong)
-      over.push_back(std::abs(moved));
-    else if (took < kPause) {
-      within.push_back(std::abs(moved));
-      on += moved;
-      way += std::abs(moved);
+    if (took(i) > kLong)
+      over.push_back(std::abs(move));
+    else if (took(i) < kPause) {
+      within.push_back(std::abs(move));
+      on += move;
+      way += std::abs(move);
+      if ((i > 1 && took(i - 1) > kLong) || (i + 1 < c.size() && took(i + 1) > kLong))
+        beside.push_back(std::abs(move));
     }
   }
-  if (over.size() < kFewest || within.size() < kFewest || !(std::abs(on) > kTurns * way) ||
-      !(quantile(over, 0.5) < kAsFar * quantile(within, 0.5)))
+  if (over.size() < kFewest || within.size() < kFewest || beside.size() < kFewest ||
+      !(std::abs(on) > kTurns * way) || !(quantile(over, 0.5) < kAsFar * quantile(within, 0.5)) ||
+      !(kAsFar * quantile(beside, 0.5) > quantile(within, 0.5)))
     return 0.0;
   return static_cast<double>(c.size()) / static_cast<double>(over.size() + 1);
 }

@@ -204,7 +204,7 @@ KIND(a_line_encoder_that_speeds_up_behind_a_low_pass_holds_to_the_end_of_the_rec
   const Finding *low_pass = named(d, "low-pass-rolloff");
   ASSERT_TRUE(low_pass) << names(d);
   EXPECT_NEAR(low_pass->values[0], corner, 5e-3 * corner);
-  EXPECT_EQ(d.verdict, Verdict::explained);
+  EXPECT_EQ(d.verdict, Verdict::explained) << left_of(d);
 }
 
 KIND(readings_at_random_times_make_no_wrong_rows_of_the_reference) {
@@ -280,6 +280,27 @@ KIND(a_high_order_of_few_turns_is_never_the_wrong_one_of_field_and_reference) {
   EXPECT_TRUE(right ||
               std::count(found.alternatives.begin(), found.alternatives.end(), truth) == 1)
       << (in_field ? "a field: " : "a reference: ") << names(d);
+}
+
+/// A tracking loop of second order: right at any speed, and off by the acceleration.
+KIND(a_tracking_loop_hides_no_mismatch_and_no_quadrature_error) {
+  Bench bench;
+  const double rate = 1000.0, w = kTwoPi * bench.within(4.0, 8.0);
+  const auto angle = wandering(bench, bench.within(2.0, 4.0), bench.within(0.5, 0.7), 0.7);
+  Capture c = bench.capture(16000, rate, 2, angle);
+  double at = angle(0.0), speed = (angle(1e-3) - angle(0.0)) * 1e3;
+  constexpr int kSteps = 20;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c.reference_deg[i] = wrap(at * kDegPerRad, 360.0);
+    for (int k = 0; k < kSteps; ++k) {
+      const double dt = 1.0 / (rate * kSteps), t = c.time_s[i] + dt * k, off = angle(t) - at;
+      speed += w * w * off * dt;
+      at += (speed + 1.4 * w * off) * dt;
+    }
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair, 2e-3);
+  expect_none(d, {"stray-field", "sensor-off-axis", "low-pass-rolloff", "propagation-delay"});
 }
 
 } // namespace

@@ -205,5 +205,25 @@ KIND(a_delay_that_grows_at_reversals_is_no_slip) {
   expect_none(diagnose(c, {}), {"angle-slip", "offset-step", "sample-loss"});
 }
 
+/// A reading that is lost is a zero, wherever the shaft is. All zeros have one angle and one level.
+KIND(zeros_in_a_record_by_hand_are_spikes_and_no_places) {
+  Bench bench;
+  bench.pair.noise_v = 2e-3;
+  const double swing = bench.within(1.6, 2.4), hz = bench.within(0.05, 0.09);
+  const auto angle = [=](double t) {
+    return swing * kTwoPi * 0.5 * (1.0 - std::cos(kTwoPi * hz * t)) + 0.3 * std::sin(3.1 * t);
+  };
+  Capture c = bench.capture(2000, 80.0, 1, angle);
+  c.reference_deg.clear();
+  for (int k = 0; k < 12; ++k) {
+    const auto row = static_cast<std::size_t>(bench.within(20.0, 1980.0));
+    c.vsin_v[row] = c.vcos_v[row] = 0.0;
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_TRUE(named(d, "impulse-noise")) << left_of(d);
+  for (const Structure &s : d.structure)
+    EXPECT_EQ(s.description.find("stand out of the noise"), std::string::npos) << s.description;
+}
+
 } // namespace
 } // namespace ada::test

@@ -555,5 +555,37 @@ KIND(a_fast_ripple_of_an_encoder_beside_its_delay_has_its_size) {
   EXPECT_NEAR(delay->values[0], -early_s, 0.02 * early_s) << names(d);
 }
 
+/// A motor that keeps the angle even which the pair itself reads, with all errors of its ellipse:
+/// the shaft ripples by these, and the ellipse is as it is.
+KIND(a_shaft_that_its_own_pair_regulates_ripples_and_blames_no_field) {
+  Bench bench;
+  const double hz = bench.within(3.0, 8.0), sin_v = 2.5 + bench.within(0.02, 0.06),
+               cos_v = 2.5 - bench.within(0.02, 0.06);
+  bench.pair.zero_rad = 0.0;
+  const auto read = [&](double psi, double &s, double &c) {
+    s = sin_v + bench.pair.amplitude_v * (1.0 + 0.5 * bench.pair.k) *
+                    std::sin(psi + 0.5 * bench.pair.delta_rad);
+    c = cos_v + bench.pair.amplitude_v * (1.0 - 0.5 * bench.pair.k) *
+                    std::cos(psi - 0.5 * bench.pair.delta_rad);
+  };
+  Capture c = bench.capture(20000, 1000.0, 1, [](double) { return 0.0; });
+  c.reference_deg.clear();
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    // The angle at which the raw reading is even.
+    const double wanted = kTwoPi * hz * c.time_s[i];
+    double psi = wanted, s = 0.0, co = 0.0;
+    for (int pass = 0; pass < 30; ++pass) {
+      read(psi, s, co);
+      psi += wrap_centred(wanted - std::atan2(s - 2.5, co - 2.5), kTwoPi);
+    }
+    read(psi, s, co);
+    c.vsin_v[i] = s + bench.normal(bench.pair.noise_v);
+    c.vcos_v[i] = co + bench.normal(bench.pair.noise_v);
+  }
+  const Diagnosis d = diagnose(c, {});
+  expect_none(d, {"stray-field", "sensor-off-axis", "field-direction-error"});
+  EXPECT_TRUE(named(d, "rotation-nonuniformity")) << left_of(d);
+}
+
 } // namespace
 } // namespace ada::test

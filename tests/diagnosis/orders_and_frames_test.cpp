@@ -5,6 +5,7 @@
 // own zero angle in each of several records. The signals are made here, and not by the model that
 // is fitted to them.
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -184,6 +185,32 @@ KIND(what_drifts_while_the_shaft_turns_far_from_row_to_row_is_no_noise) {
   const Diagnosis d = diagnose(c, {});
   EXPECT_TRUE(named(d, "amplitude-temperature-drift")) << left_of(d);
   EXPECT_LT(d.noise_rms_v, 1.3 * bench.pair.noise_v) << left_of(d);
+}
+
+/// The same pair, its channels exchanged: what has no name is corrected as well.
+KIND(a_pair_the_other_way_round_carries_its_remainder) {
+  Bench bench;
+  const auto angle = wandering(bench, bench.within(2.0, 4.0), 0.3, 0.3);
+  std::vector<std::array<double, 3>> orders; // of the turn, rad, phase
+  for (const double order : {3.0, 5.0, 6.0, 7.0, 9.0})
+    orders.push_back({order, bench.within(0.3, 0.6) * kRadPerDeg, bench.within(0.0, kTwoPi)});
+  const auto errs = [=](double t) {
+    const double a = angle(t);
+    double out = a;
+    for (const auto &[order, size, phase] : orders)
+      out += size * std::sin(order * a + phase);
+    return out;
+  };
+  Capture c = bench.capture(12000, 1000.0, 1, errs);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(angle(c.time_s[i]) * kDegPerRad, 360.0);
+  Capture other = c;
+  std::swap(other.vsin_v, other.vcos_v);
+  const Diagnosis as_is = diagnose(c, {}), exchanged = diagnose(other, {});
+  const double error = as_is.extended_quality.heldout.angle_error_rms_deg.value_or(1e9);
+  EXPECT_LT(error, 0.1) << left_of(as_is);
+  EXPECT_LT(exchanged.extended_quality.heldout.angle_error_rms_deg.value_or(1e9), 1.1 * error)
+      << left_of(exchanged);
 }
 
 } // namespace

@@ -266,5 +266,22 @@ KIND(what_errs_on_an_even_spin_of_few_turns_is_the_reference) {
   expect_none(d, kOfTheSensor);
 }
 
+/// Two recorders, of which one runs fast: at a speed that changes what the reference is late by
+/// grows with the time.
+KIND(a_reference_with_a_clock_of_its_own_is_late_by_more_and_more) {
+  Bench bench;
+  const double ppm = bench.within(40.0, 250.0) * (bench.within(-1.0, 1.0) < 0.0 ? -1.0 : 1.0);
+  const int periods = bench.within(0.0, 1.0) < 0.5 ? 1 : 2;
+  const auto angle = wandering(bench, bench.within(1.5, 4.0), bench.within(0.3, 0.6), 0.11);
+  Capture c = bench.capture(12000, kRate, periods, angle);
+  read_as(c, [&](double t) { return angle(t - 1e-6 * ppm * t) * kDegPerRad + bench.normal(0.01); });
+  const Diagnosis d = diagnose(c, {});
+  ASSERT_TRUE(d.reference_course) << ppm << ' ' << left_of(d);
+  const ReferenceCourse &course = *d.reference_course;
+  EXPECT_NEAR(course.clock_ppm, ppm, 5.0 * course.clock_error + 0.002 * std::abs(ppm))
+      << left_of(d);
+  expect_pair(d, bench.pair, 1e-3);
+}
+
 } // namespace
 } // namespace ada::test

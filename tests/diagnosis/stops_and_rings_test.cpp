@@ -193,5 +193,22 @@ KIND(a_short_way_back_shows_what_trails) {
   expect_none(d, {"channel-skew", "stray-field", "sensor-off-axis"});
 }
 
+/// A constant field comes with each pole of a ring, and not once a turn.
+KIND(an_encoder_off_centre_at_a_ring_of_poles_is_no_stray_field) {
+  Bench bench;
+  const int periods = static_cast<int>(bench.within(5.0, 40.0));
+  const double off_rad = bench.within(0.1, 0.4) * kRadPerDeg, from = bench.within(0.0, kTwoPi);
+  const auto angle = wandering(bench, bench.within(0.2, 0.4), 0.4, 0.2);
+  Capture c = bench.capture(8000, 1000.0, periods, angle);
+  for (double &deg : c.reference_deg)
+    deg = wrap(deg + off_rad * kDegPerRad * std::sin(deg * kRadPerDeg + from), 360.0);
+  const Diagnosis d = diagnose(c, {});
+  expect_pair(d, bench.pair, 2e-3);
+  expect_none(d, {"stray-field", "sensor-off-axis"});
+  for (const Finding &f : d.findings)
+    for (const std::string &other : f.alternatives)
+      EXPECT_NE(other, "stray-field") << names(d);
+}
+
 } // namespace
 } // namespace ada::test

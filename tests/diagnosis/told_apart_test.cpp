@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "diagnosis/bench.h"
@@ -156,6 +157,69 @@ KIND(a_delay_at_two_speeds_once_may_be_a_slip_where_the_speed_changed) {
     EXPECT_EQ(may_be(*late, "angle-slip"), !back) << left_of(d);
     EXPECT_TRUE(may_be(*late, "reference-delay")) << left_of(d);
   }
+}
+
+/// A shaft that stands for a while at each of some speeds up to `most_hz`, smoothly in between.
+std::function<double(double)> many_speeds(double most_hz, double seconds) {
+  return [=](double t) {
+    const double w = kTwoPi / seconds;
+    return kTwoPi * most_hz * (0.55 * t - 0.45 / w * std::sin(w * t));
+  };
+}
+
+/// An RC ahead of a converter that reads late: its equation is solved here step by step.
+KIND(a_delay_and_a_low_pass_are_both_told) {
+  Bench bench;
+  const double rate = 20000.0, corner_hz = bench.within(2000.0, 5000.0),
+               delay_s = bench.within(30e-6, 60e-6);
+  const auto angle = many_speeds(100.0, 1.0);
+  Bench silent = bench;
+  silent.pair.noise_v = 0.0;
+  constexpr int kFiner = 16;
+  const Capture fine = silent.capture(40000 * kFiner, rate * kFiner, 2,
+                                      [&](double t) { return angle(t - delay_s); });
+  Capture c = bench.capture(40000, rate, 2, angle);
+  const double keeps = std::exp(-kTwoPi * corner_hz / (rate * kFiner));
+  // Between two of the fine steps the input goes in a straight line, near enough.
+  double s = fine.vsin_v[0], cc = fine.vcos_v[0];
+  for (std::size_t i = 0; i < fine.size(); ++i) {
+    if (i > 0) {
+      s = keeps * s + (1.0 - keeps) * 0.5 * (fine.vsin_v[i] + fine.vsin_v[i - 1]);
+      cc = keeps * cc + (1.0 - keeps) * 0.5 * (fine.vcos_v[i] + fine.vcos_v[i - 1]);
+    }
+    if (i % kFiner == 0) {
+      c.vsin_v[i / kFiner] = s + bench.normal(bench.pair.noise_v);
+      c.vcos_v[i / kFiner] = cc + bench.normal(bench.pair.noise_v);
+    }
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *pass = named(d, "low-pass-rolloff"), *late = named(d, "propagation-delay");
+  if (!late)
+    late = named(d, "reference-delay");
+  ASSERT_TRUE(pass && late) << left_of(d);
+  EXPECT_NEAR(pass->values[0], corner_hz, 0.1 * corner_hz) << left_of(d);
+  EXPECT_NEAR(late->values[0], delay_s, 0.1 * delay_s) << left_of(d);
+}
+
+/// Without a reference nothing shows a lag that both channels have.
+KIND(a_mean_over_rows_in_one_channel_is_no_low_pass_of_both) {
+  Bench bench;
+  const auto rows = static_cast<std::size_t>(bench.within(4.0, 8.99));
+  Capture c = bench.capture(30000, 10000.0, 2, many_speeds(bench.within(25.0, 35.0), 1.5));
+  std::vector<double> mean(c.size());
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const std::size_t first = i + 1 >= rows ? i + 1 - rows : 0;
+    for (std::size_t k = first; k <= i; ++k)
+      mean[i] += c.vcos_v[k] / static_cast<double>(i + 1 - first);
+  }
+  c.vcos_v = mean;
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  expect_none(d, {"low-pass-rolloff", "clipping", "propagation-delay"});
+  const Finding *skew = named(d, "channel-skew");
+  ASSERT_TRUE(skew) << left_of(d);
+  const double late_s = 0.5 * static_cast<double>(rows - 1) / 10000.0;
+  EXPECT_NEAR(std::abs(skew->values[0]), late_s, 0.25 * late_s) << left_of(d); // by the length
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <functional>
+#include <random>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -108,6 +109,39 @@ TEST(Times, with_a_hole_lack_samples) {
   EXPECT_EQ(check.state, HealthState::failed);
   EXPECT_NE(check.explanation.find("about 100 samples are missing"), std::string::npos)
       << check.explanation;
+}
+
+/// Rows of a shaft that turns, read evenly and stamped when some of them were delivered; and with
+/// stamps of their own, a quarter of them lost.
+TEST(Times, of_a_delivery_lack_no_samples) {
+  std::mt19937_64 rng(fresh_seed());
+  std::uniform_real_distribution<> late(0.0, 0.4);
+  for (const bool lost : {false, true}) {
+    constexpr std::size_t kRows = 32;
+    const Capture all = Sampler(SensorPair{}, fresh_seed()).capture(1250, 8, constant_speed(3));
+    Capture c = all;
+    for (std::vector<double> *column : {&c.time_s, &c.vsin_v, &c.vcos_v, &c.reference_deg})
+      column->clear();
+    double wakes_s = 0.0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const std::size_t batch = i / kRows, row = i % kRows;
+      if (lost && batch % 4 == 3)
+        continue;
+      if (row == 0)
+        wakes_s = 0.0256 * (static_cast<double>(batch + 1) + late(rng));
+      c.time_s.push_back(lost ? all.time_s[i] : wakes_s + 1e-6 * static_cast<double>(row));
+      c.vsin_v.push_back(all.vsin_v[i]);
+      c.vcos_v.push_back(all.vcos_v[i]);
+      c.reference_deg.push_back(all.reference_deg[i]);
+    }
+    c.gaps = gaps_in_time(c);
+    const HealthCheck check = gaps(c);
+    EXPECT_EQ(check.state, HealthState::failed) << check.explanation;
+    EXPECT_EQ(check.explanation.find("were delivered") != std::string::npos, !lost)
+        << check.explanation;
+    EXPECT_EQ(check.explanation.find("samples are missing") != std::string::npos, lost)
+        << check.explanation;
+  }
 }
 
 } // namespace

@@ -99,12 +99,20 @@ std::optional<Standing> standing_off_curve(const FromEnd &rows) {
   };
   while (stands < n && (!rows.usable(stands) || (stays(0, stands) && stays(1, stands))))
     ++stands;
-  // A channel that stood by itself before is stuck, and the shaft rests.
+  // A channel that stood by itself while the other one moved is stuck, where that comes to rest
+  // later, and does not jump to its place.
   for (const int channel : {0, 1}) {
+    constexpr double kMoves = 10.0, kArrives = 3.0; // of what passes for standing
+    const int other = 1 - channel;
+    const Place &place = at[static_cast<std::size_t>(other)];
+    const double standing_v = std::max(place.band_v, still_v);
     std::size_t alone = stands;
-    while (alone < n && (!rows.usable(alone) || stays(channel, alone)))
-      ++alone;
-    if (alone >= stands + end)
+    double farthest_v = 0.0;
+    for (; alone < n && (!rows.usable(alone) || stays(channel, alone)); ++alone)
+      if (rows.usable(alone))
+        farthest_v = std::max(farthest_v, std::abs(rows.value(other, alone) - place.value_v));
+    if (alone >= stands + end && farthest_v > kMoves * standing_v &&
+        std::abs(rows.value(other, stands) - place.value_v) < kArrives * standing_v)
       return std::nullopt;
   }
   if (stands < end || n - stands < end)

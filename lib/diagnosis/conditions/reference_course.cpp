@@ -69,13 +69,13 @@ struct Rows {
   Interval of_time, of_way;
   double way() const { return 2.0 * of_way.half; }
   /// Between rows, in a straight line.
-  double speed_at(double time_s) const {
+  double at(const ArrayXd &v, double time_s) const {
     const auto after = std::lower_bound(time.begin(), time.end(), time_s) - time.begin();
     if (after == 0 || after == time.size())
-      return speed.size() > 0 ? speed[std::clamp<Eigen::Index>(after, 0, speed.size() - 1)] : 0.0;
+      return v.size() > 0 ? v[std::clamp<Eigen::Index>(after, 0, v.size() - 1)] : 0.0;
     const double step = time[after] - time[after - 1];
     const double part = step > 0.0 ? (time_s - time[after - 1]) / step : 0.0;
-    return speed[after - 1] + part * (speed[after] - speed[after - 1]);
+    return v[after - 1] + part * (v[after] - v[after - 1]);
   }
 };
 
@@ -377,6 +377,11 @@ ArrayXd Record::slow_of(const Fit &f) const {
 bool Record::is_small(const Fit &f) const {
   const ArrayXd all = slow_of(f);
   const double most = all.size() > 0 ? all.maxCoeff() - all.minCoeff() : 0.0;
+  // No two crystals differ by as much; and where the speed hardly changes the lag of all rows and
+  // one that grows may be large and cancel each other.
+  constexpr double kMostOfClock = 1e-3;
+  if (f.course.clock && std::abs(f.size[f.course.way + f.course.time]) > kMostOfClock)
+    return false;
   return std::abs(scale_of(rows_, f)) < criteria::kMostOfScale &&
          most < criteria::kMostOfScale * travel_;
 }
@@ -482,11 +487,10 @@ std::optional<Fit> Record::course() {
     return {};
   try_course(slips.of(0, 1), best);
   try_course(slips.by_clock(), best);
-  if (!best.fit.course.clock)
-    try_course(slips.of(1, 1), best);
+  try_course(slips.of(1, 1), best);
   bool found = takes_all_but(1.0 - criteria::kStraight, best.fit);
   const bool may_bend = travel_ > kTurnsOfCurve * kTwoPi;
-  if (!found && may_bend && !best.fit.course.clock) {
+  if (!found && may_bend) {
     for (int degree = 2; degree <= kPlain; ++degree) {
       try_course(slips.of(degree, 0), best);
       try_course(slips.of(0, degree), best);
@@ -536,9 +540,14 @@ void mend(const Rows &rows, const Fit &found, const std::vector<double> &referen
   for (std::size_t k = 0; k < reference.size(); ++k) {
     const double time_s = capture.time_s[begin + k];
     const int slow = found.course.slow();
-    const double off = terms_at(rows, found.course, time_s, reference[k], rows.speed_at(time_s))
-                           .head(slow)
-                           .dot(found.size.head(slow));
+    double off = terms_at(rows, found.course, time_s, reference[k], rows.at(rows.speed, time_s))
+                     .head(slow)
+                     .dot(found.size.head(slow));
+    if (found.course.clock) { // to second order, as in the fit
+      const double lag_s =
+          found.size[found.course.way + found.course.time] * (time_s - rows.of_time.middle);
+      off += 0.5 * lag_s * lag_s * rows.at(rows.acceleration, time_s);
+    }
     capture.reference_deg[begin + k] = (reference[k] + off) * kDegPerRad;
     if (std::isnan(off))
       continue;

@@ -205,8 +205,10 @@ std::optional<FitResult> fit_by_direction(DataSplit split, Model model, bool ben
     split.weigh(Direction::radius, independent * left.noise_across / left.along);
     model = fit(split.train, model, 5).model;
   }
+  // What is left across is noise, or next to nothing of what the length does.
   const Scatter left = scatter_of(split.train, model);
-  if (left.across > criteria::kMoreThanNoise * left.noise_across)
+  if (left.across > criteria::kMoreThanNoise * left.noise_across &&
+      left.across > criteria::kFarLessAcross * left.along)
     return std::nullopt;
   return fit_with_errors(split.train, model);
 }

@@ -568,10 +568,12 @@ Spikes spikes_against(const Scene &scene, const Model &model,
     if (!scene.has_reference && before < after && after < all.size()) {
       const double took = all.time[after] - all.time[before];
       const double part = took > 0.0 ? (data.time[i] - all.time[before]) / took : 0.5;
-      const auto between = [&](const auto &v) { return v[before] + part * (v[after] - v[before]); };
-      sin = data.vsin[i] - between(all.vsin);
-      cos = data.vcos[i] - between(all.vcos);
-      angle = between(all.alpha);
+      angle = all.alpha[before] + part * (all.alpha[after] - all.alpha[before]);
+      Observations there_alone = data.select({static_cast<std::uint32_t>(i)});
+      there_alone.alpha[0] = angle;
+      const ResidualColumns left = residual_columns(there_alone, model);
+      sin = left.sin[0];
+      cos = left.cos[0];
     }
     angles.push_back(angle);
     if (std::abs(sin) > std::abs(cos))

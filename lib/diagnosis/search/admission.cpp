@@ -448,13 +448,25 @@ bool Search::helps_both_channels(const State &with, const State &less, std::size
   const double n = static_cast<double>(data.size());
   const double variance =
       std::max(white_sum_of_squares(data, with.judged) / (2.0 * n), criteria::kLeastMeanSquare);
-  const auto nats = [&](const std::vector<double> &now, const std::vector<double> &before) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < now.size(); ++i)
-      sum += before[i] * before[i] - now[i] * now[i];
-    return 0.5 * sum / variance;
-  };
-  return std::min(nats(a.sin, b.sin), nats(a.cos, b.cos)) > -criteria::kRivalNats;
+  constexpr double kLengthTells = 0.5; // of which below this what lies along is the motion's
+  constexpr double kAboutPeak = 0.75;  // within 30 degrees
+  double of_sin = 0.0, of_cos = 0.0;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    double as = a.sin[i], ac = a.cos[i], bs = b.sin[i], bc = b.cos[i];
+    data.whiten(i, a.model_sin[i], a.model_cos[i], as, ac);
+    data.whiten(i, b.model_sin[i], b.model_cos[i], bs, bc);
+    if (data.disturbed == Direction::motion && data.weight_along < kLengthTells) {
+      // The length about its peaks is a channel's own.
+      const auto [along_s, along_c] = data.direction_at(i, b.model_sin[i], b.model_cos[i]);
+      const double gain = bs * bs + bc * bc - as * as - ac * ac;
+      of_sin += along_c * along_c > kAboutPeak ? gain : 0.0;
+      of_cos += along_s * along_s > kAboutPeak ? gain : 0.0;
+      continue;
+    }
+    of_sin += bs * bs - as * as;
+    of_cos += bc * bc - ac * ac;
+  }
+  return 0.5 * std::min(of_sin, of_cos) / variance > -criteria::kRivalNats;
 }
 
 /// A true cause makes no part of the record worse: one that helps here at the cost of there stands

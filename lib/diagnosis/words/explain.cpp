@@ -75,7 +75,7 @@ std::string in_words(const ReferenceCourse &c) {
     parts.push_back(fmt::format("drifts by {:.4g} +- {:.2g} deg/s", c.drift_deg_s, c.drift_error));
   if (c.clock_error > 0.0)
     parts.push_back(fmt::format("is late by {} and {} ({:+.4g} +- {:.2g} us for each second): its "
-                                "clock is not the pair's",
+                                "clock is not the pair's, or a delay drifts",
                                 c.clock_ppm < 0.0 ? "less" : "more",
                                 c.clock_ppm < 0.0 ? "less" : "more", c.clock_ppm, c.clock_error));
   if (c.bend_deg > 0.0)

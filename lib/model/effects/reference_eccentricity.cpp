@@ -29,6 +29,13 @@ constexpr EffectInfo kInfo{.id = "reference-eccentricity",
 class ReferenceEccentricity final : public ReferenceError {
 public:
   const EffectInfo &info() const override { return kInfo; }
+  /// A ring that is off centre errs once a turn as well, and is the more likely to be.
+  std::string invisible(const Residual &r) const override {
+    const std::string none = ReferenceError::invisible(r);
+    return !none.empty() || turns_with_poles(r).empty()
+               ? none
+               : "a ring of poles that is off centre looks the same";
+  }
 
 protected:
   double order(Values) const override { return 1.0; }
