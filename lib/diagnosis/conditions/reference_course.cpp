@@ -486,7 +486,12 @@ std::optional<Fit> Record::course() {
       (none.nats - best.nats < criteria::kRivalNats && inflation(none.fit.along) < kEven))
     return {};
   try_course(slips.of(0, 1), best);
-  try_course(slips.by_clock(), best);
+  // Another clock leaves nothing that is slow, which no walk is likely to do.
+  constexpr double kLeftByClock = 0.005;
+  Best by_clock = best;
+  try_course(slips.by_clock(), by_clock);
+  if (by_clock.fit.course.clock && takes_all_but(kLeftByClock, by_clock.fit))
+    best = std::move(by_clock);
   try_course(slips.of(1, 1), best);
   bool found = takes_all_but(1.0 - criteria::kStraight, best.fit);
   const bool may_bend = travel_ > kTurnsOfCurve * kTwoPi;
