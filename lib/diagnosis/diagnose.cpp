@@ -261,11 +261,7 @@ Structure of_stamps(const EvenRows &even) {
 
 /// By how much the angle of a model departs from a reference, rms, rad of the shaft. The model gets
 /// the zero angle that suits it best.
-double off_reference_rad(const Capture &capture, Model &model) {
-  const Scene scene = prepare(capture, false);
-  if (!scene.insufficient.empty())
-    return std::numeric_limits<double>::infinity();
-  const Observations data = scene.all.select(thin(scene.train, criteria::kRemainderSamples));
+double off_reference_rad(const Observations &data, Model &model) {
   model = as_seen_by(data, std::move(model));
   const ResidualColumns r = residual_columns(data, model);
   double squares = 0.0;
@@ -273,7 +269,7 @@ double off_reference_rad(const Capture &capture, Model &model) {
     const double s = r.model_sin[i] - data.centre_sin_v, c = r.model_cos[i] - data.centre_cos_v;
     squares += std::pow((r.sin[i] * c - r.cos[i] * s) / std::max(s * s + c * c, 1e-12), 2);
   }
-  return std::sqrt(squares / static_cast<double>(data.size())) / capture.meta.periods_per_turn;
+  return std::sqrt(squares / static_cast<double>(data.size())) / model.periods_per_turn;
 }
 
 /// Whether all that every pair has is named, and clear of its error.
@@ -303,25 +299,31 @@ std::optional<Diagnosis> beside_wandering_reference(const Capture &capture,
       by_reference.verdict == Verdict::insufficient_data ||
       by_reference.verdict == Verdict::no_discrepancy ||
       by_reference.verdict == Verdict::explained || names_more(by_reference) ||
-      names_what_every_pair_has(by_reference) ||
-      !(by_reference.extended_quality.heldout.residual_rms_v >
-        kAlongFigure * off_own_figure_v(capture)))
+      names_what_every_pair_has(by_reference))
+    return std::nullopt;
+  const double off_figure_v = off_own_figure_v(capture);
+  if (!(by_reference.extended_quality.heldout.residual_rms_v > kAlongFigure * off_figure_v))
     return std::nullopt;
   Diagnosis alone = diagnose_by_reference(without_reference(capture), options);
   if (alone.verdict == Verdict::insufficient_data || !names_what_every_pair_has(alone))
     return std::nullopt;
-  const double off = off_reference_rad(capture, alone.extended);
+  const Scene scene = prepare(capture, false);
+  if (!scene.insufficient.empty())
+    return std::nullopt;
+  const Observations data = scene.all.select(thin(scene.train, criteria::kRemainderSamples));
   Model other = by_reference.extended;
-  if (!(off < criteria::kNoWorse * off_reference_rad(capture, other)))
+  const double off = off_reference_rad(data, alone.extended);
+  if (!(off < criteria::kNoWorse * off_reference_rad(data, other)))
     return std::nullopt;
   alone.turns = by_reference.turns;
   const double left_v = off * capture.meta.periods_per_turn *
                         std::abs(alone.extended.baseline.amplitude_v) / std::numbers::sqrt2;
   const std::string why =
-      fmt::format("the reference departs from the pair by {:.3g} deg rms, and not at the same "
-                  "places again, while the pair keeps to its ellipse to {:.3g} mV: the reference "
+      fmt::format("the reference departs from the pair by {:.3g} deg rms, which nothing that "
+                  "repeats with the angle takes off, while the pair keeps to its ellipse to {:.3g} "
+                  "mV: the reference "
                   "wanders, or a coupling or the magnet moves on the shaft",
-                  off * kDegPerRad, 1e3 * off_own_figure_v(capture));
+                  off * kDegPerRad, 1e3 * off_figure_v);
   return with_reference_aside(why, true, left_v, std::move(alone));
 }
 

