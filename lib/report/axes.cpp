@@ -87,7 +87,11 @@ PlotAxes plot_axes(const Scene &scene, const Observations &data, double start_s,
 }
 
 ResidualColumns shown_residual(const Scene &scene, const Observations &data, const Model &model) {
-  return residual_columns(scene.radius_only ? at_own_angle(data, model) : data, model);
+  if (scene.radius_only)
+    return residual_columns(at_own_angle(data, model), model);
+  // The motion that is read off a pair has a zero of its own, and the model that of a reference
+  // which was set aside.
+  return residual_columns(data, scene.has_reference ? model : as_seen_by(data, model));
 }
 
 double mean_square(const ResidualColumns &r) {
