@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace ada {
@@ -14,6 +15,24 @@ namespace ada {
 /// Threads that one call may use; 0, and from the start: as many as the process may run on.
 void set_jobs(unsigned jobs) noexcept;
 unsigned jobs() noexcept;
+
+/// Threads that are kept for all loops within a scope, of this thread and of those that help it: to
+/// start them anew for each of the thousands of short loops of a diagnosis took a third of its
+/// time. A scope within another uses its threads; set_jobs counts from the next scope on. Threads
+/// belong to a scope and not to the process: after a fork, or once the library is unloaded, none is
+/// missed.
+class Helpers {
+public:
+  Helpers();
+  ~Helpers();
+  Helpers(const Helpers &) = delete;
+  Helpers &operator=(const Helpers &) = delete;
+
+  class Crew;
+
+private:
+  std::unique_ptr<Crew> own_; ///< none within another scope
+};
 
 namespace detail {
 void run_in_order(std::size_t count, std::size_t window,

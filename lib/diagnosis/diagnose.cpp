@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "base/angle.h"
+#include "base/parallel.h"
 #include "base/plain_numbers.h"
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/between_captures.h"
@@ -383,6 +384,7 @@ void write_numbers_plainly(Diagnosis &d) {
 } // namespace
 
 Diagnosis diagnose(const Capture &given, const DiagnosisOptions &asked) {
+  const Helpers helpers; // for the thousands of loops below
   const auto moved = in_step(given, asked.heldout);
   const Capture &read = moved ? moved->capture : given;
   DiagnosisOptions options = asked;

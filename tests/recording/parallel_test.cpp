@@ -4,8 +4,11 @@
 // Blocks that several threads work on: in order, each once, and with one failure however they run.
 
 #include <atomic>
+#include <mutex>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -68,6 +71,28 @@ TEST_P(Parallel, fails_by_the_earliest_block_whatever_the_threads_do) {
     EXPECT_EQ(failure(8, 6), "take 6");
     EXPECT_EQ(failure(6, 6), "make 6");
   }
+}
+
+/// Loops one after another and within one another, and one that fails, by the helpers of one scope.
+TEST_P(Parallel, helps_all_loops_of_a_scope_with_no_more_threads_than_jobs) {
+  std::mutex mutex;
+  std::set<std::thread::id> threads;
+  const Helpers helpers;
+  for (int loop = 0; loop < 200; ++loop) {
+    std::vector<std::size_t> sums(20);
+    for_each_block<int>(sums.size(), [&](std::size_t outer, int &) {
+      const Helpers within; // the same
+      in_order<std::size_t>(
+          10, [&](std::size_t k, std::size_t &slot) { slot = outer + k; },
+          [&](std::size_t, std::size_t &slot) { sums[outer] += slot; });
+      const std::lock_guard lock(mutex);
+      threads.insert(std::this_thread::get_id());
+    });
+    for (std::size_t outer = 0; outer < sums.size(); ++outer)
+      ASSERT_EQ(sums[outer], 10 * outer + 45);
+    EXPECT_EQ(failure(7, 50), "make 7");
+  }
+  EXPECT_LE(threads.size(), GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(Jobs, Parallel, testing::Values(1u, 2u, 7u));
