@@ -157,7 +157,8 @@ private:
   /// over the whole record: a whole one is what the record tells apart.
   struct Line {
     enum { of_time, of_angle } axis;
-    double periods;
+    double periods; ///< over the record
+    bool whole;     ///< an order that comes with every turn
   };
   std::optional<Line> line_of(const EffectInstance &e) const;
 

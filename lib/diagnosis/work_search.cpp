@@ -446,9 +446,11 @@ std::optional<Work::Line> Work::line_of(const EffectInstance &e) const {
     if (!is_place(parameters[k]) || scene_.all.time.empty())
       continue;
     if (parameters[k].unit == "per turn")
-      return Line{Line::of_angle, e.values[k] * scene_.turns};
+      return Line{Line::of_angle, e.values[k] * scene_.turns,
+                  e.values[k] == std::round(e.values[k])};
     if (parameters[k].unit == "Hz")
-      return Line{Line::of_time, e.values[k] * (scene_.all.time.back() - scene_.all.time.front())};
+      return Line{Line::of_time, e.values[k] * (scene_.all.time.back() - scene_.all.time.front()),
+                  false};
   }
   return std::nullopt;
 }
@@ -466,6 +468,9 @@ bool Work::drop_lines_that_stand_together() {
       const std::size_t at = found_.order[other];
       const auto beside = line_of(model.effects[at]);
       if (!beside || beside->axis != line->axis)
+        continue;
+      // Whole orders are what comes with every turn, and not the sides of a line that changes.
+      if (other != place && line->axis == Line::of_angle && line->whole && beside->whole)
         continue;
       const double apart = std::abs(beside->periods - line->periods);
       if (other != place && (apart < criteria::kOneLine || apart > criteria::kTwoLines))

@@ -118,6 +118,11 @@ RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair
   constexpr double kOfSteps = 1.5;  // a row may fall to either side of one
   constexpr double kOfPair = 0.5;   // of the departure: more of it would be the pair's own
   constexpr std::size_t kReach = 3; // of the median: at the ends of the record it is one-sided
+  constexpr std::size_t kSide = 5;  // rows, of which the two beside it may be wrong as well
+  // Parts of the rows two to five from a row in the least-squares parabola through them, there:
+  // with S2 = 108 and S4 = 1956 the sums of their distances' powers, (S4 - S2 d^2) / (8 S4 - S2^2).
+  constexpr double kOfParabola[] = {1524.0 / 3984.0, 984.0 / 3984.0, 228.0 / 3984.0,
+                                    -744.0 / 3984.0};
   const std::size_t n = reference.size();
   if (n < kRareSample)
     return {};
@@ -143,8 +148,34 @@ RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair
   const auto its_own = [&](std::size_t i) {
     return std::abs(wrap_centred(own(i) - departure[i], kTwoPi)) < kOfPair * std::abs(departure[i]);
   };
+  // Good rows on both sides say so, and alike: where a delay meets another speed, or a gap another
+  // place, the rows before and behind are off by different amounts, and the row by none of its own.
+  const auto stands_between = [&](std::size_t i) {
+    const auto side = [&](std::size_t first, std::size_t end) {
+      std::vector<double> from;
+      for (std::size_t k = first; k < end; ++k)
+        from.push_back(wrap_centred(off[i] - off[k], kTwoPi));
+      return quantile(std::move(from), 0.5);
+    };
+    const double before = side(i - std::min(i, kSide), i),
+                 behind = side(i + 1, std::min(n, i + 1 + kSide));
+    return before * behind > 0.0 &&
+           std::min(std::abs(before), std::abs(behind)) > kOfPair * std::abs(departure[i]);
+  };
+  // And off the parabola through them: where the pair's own error is largest a row lies beyond
+  // those beside it, and bends no more than they do.
+  const auto leaves_parabola = [&](std::size_t i) {
+    if (i < kSide || i + kSide >= n)
+      return true;
+    double there = 0.0;
+    for (std::size_t d = 2; d <= kSide; ++d)
+      there += kOfParabola[d - 2] * (wrap_centred(off[i - d] - off[i], kTwoPi) +
+                                     wrap_centred(off[i + d] - off[i], kTwoPi));
+    return std::abs(there) > kOfPair * std::abs(departure[i]);
+  };
   for (std::size_t i = kReach; i + kReach < n; ++i)
-    if (std::abs(departure[i]) > std::max(least, kOfCommon * common[i]) && its_own(i)) {
+    if (std::abs(departure[i]) > std::max(least, kOfCommon * common[i]) && its_own(i) &&
+        stands_between(i) && leaves_parabola(i)) {
       out.rows.push_back(static_cast<std::uint32_t>(i));
       out.by_rad.push_back(std::abs(wrap_centred(departure[i], kTwoPi)));
     }

@@ -227,6 +227,29 @@ Roundness roundness_on(const Residual &r, bool of_sin, double sense) {
   return {-parabola[2], std::sqrt(variance * solver.solve(Eigen::Vector3d::UnitZ())[2])};
 }
 
+/// Rows on a level are not the pair's, nor are those between and beside them that noise alone has
+/// put below: what is left of them would all lie on one side.
+void leave_out(const Level &level, std::span<const double> v, double sense, double band_v,
+               std::vector<char> &usable) {
+  constexpr double kBands = 2.0; // below the level: from there on it is the way to the next peak
+  for (std::size_t k = 0; k < level.rows.size(); ++k) {
+    const std::size_t row = level.rows[k];
+    std::fill(usable.begin() + static_cast<std::ptrdiff_t>(row - std::min<std::size_t>(row, 1)),
+              usable.begin() + static_cast<std::ptrdiff_t>(std::min(row + 2, usable.size())),
+              char{0});
+    if (k == 0)
+      continue;
+    const auto between = usable.begin() + static_cast<std::ptrdiff_t>(level.rows[k - 1]) + 1;
+    const auto end = usable.begin() + static_cast<std::ptrdiff_t>(level.rows[k]);
+    const auto below = [&](const char &of_row) {
+      const double at = v[static_cast<std::size_t>(&of_row - usable.data())];
+      return sense * (level.value_v - at) > kBands * band_v;
+    };
+    if (std::none_of(between, end, below))
+      std::fill(between, end, char{0});
+  }
+}
+
 /// Periods of the pair that a reference goes through.
 double periods_of_reference(const Capture &capture, std::span<const char> usable) {
   double turns = 0.0, last = std::numeric_limits<double>::quiet_NaN();
@@ -331,8 +354,7 @@ bool screen_cut_peaks(Screened &look, const Effect &effect) {
       if (ends[k][high]) {
         any = true;
         both = both && of_both(k, high);
-        for (std::size_t i : ends[k][high]->rows)
-          look.usable[i] = 0;
+        leave_out(*ends[k][high], channels[k], high ? 1.0 : -1.0, bands[k].most_v, look.usable);
       }
   if (both)
     find(ends[0][0] ? ends[0][0] : ends[1][0], ends[0][1] ? ends[0][1] : ends[1][1], kNone);

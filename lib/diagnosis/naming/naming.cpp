@@ -6,7 +6,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <utility>
 
@@ -16,6 +15,7 @@
 #include "diagnosis/events/step_shape.h"
 #include "diagnosis/naming/by_chance.h"
 #include "diagnosis/naming/cancelling.h"
+#include "diagnosis/naming/comb.h"
 #include "diagnosis/naming/nested_models.h"
 #include "diagnosis/naming/own_law.h"
 #include "diagnosis/naming/taken_back.h"
@@ -103,66 +103,6 @@ void drop_what_has_no_name(const Scene &scene, DataSplit split, SearchResult &fo
     if (worst == found.order.size())
       return;
     found.forget(worst);
-    found.fit.model = fit(split.train, found.fit.model, kRefit).model;
-  }
-}
-
-/// Mean square, V^2 of a channel, that an order of the structure has which repeats with the angle,
-/// or a line of the spectrum, and has no name, weighted by itself: of those that carry it, not of
-/// those that happen to be in.
-double comb_v2(const Anonymous &left, Axis axis) {
-  std::map<int, double> of_order;
-  for (std::size_t k = 0; k < left.selection.columns.size(); ++k) {
-    const Group &group =
-        left.basis.groups()[static_cast<std::size_t>(left.selection.columns[k] / 2)];
-    if (group.axis == axis && group.order != kOfBaseline)
-      of_order[group.order] +=
-          0.5 * std::pow(left.selection.values[static_cast<Eigen::Index>(k)], 2);
-  }
-  double sum = 0.0, squares = 0.0;
-  for (const auto &[order, v2] : of_order) {
-    sum += v2;
-    squares += v2 * v2;
-  }
-  return sum > 0.0 ? squares / sum : 0.0;
-}
-
-/// Whether a cause is one order of the turn, or one line of the spectrum.
-bool is_one_of(const EffectInstance &e, Axis axis) {
-  if (axis == Axis::angle)
-    return chosen(e, "order").has_value();
-  const auto line = e.effect->one_line(e.values);
-  return line && line->per == OneLine::Per::second;
-}
-
-/// One order or line of many is no cause of its own: it must stand out of what has no name.
-void drop_what_is_of_a_comb(const Scene &scene, const DataSplit &all, SearchResult &found,
-                            Axis axis) {
-  const auto &effects = found.fit.model.effects;
-  if (std::none_of(found.order.begin(), found.order.end(),
-                   [&](std::size_t at) { return is_one_of(effects[at], axis); }))
-    return;
-  DataSplit split = all;
-  split.train = thinned(split.train);
-  split.train.coloured.reset();
-  for (;;) {
-    const Model &model = found.fit.model;
-    std::size_t least_place = found.order.size();
-    double least = 0.0;
-    for (std::size_t place = 0; place < found.order.size(); ++place) {
-      const std::size_t at = found.order[place];
-      if (!is_one_of(model.effects[at], axis))
-        continue;
-      const double v2 = std::pow(moved_rms_v(split.heldout, model, at), 2);
-      if (least_place == found.order.size() || v2 < least) {
-        least = v2;
-        least_place = place;
-      }
-    }
-    if (least_place == found.order.size() ||
-        least > criteria::kAboveComb * comb_v2(anonymous_of(scene, split, model), axis))
-      return;
-    found.forget(least_place);
     found.fit.model = fit(split.train, found.fit.model, kRefit).model;
   }
 }
@@ -439,6 +379,8 @@ SearchResult name_against_anonymous(const SearchStart &start, DataSplit &split,
   drop_signatures_that_bring_forth(start.scene, start.judge, split, found);
   std::vector<const Effect *> unasked;
   if (take_back_what_explains_most(start.scene, split, first, found, unasked))
+    colour(start.scene, split, found.fit.model);
+  if (take_back_orders_that_stand_out(start.scene, split, first, found, unasked))
     colour(start.scene, split, found.fit.model);
   drop_what_has_no_name(start.scene, split, found);
   const std::size_t named = found.order.size();

@@ -46,19 +46,6 @@ std::vector<Rival> rivals_of(const Scene &scene, const DataSplit &split, const M
   return out;
 }
 
-/// Puts causes of a fitted model, from one place on, to those that were found.
-void take_back(const DataSplit &split, const Model &less, FitResult fitted, SearchResult &found,
-               std::vector<const Effect *> &unasked) {
-  const double without_v2 = left_v2(split, less), with_v2 = left_v2(split, fitted.model);
-  for (std::size_t k = less.effects.size(); k < fitted.model.effects.size(); ++k) {
-    found.order.push_back(k);
-    found.contribution.push_back(std::sqrt(std::max(0.0, without_v2 - with_v2)));
-    found.alternatives.emplace_back();
-    unasked.push_back(fitted.model.effects[k].effect);
-  }
-  found.fit.model = std::move(fitted.model);
-}
-
 /// Those of the first model that were not found in the end.
 std::vector<EffectInstance> missing_of(const Model &first, const Model &found) {
   std::vector<EffectInstance> out;
@@ -156,6 +143,18 @@ bool exchange_what_stands_in(const Scene &scene, const DataSplit &split, const M
 }
 
 } // namespace
+
+void take_back(const DataSplit &split, const Model &less, FitResult fitted, SearchResult &found,
+               std::vector<const Effect *> &unasked) {
+  const double without_v2 = left_v2(split, less), with_v2 = left_v2(split, fitted.model);
+  for (std::size_t k = less.effects.size(); k < fitted.model.effects.size(); ++k) {
+    found.order.push_back(k);
+    found.contribution.push_back(std::sqrt(std::max(0.0, without_v2 - with_v2)));
+    found.alternatives.emplace_back();
+    unasked.push_back(fitted.model.effects[k].effect);
+  }
+  found.fit.model = std::move(fitted.model);
+}
 
 bool take_back_what_explains_most(const Scene &scene, DataSplit split, const Model &first,
                                   SearchResult &found, std::vector<const Effect *> &unasked) {

@@ -20,6 +20,10 @@ namespace ada {
 bool take_back_what_explains_most(const Scene &scene, DataSplit split, const Model &first,
                                   SearchResult &found, std::vector<const Effect *> &unasked);
 
+/// Puts causes of a fitted model, those that it has beyond `less`, to what was found.
+void take_back(const DataSplit &split, const Model &less, FitResult fitted, SearchResult &found,
+               std::vector<const Effect *> &unasked);
+
 /// Asks for the alternatives of those that are still there.
 void ask_for_rivals(const Scene &scene, const Scene &judge, DataSplit split, SearchResult &found,
                     const std::vector<const Effect *> &unasked);

@@ -13,6 +13,7 @@
 #include "diagnosis/events/wiring.h"
 #include "diagnosis/over_samples.h"
 #include "diagnosis/search/fit.h"
+#include "model/effect_text.h"
 #include "model/forward.h"
 
 namespace ada {
@@ -96,6 +97,11 @@ std::vector<Variant> variants(const Scene &scene, const Residual &residual, cons
       if (std::any_of(model.effects.begin(), model.effects.end(),
                       [&](const EffectInstance &e) { return same_choice(e, *effect, values); }) &&
           present > 0 && effect->info().parameters[0].role == Role::chosen)
+        continue;
+      // What the readings themselves have shown at this place is known, and its rows are left out.
+      if (std::ranges::any_of(scene.screened, [&](const ScreenFinding &f) {
+            return repeats({f.effect, f.values, {}}, {effect, values, {}});
+          }))
         continue;
       out.push_back(make_variant(model, *effect, std::move(values)));
     }
