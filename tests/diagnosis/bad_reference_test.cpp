@@ -4,6 +4,7 @@
 // Benches whose reference plays, jumps, is read too seldom or is driven by a gear; and shapes of
 // which nobody can say whose they are.
 
+#include <algorithm>
 #include <cmath>
 
 #include "bench.h"
@@ -301,6 +302,37 @@ KIND(a_tracking_loop_hides_no_mismatch_and_no_quadrature_error) {
   const Diagnosis d = diagnose(c, {});
   expect_pair(d, bench.pair, 2e-3);
   expect_none(d, {"stray-field", "sensor-off-axis", "low-pass-rolloff", "propagation-delay"});
+}
+
+/// The pair's own error is large beside its noise: at its peaks, where the speed changes and across
+/// gaps the reference seems to leave the pair, and is right in every row.
+KIND(a_reference_that_is_right_is_wrong_in_no_row) {
+  Bench bench;
+  bench.pair.noise_v = bench.within(1e-5, 5e-5);
+  const double late_s = bench.within(3e-5, 2e-4);
+  const auto angle = three_speeds(bench, 12.0);
+  Capture whole =
+      bench.capture(24000, 2000.0, 2, [&](double t) { return angle(std::max(0.0, t - late_s)); });
+  Capture c = whole;
+  for (auto *column : {&c.time_s, &c.vsin_v, &c.vcos_v, &c.reference_deg})
+    column->clear();
+  std::size_t gap = 0;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    if (gap == 0 && bench.within(0.0, 1.0) < 2e-4)
+      gap = static_cast<std::size_t>(bench.within(1.0, 40.0));
+    if (gap > 0) {
+      --gap;
+      continue;
+    }
+    c.time_s.push_back(whole.time_s[i]);
+    c.vsin_v.push_back(whole.vsin_v[i]);
+    c.vcos_v.push_back(whole.vcos_v[i]);
+    c.reference_deg.push_back(wrap(angle(whole.time_s[i]) * kDegPerRad, 360.0));
+  }
+  const Diagnosis d = diagnose(c, {});
+  for (const Structure &s : d.structure)
+    EXPECT_EQ(s.description.find("the reference alone"), std::string::npos) << s.description;
+  expect_pair(d, bench.pair);
 }
 
 } // namespace

@@ -257,5 +257,44 @@ KIND(spikes_stand_out_of_their_neighbours_beside_much_that_has_no_name) {
   EXPECT_NEAR(spikes->values[1], v, 0.25 * v);
 }
 
+/// The table of an encoder on the 200 full steps of a stepper, driven forth and back: errors of the
+/// direction once, twice and four times a turn, of which each hides the others, and little beside.
+KIND(orders_of_a_direction_that_hide_one_another_are_each_named) {
+  constexpr int kOrders[] = {1, 2, 4};
+  constexpr double kStepDeg = 1.8, kStepS = 0.05;
+  Bench bench;
+  double size[3], phase[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    size[k] = bench.within(0.2, 0.4) * kRadPerDeg;
+    phase[k] = bench.within(0.0, kTwoPi);
+  }
+  const double rest = bench.within(0.03, 0.07) * kRadPerDeg, rest_phase = bench.within(0.0, kTwoPi);
+  const int there = 400, n = 800;
+  const auto step_of = [&](double t) {
+    const int i = static_cast<int>(std::lround(t / kStepS));
+    return i < there ? i : n - i;
+  };
+  const auto shaft = [&](double t) { return kStepDeg * kRadPerDeg * step_of(t); };
+  Capture c = bench.capture(static_cast<std::size_t>(n), 1.0 / kStepS, 1, [&](double t) {
+    const double a = shaft(t);
+    double out = a + rest * std::sin(5.0 * a + rest_phase);
+    for (std::size_t k = 0; k < 3; ++k)
+      out += size[k] * std::sin(kOrders[k] * a + phase[k]);
+    return out;
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(shaft(c.time_s[i]) * kDegPerRad, 360.0);
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_TRUE(named(d, "stray-field") || named(d, "reference-eccentricity")) << left_of(d);
+  EXPECT_TRUE(named(d, "sensor-off-axis") || named(d, "field-direction-error") ||
+              named(d, "reference-harmonic"))
+      << left_of(d);
+  const bool fourth = std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding &f) {
+    return f.values[0] == 4.0 &&
+           std::abs(f.values[1] - size[2] * kDegPerRad) < 0.2 * size[2] * kDegPerRad;
+  });
+  EXPECT_TRUE(fourth) << left_of(d);
+}
+
 } // namespace
 } // namespace ada::test

@@ -205,5 +205,34 @@ KIND(what_comes_again_beside_the_counts_of_a_reference_is_left_over) {
   EXPECT_NE(d.verdict, Verdict::explained) << left_of(d);
 }
 
+/// A transfer that is bent like a bow and stops at a level, without a reference: the noise behind
+/// the level puts readings below it, which make no second one.
+KIND(one_level_of_a_bent_channel_is_one_clipping) {
+  Bench bench;
+  const double bow = bench.within(0.006, 0.015) * (bench.within(-1.0, 1.0) < 0.0 ? -1.0 : 1.0),
+               part = bench.within(0.85, 0.95), turns_hz = bench.within(3.0, 8.0),
+               noise_v = bench.pair.noise_v;
+  bench.pair.noise_v = 0.0;
+  Capture c = bench.capture(16000, 1000.0, 2, [&](double t) { return kTwoPi * turns_hz * t; });
+  const double level = kMiddleV + part * bench.pair.amplitude_v;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const auto bent = [&](double v) {
+      const double x = v - kMiddleV;
+      return kMiddleV + x + bow * x * x;
+    };
+    c.vsin_v[i] = bent(c.vsin_v[i]) + bench.normal(noise_v);
+    c.vcos_v[i] = std::min(bent(c.vcos_v[i]), level) + bench.normal(noise_v);
+  }
+  c.reference_deg.clear();
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_EQ(std::ranges::count_if(
+                d.findings, [](const Finding &f) { return f.effect->info().id == "clipping"; }),
+            1)
+      << names(d);
+  const Finding *f = named(d, "clipping");
+  ASSERT_TRUE(f);
+  EXPECT_NEAR(f->values[1], level, noise_v);
+}
+
 } // namespace
 } // namespace ada::test
