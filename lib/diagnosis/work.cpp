@@ -381,7 +381,7 @@ bool Work::is_of_the_reference(const Model &with) const {
 }
 
 void Work::carry_remainder(const DataSplit &white) {
-  remainder_of_reference_ = false;
+  remainder_of_reference_ = remainder_in_part_ = false;
   out_.remainder_rms_v = out_.remainder_angle_rms_deg = 0.0;
   auto kept = with_given_remainder(out_.extended);
   Model judged = out_.extended; // by the training part alone
@@ -401,6 +401,13 @@ void Work::carry_remainder(const DataSplit &white) {
     const SplitQuality after = white.quality(with);
     if (!likelier_and_no_farther(after) || !comes_again(with))
       return false;
+    const auto left = [&](const Model &model) {
+      return residual_columns(white.heldout, as_seen_by(white.heldout, model));
+    };
+    if (!takes_throughout(white.heldout, left(with), left(out_.extended))) {
+      remainder_in_part_ = true;
+      return false;
+    }
     if ((remainder_of_reference_ = is_of_the_reference(with)))
       return true; // and there is none to carry
     judged = std::move(with);
@@ -409,7 +416,7 @@ void Work::carry_remainder(const DataSplit &white) {
     return true;
   };
   // What the length does besides gets into the angle where both are fitted alike.
-  if (!carry(1.0) && scene_.has_reference && white.train.weight_along == 1.0)
+  if (!carry(1.0) && !remainder_in_part_ && scene_.has_reference && white.train.weight_along == 1.0)
     if (const double ratio = left_across_to_along(thinned(white.train), out_.extended);
         ratio > 0.0 && ratio < criteria::kMuchLessAcross)
       carry(ratio);

@@ -424,6 +424,7 @@ private:
   int slow_waves_ = 0; ///< half waves by which the course of a slow process was taken out
   std::vector<double> lengthening_; ///< orders at which the length changes as the angle does
   bool remainder_of_reference_ = false; ///< see is_of_the_reference
+  bool remainder_in_part_ = false;  ///< it helps in a part of the record, or at some of the speeds
   bool in_bursts_ = false;          ///< samples in a row are left over
   bool given_seen_ = false;         ///< a cause that the given model names was seen before any fit
 };

@@ -315,9 +315,11 @@ void Work::note_unnamed() {
       out_.structure.push_back(std::move(step));
   const double least = std::max(criteria::kWorthAWord * noise, criteria::kOfProcess * motion_v());
   for (BudgetLine line : out_.budget) {
-    // How a supply that is only inferred goes with the time is its own affair.
+    // How a supply that is only inferred goes with the time is its own affair, also where at one of
+    // the speeds it comes again at the same place.
     if (found_.disturbed == Direction::supply &&
-        (line.axis == Axis::time || line.axis == Axis::frequency))
+        (line.axis == Axis::time || line.axis == Axis::frequency ||
+         (line.axis == Axis::angle && remainder_in_part_)))
       continue;
     if (line.axis == Axis::time) // the steps have sentences of their own
       line.unnamed_rms_v =
@@ -326,7 +328,7 @@ void Work::note_unnamed() {
     Recurrence again = Recurrence::seen;
     if (line.axis == Axis::angle && line.unnamed_rms_v > least) {
       left = not_named();
-      again = recurrence(left, line.unnamed_rms_v);
+      again = remainder_in_part_ ? Recurrence::none : recurrence(left, line.unnamed_rms_v);
     }
     if (again == Recurrence::none) {
       const double left_v = std::max(line.unnamed_rms_v, goes_on_v(left.rest));

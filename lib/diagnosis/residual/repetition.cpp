@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <iterator>
 #include <map>
+#include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -140,6 +142,65 @@ std::optional<Repeated> repeated_v2(const Observations &data, const ResidualColu
     squares += product * product;
   }
   return Repeated{sum / weights, std::sqrt(squares) / weights};
+}
+
+namespace {
+
+/// Sums of rows `from` to `end` of an order, in so many stretches.
+std::vector<double> in_stretches(const std::vector<double> &gain,
+                                 std::span<const std::uint32_t> rows, std::size_t stretches) {
+  std::vector<double> out(stretches, 0.0);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    out[k * stretches / rows.size()] += gain[rows[k]];
+  return out;
+}
+
+} // namespace
+
+bool takes_throughout(const Observations &data, const ResidualColumns &with,
+                      const ResidualColumns &without) {
+  constexpr std::size_t kStretches = 32, kTrimmed = 4; // at either end
+  constexpr std::size_t kSpeeds = 8, kOfSpeed = 16, kFewest = 512;
+  constexpr double kOneSpeed = 0.02; // of their range: no more than that is one speed
+  constexpr double kPart = 0.25;     // a lag behind it may leave so much at the highest speed
+  const std::size_t n = data.size();
+  if (n < kFewest)
+    return true;
+  std::vector<double> gain(n);
+  for (std::size_t i = 0; i < n; ++i)
+    gain[i] = without.sin[i] * without.sin[i] + without.cos[i] * without.cos[i] -
+              with.sin[i] * with.sin[i] - with.cos[i] * with.cos[i];
+  std::vector<std::uint32_t> rows(n);
+  std::iota(rows.begin(), rows.end(), 0u);
+  std::vector<double> stretches = in_stretches(gain, rows, kStretches);
+  std::ranges::sort(stretches);
+  if (!(std::accumulate(stretches.begin() + kTrimmed, stretches.end() - kTrimmed, 0.0) > 0.0))
+    return false;
+  // At each speed a part of what it adds there: all of it, where the same is there.
+  for (std::size_t i = 0; i < n; ++i) {
+    const double sin = with.sin[i] - without.sin[i], cos = with.cos[i] - without.cos[i];
+    gain[i] -= kPart * (sin * sin + cos * cos);
+  }
+  std::ranges::stable_sort(rows, {}, [&](std::uint32_t i) { return data.omega[i]; });
+  const double alike = kOneSpeed * (data.omega[rows.back()] - data.omega[rows.front()]);
+  for (std::size_t first = 0, end = 0; first < n; first = end) {
+    end = std::min(n, first + n / kSpeeds);
+    while (end < n && data.omega[rows[end]] - data.omega[rows[first]] <= alike)
+      ++end;
+    if (n - end < n / (2 * kSpeeds)) // the rest is too few for a group of its own
+      end = n;
+    std::vector<std::uint32_t> group(rows.begin() + static_cast<std::ptrdiff_t>(first),
+                                     rows.begin() + static_cast<std::ptrdiff_t>(end));
+    std::ranges::sort(group); // in time: what has a memory is in one part
+    const std::vector<double> parts = in_stretches(gain, group, kOfSpeed);
+    const double mean = std::accumulate(parts.begin(), parts.end(), 0.0) / kOfSpeed;
+    double squares = 0.0;
+    for (double part : parts)
+      squares += (part - mean) * (part - mean);
+    if (mean < -criteria::kClearErrors * std::sqrt(squares / (kOfSpeed * (kOfSpeed - 1.0))))
+      return false;
+  }
+  return true;
 }
 
 double goes_on_v(const ResidualColumns &r) {

@@ -30,6 +30,14 @@ struct Repeated {
 std::optional<Repeated> repeated_v2(const Observations &data, const ResidualColumns &rest,
                                     double turn_rad, double cell_rad);
 
+/// Whether what a model takes of the squares that another leaves, it takes throughout: in the
+/// middle of what stretches of the record gain, and at every speed, within the errors. What repeats
+/// with the angle does so in most turns and at whatever speed the shaft passes; a magnet that
+/// passes the bench once does not, nor does a tone that is a multiple of one of the speeds. `data`
+/// in order of time.
+bool takes_throughout(const Observations &data, const ResidualColumns &with,
+                      const ResidualColumns &without);
+
 /// What goes on from one row to the next, V rms: the root of the mean product of a residual with
 /// the one before. 0 where that is little beside the rest, or where the signs of the products do
 /// not show it: of noise without memory they are as often negative, whatever its size at each row.
