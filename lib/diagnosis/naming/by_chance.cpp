@@ -159,8 +159,8 @@ void drop_what_chance_would_take(const Scene &scene, DataSplit split, SearchResu
       const std::size_t at = found.order[place];
       const EffectInfo &info = model.effects[at].effect->info();
       if (info.prior_rank == 0 || info.evidence != Evidence::signal ||
-          info.spoils != Spoils::nothing)
-        continue;
+          info.spoils != Spoils::nothing || is_measured_aside(split.train, model, at))
+        continue; // another channel says it
       const double unnamed_v2 =
           could_be_v2(left, *model.effects[at].effect, slow_v2, scene.rounds(1.0));
       if (std::max(unnamed_v2, slow_v2) <=
