@@ -38,8 +38,10 @@ constexpr EffectInfo kInfo{.id = "reference-harmonic",
                            .prior_rank = 4,
                            .repeats = true};
 
-/// What changes within the record widens a line of order 1: near it nothing is of another order.
-constexpr double kOfEccentricity = 0.25;
+/// What changes within the record widens the line of order 1, the eccentricity's, and near it nothing
+/// is of another order: one whose size changes once has its sides within three periods over the
+/// record. In few turns no more than this is left out.
+constexpr double kPeriodsAside = 3.0, kOfEccentricity = 0.25;
 
 /// From so many turns on orders apart by a sixth are told apart. In fewer a field of the same order
 /// looks the same while there are few periods of it.
@@ -67,8 +69,9 @@ public:
     for (const double order : {16.0, 32.0, 64.0})
       out.push_back({order, 0.0, 0.0});
     add_orders_seen(r, kParameters[0], Orders::any, out);
+    const double aside = std::min(kOfEccentricity, kPeriodsAside / std::max(1.0, r.turns));
     std::erase_if(out, [&](const auto &v) {
-      return std::abs(v[0] - 1.0) <= kOfEccentricity ||
+      return std::abs(v[0] - 1.0) <= aside ||
              (v[0] != std::round(v[0]) && periods_seen(v, r) < kFewestPeriodsOfOrder);
     });
     return out;
