@@ -41,10 +41,20 @@ bool ellipse_is_worthwhile(const EllipseFit &circle, const EllipseFit &ellipse) 
 }
 
 /// Whether an ellipse is so near to a circle that no arc could have been taken for all of it: a
-/// flat one goes to and fro along an arc.
+/// flat one may go to and fro along an arc, whose noise is on both sides of it. Not where its sides
+/// are much farther apart than that.
 bool is_round(const EllipseFit &fit) {
-  constexpr double kMismatch = 0.5, kQuadratureRad = 20 * kRadPerDeg;
-  return std::abs(fit.value.k) < kMismatch && std::abs(fit.value.delta_rad) < kQuadratureRad;
+  constexpr double kMismatch = 0.5, kQuadratureRad = 20 * kRadPerDeg, kClearOfNoise = 6.0;
+  const EllipseParameters &e = fit.value;
+  if (std::abs(e.k) < kMismatch && std::abs(e.delta_rad) < kQuadratureRad)
+    return true;
+  // Of the signals a sin(psi + delta / 2), b cos(psi - delta / 2): with a and b the product and the
+  // sum of squares of the two half axes are a b |cos delta| and a^2 + b^2.
+  const double a = e.amplitude_v * (1.0 + 0.5 * e.k), b = e.amplitude_v * (1.0 - 0.5 * e.k);
+  const double squares = a * a + b * b, product = std::abs(a * b * std::cos(e.delta_rad));
+  const double minor2 =
+      0.5 * (squares - std::sqrt(std::max(0.0, squares * squares - 4.0 * product * product)));
+  return std::sqrt(minor2) > kClearOfNoise * fit.residual_rms_v;
 }
 
 /// The ellipse where the data carry it; on a short arc the circle, unless the data contradict it.
