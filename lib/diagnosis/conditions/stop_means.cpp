@@ -22,8 +22,14 @@ namespace ada {
 
 namespace {
 
-/// First row of each stop, and the number of rows behind the last.
-std::vector<std::size_t> stops_of(const Capture &c) {
+/// Rows from one on, up to another.
+struct Rows {
+  std::size_t begin, end;
+};
+
+/// The rows of each stop. Those between two stops are of none: far fewer than a stop has.
+std::vector<Rows> stops_of(const Capture &c) {
+  constexpr std::size_t kFarFewer = 4;
   std::vector<double> alpha;
   for (double deg : c.reference_deg) {
     if (!std::isfinite(deg))
@@ -34,11 +40,20 @@ std::vector<std::size_t> stops_of(const Capture &c) {
   const Stops stops = find_stops(c, alpha);
   if (!stops)
     return {};
-  std::vector<std::size_t> out;
+  std::vector<Rows> out;
   for (std::size_t i = 0; i < stops.of.size(); ++i)
     if (i == 0 || stops.of[i] != stops.of[i - 1])
-      out.push_back(i);
-  out.push_back(c.size());
+      out.push_back({i, i + 1});
+    else
+      out.back().end = i + 1;
+  std::vector<std::size_t> lengths; // of the stop of each row
+  for (const Rows &rows : out)
+    lengths.insert(lengths.end(), rows.end - rows.begin, rows.end - rows.begin);
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::ranges::nth_element(lengths, middle);
+  std::erase_if(out, [usual = *middle](const Rows &rows) {
+    return kFarFewer * (rows.end - rows.begin) < usual;
+  });
   return out;
 }
 
@@ -171,8 +186,8 @@ std::optional<StopMeans> means_of_stops(const Capture &capture) {
   constexpr double kOfWalk = 4.0, kClear = 4.0;
   if (!capture.has_reference() || capture.starts.size() > 1)
     return {};
-  const std::vector<std::size_t> first = stops_of(capture);
-  if (first.size() < criteria::kFewestStops + 1)
+  const std::vector<Rows> stops = stops_of(capture);
+  if (stops.size() < criteria::kFewestStops)
     return {};
   StopMeans out;
   out.means.meta = capture.meta;
@@ -182,8 +197,10 @@ std::optional<StopMeans> means_of_stops(const Capture &capture) {
   out.means.identity = capture.identity;
   out.means.data_file = capture.data_file;
   std::vector<double> halves_v2;
-  for (std::size_t k = 0; k + 1 < first.size(); ++k) {
-    const std::size_t begin = first[k], end = first[k + 1], middle = begin + (end - begin) / 2;
+  std::size_t readings = 0;
+  for (const auto [begin, end] : stops) {
+    const std::size_t middle = begin + (end - begin) / 2;
+    readings += end - begin;
     for (auto column :
          {&Capture::time_s, &Capture::vsin_v, &Capture::vcos_v, &Capture::vtemp_v, &Capture::vdd_v})
       if (!(capture.*column).empty())
@@ -205,18 +222,18 @@ std::optional<StopMeans> means_of_stops(const Capture &capture) {
     steps_v2.push_back((left.row(k - 1) - 2.0 * left.row(k) + left.row(k + 1)).squaredNorm() / 6.0);
     squares += steps_v2.back();
   }
-  const double stops = static_cast<double>(steps_v2.size());
+  const double told = static_cast<double>(steps_v2.size());
   const double noise_v2 = quantile(std::move(halves_v2), 0.5);
   if (!(std::log(quantile(std::move(steps_v2), 0.5) / std::max(kOfWalk * noise_v2, 1e-300)) >
-        kClear * std::sqrt(4.0 / stops)))
+        kClear * std::sqrt(4.0 / told)))
     return {};
   if (is_an_order(out.means, left))
     return {};
   constexpr double kRounds = 1.5; // times what even rounding does
-  const double differ_v = std::sqrt(std::max(0.0, 0.5 * (squares / stops - noise_v2)));
+  const double differ_v = std::sqrt(std::max(0.0, 0.5 * (squares / told - noise_v2)));
   const double step_v = std::max(converter_step(capture.vsin_v), converter_step(capture.vcos_v));
   out.errs_v = differ_v > kRounds * step_v / std::sqrt(12.0) ? differ_v : 0.0;
-  out.reading_noise_v = std::sqrt(0.5 * noise_v2 * static_cast<double>(capture.size()) /
+  out.reading_noise_v = std::sqrt(0.5 * noise_v2 * static_cast<double>(readings) /
                                   static_cast<double>(out.means.size()));
   return out;
 }
