@@ -21,6 +21,9 @@ struct SumsOfHalves;
 struct Products {
   Eigen::MatrixXd train, heldout;
   double n_train = 0.0, n_heldout = 0.0; ///< values: two a sample
+  /// Of those held out, the values that say something: one a sample where the angle is the pair's
+  /// own, and nothing is left across the vector.
+  double told = 0.0;
 };
 
 /// Products of the columns with each other and, in the last row and column, with a residual.
