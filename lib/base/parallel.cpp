@@ -17,6 +17,10 @@ namespace {
 
 std::atomic<unsigned> jobs_wanted{0};
 
+} // namespace
+
+namespace detail {
+
 /// Blocks on their way through the two steps.
 class Conveyor {
 public:
@@ -103,12 +107,14 @@ private:
   std::exception_ptr failure_;
 };
 
-} // namespace
+} // namespace detail
 
 /// The helpers of a scope, started by the first conveyor that has work for them. They help
 /// whichever conveyor is open: also the one that a helper leads within a block of another, so that
 /// there are never more threads than jobs.
 class Helpers::Crew {
+  using Conveyor = detail::Conveyor;
+
 public:
   explicit Crew(unsigned threads) : threads_(threads) {}
 
@@ -248,7 +254,7 @@ void detail::run_in_order(std::size_t count, std::size_t window,
                           const std::function<void(std::size_t)> &take) {
   if (count > 1 && jobs() > 1) {
     const Helpers helpers;
-    Conveyor conveyor(count, window, make, take);
+    detail::Conveyor conveyor(count, window, make, take);
     return crew->run(conveyor, count);
   }
   for (std::size_t block = 0; block < count; ++block) {

@@ -276,5 +276,28 @@ TEST(SingleGuards, known_distortions_are_not_refused) {
   }
 }
 
+TEST(SingleGuards, a_clipped_peak_of_a_table_of_one_turn_is_seen) {
+  Sampler sampler(SensorPair{}, fresh_seed());
+  Capture c = sampler.capture(200, 20.0, constant_speed(0.05)); // one mechanical turn
+  Capture whole = c;
+  for (double &v : c.vcos_v)
+    v = std::min(v, 2.5 + 0.85 * 1.45);
+  expect_refusal(c, CalibrationMethod::fit, "VCOS is clipped");
+  EXPECT_NO_THROW(calibrate_single(whole, CalibrationMethod::fit));
+}
+
+TEST(SingleGuards, a_flat_ellipse_is_no_arc) {
+  // Soft iron beside a magnetometer: one channel five times weaker, a third of a radian off.
+  SensorPair pair;
+  pair.k = -1.34;
+  pair.delta_rad = 20.0 * kRadPerDeg;
+  pair.amplitude_v = 0.7;
+  pair.noise_rms_v = 0.002;
+  Sampler sampler(pair, fresh_seed());
+  const Model model =
+      calibrate_single(sampler.capture(2000, 20.0, constant_speed(0.3)), CalibrationMethod::fit);
+  EXPECT_NEAR(effect_value(model, "amplitude-mismatch", "k").value(), pair.k, 0.01);
+}
+
 } // namespace
 } // namespace ada::test

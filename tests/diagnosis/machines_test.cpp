@@ -587,5 +587,89 @@ KIND(a_shaft_that_its_own_pair_regulates_ripples_and_blames_no_field) {
   EXPECT_TRUE(named(d, "rotation-nonuniformity")) << left_of(d);
 }
 
+/// Beside a quadrature error and a skew the pair alone shows no memory: VTEMP does.
+KIND(a_memory_that_only_vtemp_shows_is_named) {
+  Bench bench;
+  const double m = bench.within(0.005, 0.012), late_s = bench.within(4e-5, 8e-5);
+  const auto turn = plateaus(kTwoPi * bench.within(3.0, 6.0), kTwoPi * bench.within(8.0, 14.0),
+                             -kTwoPi * bench.within(5.0, 12.0), 3.0);
+  Capture c = bench.capture(18000, 2000.0, 2, turn),
+          later = bench.capture(18000, 2000.0, 2, [&](double t) { return turn(t + late_s); });
+  c.vcos_v = later.vcos_v;
+  c.reference_deg.clear();
+  double before_v = 1.6;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    c.vsin_v[i] += m * (before_v - c.vsin_v[i]);
+    c.vcos_v[i] += m * (c.vsin_v[i] - c.vcos_v[i]);
+    before_v = 1.6 + bench.normal(2e-4);
+    before_v += m * (c.vcos_v[i] - before_v);
+    c.vtemp_v.push_back(before_v);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "multiplexer-memory");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], m, 4.0 * f->std_errors[0] + 1e-4) << names(d);
+  expect_pair(d, bench.pair);
+}
+
+/// A belt whose wheels have nearly as many teeth: its error has an order of the turn beside one.
+KIND(a_gear_of_nearly_one_turn_a_turn_is_no_eccentricity) {
+  Bench bench;
+  const double order =
+                   bench.within(0.0, 1.0) < 0.5 ? bench.within(0.8, 0.92) : bench.within(1.08, 1.2),
+               size_deg = bench.within(0.15, 0.35), phase = bench.within(0.0, kTwoPi);
+  const double hz = bench.within(3.0, 6.0), swing = bench.within(0.1, 0.3);
+  const auto turn = [&](double t) {
+    return kTwoPi * (hz * t + swing * std::sin(0.9 * t) + 0.5 * swing * std::sin(2.3 * t));
+  };
+  Capture c = bench.capture(16000, 1000.0, 2, turn);
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] =
+        wrap(c.reference_deg[i] + size_deg * std::sin(order * turn(c.time_s[i]) + phase), 360.0);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *f = named(d, "reference-harmonic");
+  ASSERT_TRUE(f) << left_of(d);
+  EXPECT_NEAR(f->values[0], order, 1e-3) << names(d);
+  EXPECT_NEAR(f->values[1], size_deg, 4.0 * f->std_errors[1] + 1e-3) << names(d);
+  expect_pair(d, bench.pair);
+  expect_none(d, {"reference-eccentricity", "stray-field"});
+}
+
+/// A tool with a magnet passes the bench once: what that does repeats with no angle.
+KIND(a_magnet_that_passes_once_is_no_matter_of_the_angle) {
+  Bench bench;
+  const double at_s = bench.within(4.0, 14.0), long_s = bench.within(0.05, 0.2),
+               b = bench.within(0.01, 0.03), from = bench.within(0.0, kTwoPi),
+               hz = bench.within(2.0, 5.0);
+  Capture c = bench.capture(20000, 1000.0, 2, [&](double t) {
+    const double shaft = kTwoPi * hz * t, u = (t - at_s) / long_s;
+    return shaft + b * std::exp(-0.5 * u * u) * std::sin(from - shaft);
+  });
+  for (std::size_t i = 0; i < c.size(); ++i)
+    c.reference_deg[i] = wrap(360.0 * hz * c.time_s[i], 360.0);
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_FALSE(d.extended.remainder) << left_of(d);
+  for (const Structure &s : d.structure)
+    EXPECT_EQ(s.description.find("repeat with the angle"), std::string::npos) << s.description;
+}
+
+/// The mains in a supply that nobody recorded, while the shaft turns at three speeds, of which one
+/// makes it come again at the same places of the turn.
+KIND(a_ripple_of_the_supply_repeats_with_no_angle) {
+  Bench bench;
+  const double depth = bench.within(0.002, 0.006), phase = bench.within(0.0, kTwoPi);
+  Capture c = bench.capture(20000, 1000.0, 2,
+                            plateaus(kTwoPi * 5.0, kTwoPi * bench.within(6.7, 7.4),
+                                     -kTwoPi * bench.within(2.7, 3.2), 20.0 / 3.0));
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double supply = 1.0 + depth * std::sin(kTwoPi * 50.0 * c.time_s[i] + phase);
+    c.vsin_v[i] *= supply;
+    c.vcos_v[i] *= supply;
+  }
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_FALSE(d.extended.remainder) << left_of(d);
+  expect_pair(d, bench.pair);
+}
+
 } // namespace
 } // namespace ada::test

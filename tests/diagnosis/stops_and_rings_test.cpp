@@ -210,5 +210,20 @@ KIND(an_encoder_off_centre_at_a_ring_of_poles_is_no_stray_field) {
       EXPECT_NE(other, "stray-field") << names(d);
 }
 
+/// A drive that sticks and slips: it stands for a while, and a few readings are taken on the way.
+KIND(readings_on_the_way_from_stop_to_stop_are_no_stops) {
+  Bench bench;
+  const double stands_s = bench.within(0.07, 0.12), way_s = bench.within(0.01, 0.02),
+               step = bench.within(0.3, 0.6);
+  const auto angle = [&](double t) {
+    const double whole = std::floor(t / (stands_s + way_s)), in = t - whole * (stands_s + way_s);
+    return step * (whole + std::max(0.0, in - stands_s) / way_s);
+  };
+  Capture c = bench.capture(10000, 1000.0, 2, angle);
+  const Diagnosis d = diagnose(c, {});
+  EXPECT_FALSE(says_stops(d)) << left_of(d);
+  expect_pair(d, bench.pair);
+}
+
 } // namespace
 } // namespace ada::test
