@@ -401,10 +401,18 @@ void Work::carry_remainder(const DataSplit &white) {
     const SplitQuality after = white.quality(with);
     if (!likelier_and_no_farther(after) || !comes_again(with))
       return false;
+    // Along a supply that is only inferred nothing says what is the angle's.
+    Observations judge = white.heldout;
+    const bool beside_supply = judge.disturbed == Direction::supply;
+    if (beside_supply)
+      judge.weight_along = 0.0;
     const auto left = [&](const Model &model) {
-      return residual_columns(white.heldout, as_seen_by(white.heldout, model));
+      ResidualColumns out = residual_columns(judge, as_seen_by(judge, model));
+      for (std::size_t i = 0; beside_supply && i < judge.size(); ++i)
+        judge.whiten(i, out.model_sin[i], out.model_cos[i], out.sin[i], out.cos[i]);
+      return out;
     };
-    if (!takes_throughout(white.heldout, left(with), left(out_.extended))) {
+    if (!takes_throughout(judge, left(with), left(out_.extended), beside_supply)) {
       remainder_in_part_ = true;
       return false;
     }

@@ -158,7 +158,7 @@ std::vector<double> in_stretches(const std::vector<double> &gain,
 } // namespace
 
 bool takes_throughout(const Observations &data, const ResidualColumns &with,
-                      const ResidualColumns &without) {
+                      const ResidualColumns &without, bool clearly) {
   constexpr std::size_t kStretches = 32, kTrimmed = 4; // at either end
   constexpr std::size_t kSpeeds = 8, kOfSpeed = 16, kFewest = 512;
   constexpr double kOneSpeed = 0.02; // of their range: no more than that is one speed
@@ -174,7 +174,14 @@ bool takes_throughout(const Observations &data, const ResidualColumns &with,
   std::iota(rows.begin(), rows.end(), 0u);
   std::vector<double> stretches = in_stretches(gain, rows, kStretches);
   std::ranges::sort(stretches);
-  if (!(std::accumulate(stretches.begin() + kTrimmed, stretches.end() - kTrimmed, 0.0) > 0.0))
+  const std::span<const double> middle(stretches.data() + kTrimmed, kStretches - 2 * kTrimmed);
+  const double sum = std::accumulate(middle.begin(), middle.end(), 0.0), squares_about = [&] {
+    double out = 0.0;
+    for (double x : middle)
+      out += std::pow(x - sum / static_cast<double>(middle.size()), 2);
+    return out;
+  }();
+  if (!(sum > (clearly ? criteria::kClearErrors * std::sqrt(squares_about) : 0.0)))
     return false;
   // At each speed a part of what it adds there: all of it, where the same is there.
   for (std::size_t i = 0; i < n; ++i) {

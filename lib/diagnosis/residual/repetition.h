@@ -34,9 +34,10 @@ std::optional<Repeated> repeated_v2(const Observations &data, const ResidualColu
 /// middle of what stretches of the record gain, and at every speed, within the errors. What repeats
 /// with the angle does so in most turns and at whatever speed the shaft passes; a magnet that
 /// passes the bench once does not, nor does a tone that is a multiple of one of the speeds. `data`
-/// in order of time.
+/// in order of time; `clearly`: the middle of the stretches beyond its errors, where nothing else
+/// has said so.
 bool takes_throughout(const Observations &data, const ResidualColumns &with,
-                      const ResidualColumns &without);
+                      const ResidualColumns &without, bool clearly);
 
 /// What goes on from one row to the next, V rms: the root of the mean product of a residual with
 /// the one before. 0 where that is little beside the rest, or where the signs of the products do
