@@ -146,7 +146,7 @@ private:
     std::size_t wake = std::min<std::size_t>(threads_, blocks) - 1; // one block is the leader's
     {
       const std::lock_guard lock(mutex_);
-      start();
+      start(wake);
       opened_.push_back({&conveyor, wake});
       wake = std::min(wake, waiting_);
     }
@@ -166,16 +166,16 @@ private:
                         [&](const Opened &o) { return o.conveyor == &conveyor; });
   }
 
-  void start() {
-    if (started_)
+  /// As many helpers as a conveyor has work for, and no more than there may be.
+  void start(std::size_t wanted) {
+    if (refused_)
       return;
-    started_ = true;
     helpers_.reserve(threads_); // beside a running thread nothing may throw
     try {
-      while (helpers_.size() + 1 < threads_)
+      while (helpers_.size() < wanted)
         helpers_.emplace_back([this] { work(); });
     } catch (const std::system_error &) {
-      // The system gives no more threads: those that there are do the work.
+      refused_ = true; // the system gives no more: those that there are do the work
     }
   }
 
@@ -186,7 +186,7 @@ private:
   std::condition_variable changed_, left_;
   std::vector<Opened> opened_;
   std::size_t waiting_ = 0;
-  bool started_ = false, leaves_ = false;
+  bool refused_ = false, leaves_ = false;
   std::vector<std::jthread> helpers_; ///< last: they end before what they use
 };
 

@@ -43,7 +43,7 @@ void run_in_order(std::size_t count, std::size_t window,
 /// For each block of `count`: make(block, slot), in any thread, then take(block, slot), in the
 /// calling one and block after block. A slot is used again for a later block, with what it then
 /// holds, so that its memory need not be got anew; there are two a thread. Where calls throw, the
-/// exception of the earliest block comes out once all threads have ended.
+/// exception of the earliest block comes out once no thread works on them.
 template <class Slot, class Make, class Take>
 void in_order(std::size_t count, Make make, Take take) {
   std::vector<Slot> slots(jobs() > 1 ? 2 * jobs() : 1);

@@ -43,7 +43,9 @@ bool ellipse_is_worthwhile(const EllipseFit &circle, const EllipseFit &ellipse) 
 /// Whether an ellipse is so near to a circle that no arc could have been taken for all of it: a
 /// flat one may go to and fro along an arc, whose noise is on both sides of it. Not where its sides
 /// are much farther apart than that.
-bool is_round(const EllipseFit &fit) {
+/// A shaft that dithers on an arc may draw such an ellipse as well, with a lag between the
+/// channels: at the rim of its circle, and far from the middle of the supply.
+bool is_round(const EllipseFit &fit, double supply_v) {
   constexpr double kMismatch = 0.5, kQuadratureRad = 20 * kRadPerDeg, kClearOfNoise = 6.0;
   const EllipseParameters &e = fit.value;
   if (std::abs(e.k) < kMismatch && std::abs(e.delta_rad) < kQuadratureRad)
@@ -54,7 +56,8 @@ bool is_round(const EllipseFit &fit) {
   const double squares = a * a + b * b, product = std::abs(a * b * std::cos(e.delta_rad));
   const double minor2 =
       0.5 * (squares - std::sqrt(std::max(0.0, squares * squares - 4.0 * product * product)));
-  return std::sqrt(minor2) > kClearOfNoise * fit.residual_rms_v;
+  const double off_v = std::hypot(e.centre_sin_v - 0.5 * supply_v, e.centre_cos_v - 0.5 * supply_v);
+  return std::sqrt(minor2) > kClearOfNoise * fit.residual_rms_v && off_v * off_v < squares - minor2;
 }
 
 /// The ellipse where the data carry it; on a short arc the circle, unless the data contradict it.
@@ -67,7 +70,8 @@ EllipseFit fit_with_what_the_data_carry(const RecordingToFit &what, bool &circle
   } catch (const Error &) {
     // On a short arc the five may have no minimum; the circle stands.
   }
-  if (ellipse && is_round(*ellipse) && ellipse->coverage_deg >= kGoodCoverageDeg)
+  if (ellipse && is_round(*ellipse, what.recording.meta().supply_v) &&
+      ellipse->coverage_deg >= kGoodCoverageDeg)
     return *std::move(ellipse);
   // Which shows how much of the circle there is.
   EllipseFit circle = fit_ellipse_to_sample(what, {.circle = true});

@@ -27,6 +27,7 @@
 #include "diagnosis/search/candidates.h"
 #include "diagnosis/search/first_model.h"
 #include "diagnosis/words/describe.h"
+#include "model/effect_text.h"
 #include "model/wires.h"
 
 namespace ada {
@@ -563,6 +564,25 @@ void Work::note_invisible(const Effect &effect) {
     out_.invisible.push_back({std::string(effect.info().id), why});
 }
 
+namespace {
+
+/// Adds an effect, or to the one at its place what that has not: the other end of a channel that
+/// the search saw clip, say.
+void put_in(EffectInstance e, Model &model) {
+  const auto same = std::ranges::find_if(
+      model.effects, [&](const EffectInstance &other) { return repeats(other, e); });
+  if (same == model.effects.end())
+    return model.effects.push_back(std::move(e));
+  for (std::size_t k = 0; k < e.values.size(); ++k)
+    if (!std::isfinite(same->values[k])) {
+      same->values[k] = e.values[k];
+      if (k < same->std_errors.size() && k < e.std_errors.size())
+        same->std_errors[k] = e.std_errors[k];
+    }
+}
+
+} // namespace
+
 void Work::conclude() {
   out_.radius_only = scene_.radius_only;
   out_.fastest_rad_s = fastest_over_periods(scene_);
@@ -583,7 +603,7 @@ void Work::conclude() {
       std::erase_if(m->effects,
                     [](const EffectInstance &e) { return is_common_delay(e.effect->info()); });
   for (EffectInstance &e : recorded_)
-    out_.extended.effects.push_back(std::move(e));
+    put_in(std::move(e), out_.extended);
   if (has(out_.extended, follows_supply))
     out_.extended.vdd_reference_v = vdd_level_v();
   out_.extended.noise_rms_v = last_.in_sample.residual_rms_v;

@@ -7,6 +7,9 @@
 #include <cmath>
 #include <complex>
 #include <numeric>
+#include <utility>
+
+#include <Eigen/Dense>
 
 #include "base/angle.h"
 #include "base/robust.h"
@@ -118,11 +121,7 @@ RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair
   constexpr double kOfSteps = 1.5;  // a row may fall to either side of one
   constexpr double kOfPair = 0.5;   // of the departure: more of it would be the pair's own
   constexpr std::size_t kReach = 3; // of the median: at the ends of the record it is one-sided
-  constexpr std::size_t kSide = 5;  // rows, of which the two beside it may be wrong as well
-  // Parts of the rows two to five from a row in the least-squares parabola through them, there:
-  // with S2 = 108 and S4 = 1956 the sums of their distances' powers, (S4 - S2 d^2) / (8 S4 - S2^2).
-  constexpr double kOfParabola[] = {1524.0 / 3984.0, 984.0 / 3984.0, 228.0 / 3984.0,
-                                    -744.0 / 3984.0};
+  constexpr std::size_t kSide = 5;  // rows, of which two may be wrong as well
   const std::size_t n = reference.size();
   if (n < kRareSample)
     return {};
@@ -150,11 +149,15 @@ RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair
   };
   // Good rows on both sides say so, and alike: where a delay meets another speed, or a gap another
   // place, the rows before and behind are off by different amounts, and the row by none of its own.
+  // Off another row, about what the row departs by: half a turn has no sign.
+  const auto off_row = [&](std::size_t i, std::size_t k) {
+    return departure[i] + wrap_centred(off[i] - off[k] - departure[i], kTwoPi);
+  };
   const auto stands_between = [&](std::size_t i) {
     const auto side = [&](std::size_t first, std::size_t end) {
       std::vector<double> from;
       for (std::size_t k = first; k < end; ++k)
-        from.push_back(wrap_centred(off[i] - off[k], kTwoPi));
+        from.push_back(off_row(i, k));
       return quantile(std::move(from), 0.5);
     };
     const double before = side(i - std::min(i, kSide), i),
@@ -162,16 +165,32 @@ RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair
     return before * behind > 0.0 &&
            std::min(std::abs(before), std::abs(behind)) > kOfPair * std::abs(departure[i]);
   };
-  // And off the parabola through them: where the pair's own error is largest a row lies beyond
-  // those beside it, and bends no more than they do.
+  // And off the parabola through those beside it: where the pair's own error is largest a row lies
+  // beyond them, and bends no more than they do. Rows that are off it themselves are wrong as well.
   const auto leaves_parabola = [&](std::size_t i) {
-    if (i < kSide || i + kSide >= n)
-      return true;
-    double there = 0.0;
-    for (std::size_t d = 2; d <= kSide; ++d)
-      there += kOfParabola[d - 2] * (wrap_centred(off[i - d] - off[i], kTwoPi) +
-                                     wrap_centred(off[i + d] - off[i], kTwoPi));
-    return std::abs(there) > kOfPair * std::abs(departure[i]);
+    constexpr double kWrongToo = 0.25; // of the departure
+    std::vector<std::pair<double, double>> beside;
+    for (std::size_t k = i - std::min(i, kSide); k < std::min(n, i + 1 + kSide); ++k)
+      if (k != i)
+        beside.emplace_back(static_cast<double>(k) - static_cast<double>(i), -off_row(i, k));
+    for (;; beside.pop_back()) {
+      Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+      Eigen::Vector3d right = Eigen::Vector3d::Zero();
+      for (const auto &[d, y] : beside) {
+        const Eigen::Vector3d row(1.0, d, d * d);
+        normal += row * row.transpose();
+        right += row * y;
+      }
+      const Eigen::Vector3d parabola = normal.ldlt().solve(right);
+      const auto left = [&](const std::pair<double, double> &at) {
+        return std::abs(at.second - parabola[0] -
+                        at.first * (parabola[1] + at.first * parabola[2]));
+      };
+      const auto worst = std::ranges::max_element(beside, {}, left);
+      if (beside.size() <= kSide || left(*worst) < kWrongToo * std::abs(departure[i]))
+        return std::abs(parabola[0]) > kOfPair * std::abs(departure[i]);
+      std::swap(*worst, beside.back());
+    }
   };
   for (std::size_t i = kReach; i + kReach < n; ++i)
     if (std::abs(departure[i]) > std::max(least, kOfCommon * common[i]) && its_own(i) &&

@@ -98,7 +98,7 @@ Anonymous with_basis(const Scene &scene, const Halves &halves, double zero_rad, 
   out.from = products(out.basis, halves.train, halves.train_left, halves.heldout,
                       halves.heldout_left, recent ? &recent->sums() : nullptr);
   if (scene.radius_only)
-    out.from.told *= 0.5;
+    out.from.silent = 0.5 * out.from.n_heldout;
   out.lines = lines;
   out.steps_s = steps_s;
   out.orders = orders;
@@ -196,7 +196,7 @@ std::vector<double> steps_of(const Scene &scene, const Halves &halves, const Ano
 bool needs_its_steps(const Anonymous &with, const Anonymous &without) {
   const double least = criteria::kLeastMeanSquare;
   const double nats =
-      0.5 * with.from.told *
+      0.5 * with.from.told() *
       std::log((without.selection.noise_v2 + least) / (with.selection.noise_v2 + least));
   const double more = static_cast<double>(with.selection.columns.size()) -
                       static_cast<double>(without.selection.columns.size());

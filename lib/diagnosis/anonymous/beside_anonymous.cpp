@@ -23,7 +23,7 @@ Observations thinned(const Observations &train) {
 }
 
 double nats_beside(const Anonymous &left) {
-  return -0.5 * left.from.told *
+  return -0.5 * left.from.told() *
          std::log(std::max(left.selection.noise_v2, criteria::kLeastMeanSquare));
 }
 
@@ -55,7 +55,7 @@ bool takes_most(const DataSplit &split, const Model &with, const Model &without,
                 const Effect &cause, const Anonymous &beside_without) {
   const double free = beside_without.selection.noise_v2;
   const auto most = [&](double left, double left_without, const std::vector<Eigen::Index> &beside) {
-    const double nats = 0.5 * beside_without.from.told *
+    const double nats = 0.5 * beside_without.from.told() *
                         std::log(std::max(left_without, criteria::kLeastMeanSquare) /
                                  std::max(left, criteria::kLeastMeanSquare));
     if (nats < criteria::kLeastNats || left - free >= criteria::kOfRival * (left_without - free))

@@ -183,8 +183,7 @@ Products products(const Basis &basis, const Observations &train, const ResidualC
                   SumsOfHalves *known) {
   return {gram_of(basis, train, train_left, known ? &known->train : nullptr),
           gram_of(basis, heldout, heldout_left, known ? &known->heldout : nullptr),
-          2.0 * static_cast<double>(train.size()), 2.0 * static_cast<double>(heldout.size()),
-          2.0 * static_cast<double>(heldout.size())};
+          2.0 * static_cast<double>(train.size()), 2.0 * static_cast<double>(heldout.size())};
 }
 
 Selection select(const Basis &basis, const Products &from) {
@@ -195,7 +194,7 @@ Selection select(const Basis &basis, const Products &from) {
   double now = from.heldout(last, last);
   out.train_v2 = from.train(last, last);
   const auto nats = [&](double less, double more) {
-    return 0.5 * from.told *
+    return 0.5 * from.told() *
            std::log((less / from.n_heldout + least) / (more / from.n_heldout + least));
   };
   std::vector<Eigen::Index> of_baseline;

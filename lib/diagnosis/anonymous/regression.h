@@ -21,9 +21,10 @@ struct SumsOfHalves;
 struct Products {
   Eigen::MatrixXd train, heldout;
   double n_train = 0.0, n_heldout = 0.0; ///< values: two a sample
-  /// Of those held out, the values that say something: one a sample where the angle is the pair's
+  /// Of those held out, the values that say nothing: half of them where the angle is the pair's
   /// own, and nothing is left across the vector.
-  double told = 0.0;
+  double silent = 0.0;
+  double told() const { return n_heldout - silent; }
 };
 
 /// Products of the columns with each other and, in the last row and column, with a residual.

@@ -27,7 +27,8 @@ struct Rows {
   std::size_t begin, end;
 };
 
-/// The rows of each stop. Those between two stops are of none: far fewer than a stop has.
+/// The rows of each stop. Those between two stops are of none: one or two, where most rows lie in
+/// stops of far more.
 std::vector<Rows> stops_of(const Capture &c) {
   constexpr std::size_t kFarFewer = 4;
   std::vector<double> alpha;
@@ -52,7 +53,9 @@ std::vector<Rows> stops_of(const Capture &c) {
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
   std::ranges::nth_element(lengths, middle);
   std::erase_if(out, [usual = *middle](const Rows &rows) {
-    return kFarFewer * (rows.end - rows.begin) < usual;
+    const std::size_t readings = rows.end - rows.begin;
+    return static_cast<double>(readings) < criteria::kFewestReadings &&
+           kFarFewer * readings < usual;
   });
   return out;
 }

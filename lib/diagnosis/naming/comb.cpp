@@ -19,25 +19,37 @@ namespace ada {
 
 namespace {
 
-/// Mean square, V^2 of a channel, that an order of the structure has which repeats with the angle,
-/// or a line of the spectrum, and has no name, weighted by itself: of those that carry it, not of
-/// those that happen to be in.
-double comb_v2(const Anonymous &left, Axis axis) {
-  std::map<int, double> of_order;
+/// Mean squares, V^2 of a channel, by order of the structure which repeats with the angle, or by
+/// line of the spectrum, and has no name.
+std::map<int, double> orders_v2(const Anonymous &left, Axis axis) {
+  std::map<int, double> out;
   for (std::size_t k = 0; k < left.selection.columns.size(); ++k) {
-    const Group &group =
-        left.basis.groups()[static_cast<std::size_t>(left.selection.columns[k] / 2)];
+    const Eigen::Index column = left.selection.columns[k];
+    const Group &group = left.basis.groups()[static_cast<std::size_t>(column / 2)];
     if (group.axis == axis && group.order != kOfBaseline)
-      of_order[group.order] +=
-          std::pow(left.selection.values[static_cast<Eigen::Index>(k)], 2) *
-          left.from.train(left.selection.columns[k], left.selection.columns[k]) / left.from.n_train;
+      out[group.order] += std::pow(left.selection.values[static_cast<Eigen::Index>(k)], 2) *
+                          left.from.train(column, column) / left.from.n_train;
   }
+  return out;
+}
+
+/// What one of them has, weighted by itself: of those that carry the structure, not of those that
+/// happen to be in.
+double comb_v2(const Anonymous &left, Axis axis) {
   double sum = 0.0, squares = 0.0;
-  for (const auto &[order, v2] : of_order) {
+  for (const auto &[order, v2] : orders_v2(left, axis)) {
     sum += v2;
     squares += v2 * v2;
   }
   return sum > 0.0 ? squares / sum : 0.0;
+}
+
+/// What the largest of them has.
+double largest_v2(const Anonymous &left, Axis axis) {
+  double out = 0.0;
+  for (const auto &[order, v2] : orders_v2(left, axis))
+    out = std::max(out, v2);
+  return out;
 }
 
 /// Whether a cause is one order of the turn, or one line of the spectrum.
@@ -117,8 +129,8 @@ bool take_back_orders_that_stand_out(const Scene &scene, DataSplit split, const 
         least = k;
     }
     if (fitted.determined &&
-        v2[least] > criteria::kLikeliestOfShapes *
-                        comb_v2(anonymous_of(scene, split, fitted.model), Axis::angle)) {
+        v2[least] > criteria::kAboveNext *
+                        largest_v2(anonymous_of(scene, split, fitted.model), Axis::angle)) {
       take_back(split, less, std::move(fitted), found, unasked);
       return true;
     }

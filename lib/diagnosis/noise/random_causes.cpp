@@ -53,7 +53,7 @@ Worth worth_of(const Anonymous &left, Pattern pattern) {
            left.from.n_heldout;
   };
   const double with = std::max(square(values), criteria::kLeastMeanSquare), without = square(less);
-  return {without - with, 0.5 * left.from.n_heldout * std::log(without / with)};
+  return {without - with, 0.5 * left.from.told() * std::log(without / with)};
 }
 
 /// Course of one complex coefficient over the record, at `steps` even times.

@@ -162,7 +162,6 @@ bool takes_throughout(const Observations &data, const ResidualColumns &with,
   constexpr std::size_t kStretches = 32, kTrimmed = 4; // at either end
   constexpr std::size_t kSpeeds = 8, kOfSpeed = 16, kFewest = 512;
   constexpr double kOneSpeed = 0.02; // of their range: no more than that is one speed
-  constexpr double kPart = 0.25;     // a lag behind it may leave so much at the highest speed
   const std::size_t n = data.size();
   if (n < kFewest)
     return true;
@@ -183,11 +182,6 @@ bool takes_throughout(const Observations &data, const ResidualColumns &with,
   }();
   if (!(sum > (clearly ? criteria::kClearErrors * std::sqrt(squares_about) : 0.0)))
     return false;
-  // At each speed a part of what it adds there: all of it, where the same is there.
-  for (std::size_t i = 0; i < n; ++i) {
-    const double sin = with.sin[i] - without.sin[i], cos = with.cos[i] - without.cos[i];
-    gain[i] -= kPart * (sin * sin + cos * cos);
-  }
   std::ranges::stable_sort(rows, {}, [&](std::uint32_t i) { return data.omega[i]; });
   const double alike = kOneSpeed * (data.omega[rows.back()] - data.omega[rows.front()]);
   for (std::size_t first = 0, end = 0; first < n; first = end) {

@@ -76,6 +76,14 @@ bool is_lag(const EffectInfo &e) {
          e.character == Character::dynamic;
 }
 
+/// Whether numbers of an effect have all that others have: each end that clips, say.
+bool gives_all(Values known, Values of) {
+  for (std::size_t k = 0; k < of.size(); ++k)
+    if (std::isfinite(of[k]) && !std::isfinite(known[k]))
+      return false;
+  return true;
+}
+
 std::vector<Variant> variants(const Scene &scene, const Residual &residual, const Model &model,
                               bool signatures) {
   std::vector<Variant> out;
@@ -100,7 +108,8 @@ std::vector<Variant> variants(const Scene &scene, const Residual &residual, cons
         continue;
       // What the readings themselves have shown at this place is known, and its rows are left out.
       if (std::ranges::any_of(scene.screened, [&](const ScreenFinding &f) {
-            return repeats({f.effect, f.values, {}}, {effect, values, {}});
+            return repeats({f.effect, f.values, {}}, {effect, values, {}}) &&
+                   gives_all(f.values, values);
           }))
         continue;
       out.push_back(make_variant(model, *effect, std::move(values)));

@@ -38,10 +38,10 @@ constexpr EffectInfo kInfo{.id = "reference-harmonic",
                            .prior_rank = 4,
                            .repeats = true};
 
-/// What changes within the record widens the line of order 1, the eccentricity's, and near it nothing
-/// is of another order: one whose size changes once has its sides within three periods over the
-/// record. In few turns no more than this is left out.
-constexpr double kPeriodsAside = 3.0, kOfEccentricity = 0.25;
+/// What changes within the record widens the line of order 1, the eccentricity's, and near it
+/// nothing is of another order: one whose size comes and goes up to eight times has its sides
+/// within as many periods over the record. In few turns no more than this is left out.
+constexpr double kPeriodsAside = 8.0, kOfEccentricity = 0.25;
 
 /// From so many turns on orders apart by a sixth are told apart. In fewer a field of the same order
 /// looks the same while there are few periods of it.
