@@ -27,7 +27,8 @@ constexpr double kClippedSlope = 0.5;
 constexpr double kFlat = 0.25;         ///< of the variance that an arch has
 constexpr double kMaxSlopeError = 0.1; ///< a slope less certain than this is no evidence
 constexpr double kOfStep = 0.5; ///< of the converter's step: any peak that is lower looks flat
-/// Rows of a peak: with ten a slope that is off by five of its errors comes once in 2000 (Student).
+/// Rows of a peak: with ten a slope that is too small by five of its errors comes once in 2000
+/// (Student), and so in one of the four peaks of a capture once in 500.
 constexpr double kMinSectorSamples = 10;
 
 std::string number(const char *format, double x) {

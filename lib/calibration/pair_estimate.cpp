@@ -40,12 +40,12 @@ bool ellipse_is_worthwhile(const EllipseFit &circle, const EllipseFit &ellipse) 
   return n * 2 * std::log(circle.residual_rms_v / ellipse.residual_rms_v) > kWorthwhile;
 }
 
-/// Whether an ellipse is so near to a circle that no arc could have been taken for all of it: a
+/// Whether no arc could have been taken for an ellipse: it is so near to a circle, or so wide. A
 /// flat one may go to and fro along an arc, whose noise is on both sides of it. Not where its sides
-/// are much farther apart than that.
-/// A shaft that dithers on an arc may draw such an ellipse as well, with a lag between the
-/// channels: at the rim of its circle, and far from the middle of the supply.
-bool is_round(const EllipseFit &fit, double supply_v) {
+/// are farther apart than three standard deviations on either. A shaft that dithers on an arc may
+/// draw such an ellipse as well, with a lag between the channels: at the rim of its circle, and far
+/// from the middle of the supply.
+bool is_no_arc(const EllipseFit &fit, double supply_v) {
   constexpr double kMismatch = 0.5, kQuadratureRad = 20 * kRadPerDeg, kClearOfNoise = 6.0;
   const EllipseParameters &e = fit.value;
   if (std::abs(e.k) < kMismatch && std::abs(e.delta_rad) < kQuadratureRad)
@@ -70,7 +70,7 @@ EllipseFit fit_with_what_the_data_carry(const RecordingToFit &what, bool &circle
   } catch (const Error &) {
     // On a short arc the five may have no minimum; the circle stands.
   }
-  if (ellipse && is_round(*ellipse, what.recording.meta().supply_v) &&
+  if (ellipse && is_no_arc(*ellipse, what.recording.meta().supply_v) &&
       ellipse->coverage_deg >= kGoodCoverageDeg)
     return *std::move(ellipse);
   // Which shows how much of the circle there is.

@@ -320,9 +320,9 @@ inline constexpr double kLeastOfGroup = 0.5;
 /// (their power-weighted mean): of orders drawn alike from a structure with many of them one in
 /// e^3, 5 %, has as much.
 inline constexpr double kAboveComb = 3.0;
-/// Of several orders the least over the largest that is left: in a series that falls smoothly, as
-/// that of a bump, each has less than this of the next, where it falls to half its amplitude less
-/// than once an order.
+/// Mean square of the least of several orders over that of the largest that is left. A series that
+/// falls to no less than half its amplitude from each order to the next, as that of a bump does,
+/// has no such gap.
 inline constexpr double kAboveNext = 4.0;
 /// Square of the standard errors, a mean over its coordinates, by which a finding must differ from
 /// none: three of them, which chance makes once in 400.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/angle.h"
+#include "base/sense.h"
 #include "model/residual.h"
 
 namespace ada {
@@ -169,7 +170,6 @@ double find_reference_step(const Screened &look) {
     return 0.0;
 
   std::vector<double> moved(reference.size() - 1), seen(moved.size()), apart(moved.size());
-  double together = 0.0;
   for (std::size_t i = 0; i < moved.size(); ++i) {
     const double of_pair = look.angle[i + 1] - look.angle[i];
     const double of_reference = wrap_centred(reference[i + 1] - reference[i], 360.0) * kRadPerDeg;
@@ -177,9 +177,10 @@ double find_reference_step(const Screened &look) {
       continue;
     seen[i] = of_pair;
     moved[i] = of_reference;
-    together += of_pair * of_reference;
   }
-  const double sense = together < 0.0 ? -1.0 : 1.0; // of a pair that is wired the other way round
+  const double sense = common_sense(
+      moved.size(), [&](std::size_t i) { return moved[i]; },
+      [&](std::size_t i) { return seen[i]; });
   for (std::size_t i = 0; i < moved.size(); ++i)
     apart[i] = moved[i] - sense * seen[i];
   // Differences scatter about their mean over a window, whose speed is that of `of_speed`: by as

@@ -13,6 +13,7 @@
 
 #include "base/angle.h"
 #include "base/robust.h"
+#include "base/sense.h"
 #include "motion/spline.h"
 
 namespace ada {
@@ -125,17 +126,18 @@ RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair
   const std::size_t n = reference.size();
   if (n < kRareSample)
     return {};
-  double together = 0.0; // the sensor may be mounted the other way round
-  for (std::size_t i = 1; i < n; ++i)
-    together += wrap_centred(reference[i] - reference[i - 1], kTwoPi) * (pair[i] - pair[i - 1]);
-  const double sense = together < 0.0 ? -1.0 : 1.0;
+  const double sense = common_sense(
+      n - 1, [&](std::size_t i) { return wrap_centred(reference[i + 1] - reference[i], kTwoPi); },
+      [&](std::size_t i) { return pair[i + 1] - pair[i]; });
   std::complex<double> sum;
   for (std::size_t i = 0; i < n; ++i)
     sum += std::polar(1.0, reference[i] - sense * pair[i]);
   std::vector<double> off(n);
   for (std::size_t i = 0; i < n; ++i)
     off[i] = wrap_centred(reference[i] - sense * pair[i] - std::arg(sum), kTwoPi);
-  const std::vector<double> departure = off_medians(off);
+  std::vector<double> departure = off_medians(off);
+  for (double &d : departure) // medians of what lies about half a turn may have either sign
+    d = wrap_centred(d, kTwoPi);
   const double least = std::max(kFar * noise_between(off), kOfSteps * step);
   const std::vector<double> common = common_at_speed(departure, pair, kReach, kCommon);
   RowsApart out;
@@ -147,26 +149,13 @@ RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair
   const auto its_own = [&](std::size_t i) {
     return std::abs(wrap_centred(own(i) - departure[i], kTwoPi)) < kOfPair * std::abs(departure[i]);
   };
-  // Good rows on both sides say so, and alike: where a delay meets another speed, or a gap another
-  // place, the rows before and behind are off by different amounts, and the row by none of its own.
   // Off another row, about what the row departs by: half a turn has no sign.
   const auto off_row = [&](std::size_t i, std::size_t k) {
     return departure[i] + wrap_centred(off[i] - off[k] - departure[i], kTwoPi);
   };
-  const auto stands_between = [&](std::size_t i) {
-    const auto side = [&](std::size_t first, std::size_t end) {
-      std::vector<double> from;
-      for (std::size_t k = first; k < end; ++k)
-        from.push_back(off_row(i, k));
-      return quantile(std::move(from), 0.5);
-    };
-    const double before = side(i - std::min(i, kSide), i),
-                 behind = side(i + 1, std::min(n, i + 1 + kSide));
-    return before * behind > 0.0 &&
-           std::min(std::abs(before), std::abs(behind)) > kOfPair * std::abs(departure[i]);
-  };
-  // And off the parabola through those beside it: where the pair's own error is largest a row lies
-  // beyond them, and bends no more than they do. Rows that are off it themselves are wrong as well.
+  // It is off the parabola through those beside it: where the pair's own error is largest a row
+  // lies beyond them, and bends no more than they do. Rows that are off it themselves are wrong as
+  // well.
   const auto leaves_parabola = [&](std::size_t i) {
     constexpr double kWrongToo = 0.25; // of the departure
     std::vector<std::pair<double, double>> beside;
@@ -194,9 +183,9 @@ RowsApart mend_rows(std::vector<double> &reference, std::span<const double> pair
   };
   for (std::size_t i = kReach; i + kReach < n; ++i)
     if (std::abs(departure[i]) > std::max(least, kOfCommon * common[i]) && its_own(i) &&
-        stands_between(i) && leaves_parabola(i)) {
+        leaves_parabola(i)) {
       out.rows.push_back(static_cast<std::uint32_t>(i));
-      out.by_rad.push_back(std::abs(wrap_centred(departure[i], kTwoPi)));
+      out.by_rad.push_back(std::abs(departure[i]));
     }
   if (out.rows.size() * kRare > n)
     return {};

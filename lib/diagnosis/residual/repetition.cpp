@@ -146,13 +146,23 @@ std::optional<Repeated> repeated_v2(const Observations &data, const ResidualColu
 
 namespace {
 
-/// Sums of rows `from` to `end` of an order, in so many stretches.
+/// Sums over so many stretches of rows, each as long as the others.
 std::vector<double> in_stretches(const std::vector<double> &gain,
                                  std::span<const std::uint32_t> rows, std::size_t stretches) {
   std::vector<double> out(stretches, 0.0);
   for (std::size_t k = 0; k < rows.size(); ++k)
     out[k * stretches / rows.size()] += gain[rows[k]];
   return out;
+}
+
+/// A sum in its standard errors, by how its parts scatter.
+double in_errors(std::span<const double> parts) {
+  const double n = static_cast<double>(parts.size()),
+               sum = std::accumulate(parts.begin(), parts.end(), 0.0);
+  double squares = 0.0;
+  for (double part : parts)
+    squares += std::pow(part - sum / n, 2);
+  return sum / std::max(std::sqrt(squares * n / (n - 1.0)), 1e-300);
 }
 
 } // namespace
@@ -174,13 +184,7 @@ bool takes_throughout(const Observations &data, const ResidualColumns &with,
   std::vector<double> stretches = in_stretches(gain, rows, kStretches);
   std::ranges::sort(stretches);
   const std::span<const double> middle(stretches.data() + kTrimmed, kStretches - 2 * kTrimmed);
-  const double sum = std::accumulate(middle.begin(), middle.end(), 0.0), squares_about = [&] {
-    double out = 0.0;
-    for (double x : middle)
-      out += std::pow(x - sum / static_cast<double>(middle.size()), 2);
-    return out;
-  }();
-  if (!(sum > (clearly ? criteria::kClearErrors * std::sqrt(squares_about) : 0.0)))
+  if (!(in_errors(middle) > (clearly ? criteria::kClearErrors : 0.0)))
     return false;
   std::ranges::stable_sort(rows, {}, [&](std::uint32_t i) { return data.omega[i]; });
   const double alike = kOneSpeed * (data.omega[rows.back()] - data.omega[rows.front()]);
@@ -193,12 +197,7 @@ bool takes_throughout(const Observations &data, const ResidualColumns &with,
     std::vector<std::uint32_t> group(rows.begin() + static_cast<std::ptrdiff_t>(first),
                                      rows.begin() + static_cast<std::ptrdiff_t>(end));
     std::ranges::sort(group); // in time: what has a memory is in one part
-    const std::vector<double> parts = in_stretches(gain, group, kOfSpeed);
-    const double mean = std::accumulate(parts.begin(), parts.end(), 0.0) / kOfSpeed;
-    double squares = 0.0;
-    for (double part : parts)
-      squares += (part - mean) * (part - mean);
-    if (mean < -criteria::kClearErrors * std::sqrt(squares / (kOfSpeed * (kOfSpeed - 1.0))))
+    if (in_errors(in_stretches(gain, group, kOfSpeed)) < -criteria::kClearErrors)
       return false;
   }
   return true;

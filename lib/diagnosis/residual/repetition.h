@@ -31,11 +31,11 @@ std::optional<Repeated> repeated_v2(const Observations &data, const ResidualColu
                                     double turn_rad, double cell_rad);
 
 /// Whether what a model takes of the squares that another leaves, it takes throughout: in the
-/// middle of what stretches of the record gain, and at every speed, within the errors. What repeats
-/// with the angle does so in most turns and at whatever speed the shaft passes; a magnet that
-/// passes the bench once does not, nor does a tone that is a multiple of one of the speeds. `data`
-/// in order of time; `clearly`: the middle of the stretches beyond its errors, where nothing else
-/// has said so.
+/// middle of what stretches of the record gain, and at no speed less than nothing beyond its
+/// errors. What repeats with the angle does so in most turns and at whatever speed the shaft
+/// passes; a magnet that passes the bench once does not, nor does a tone that is a multiple of one
+/// of the speeds. `data` in order of time; `clearly`: the middle of the stretches beyond its
+/// errors, where nothing else has said so.
 bool takes_throughout(const Observations &data, const ResidualColumns &with,
                       const ResidualColumns &without, bool clearly);
 
