@@ -137,6 +137,56 @@ TEST_F(Leftovers, uneven_steps_of_a_converter_live_along_the_level) {
         << f.explanation;
 }
 
+/// A housing that vibrates turns the vector at its own frequency. In the channels that shows to
+/// both sides of it, as far off as the vector turns, and nothing at the frequency itself.
+TEST_F(Leftovers, a_line_that_turns_the_vector_is_told_at_its_own_frequency) {
+  Drive drive;
+  drive.samples = 16000;
+  drive.turns_back = false;
+  drive.slow_rpm = 120.0; // at one speed it would be an order of the turn
+  drive.fast_rpm = 240.0;
+  Capture c = capture_of(plain_sensor(), drive, rng_);
+  const double rate_hz = static_cast<double>(c.size() - 1) / (c.time_s.back() - c.time_s.front());
+  const double hz = std::uniform_real_distribution<>(20.0, 90.0)(rng_);
+  ASSERT_LT(hz, 0.3 * rate_hz);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double turned = 4e-3 * std::sin(kTwoPi * hz * c.time_s[i]);
+    const double s = c.vsin_v[i] - 0.5 * c.meta.supply_v, k = c.vcos_v[i] - 0.5 * c.meta.supply_v;
+    c.vsin_v[i] += turned * k;
+    c.vcos_v[i] -= turned * s;
+  }
+  const Diagnosis d = diagnose(c, {});
+  bool told = false;
+  for (const Structure &s : d.structure)
+    if (const auto at = s.description.find("across the vector at "); at != std::string::npos) {
+      told = true;
+      EXPECT_NEAR(std::stod(s.description.substr(at + 21)), hz, 2.0 * rate_hz / 16000.0)
+          << s.description;
+    }
+  EXPECT_TRUE(told) << hz << " Hz";
+}
+
+/// A mean over many rows shortens the vector with the speed. That is no matter of the levels,
+/// though at one speed each level errs by its own part.
+TEST_F(Leftovers, a_mean_over_many_rows_is_no_uneven_converter) {
+  Drive drive;
+  drive.samples = 16000;
+  drive.slow_rpm = 300.0;
+  drive.fast_rpm = 1200.0;
+  Capture c = capture_of(plain_sensor(), drive, rng_);
+  const int rows = std::uniform_int_distribution<>(12, 20)(rng_);
+  for (auto *channel : {&c.vsin_v, &c.vcos_v}) {
+    const std::vector<double> raw = *channel;
+    for (std::size_t i = static_cast<std::size_t>(rows); i < raw.size(); ++i) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < static_cast<std::size_t>(rows); ++k)
+        sum += raw[i - k];
+      (*channel)[i] = sum / rows;
+    }
+  }
+  EXPECT_FALSE(says(diagnose(c, {}), "errs with its own level")) << rows << " rows";
+}
+
 TEST_F(Leftovers, an_even_converter_is_no_structure) {
   Drive drive;
   drive.samples = 40000;

@@ -109,26 +109,26 @@ void report_bins(const Components &split, const std::vector<int> &bin, int bins,
                    strongest.rms_v});
 }
 
-/// What two halves of a record have in common in the means of a component over ranges of a level, V
-/// rms. A converter errs alike whenever it reads a level; what goes on for a while stays in one of
-/// the halves, however finely it is cut.
+/// What two groups of samples have in common in the means of a component over ranges of a level, V
+/// rms; `second`: whether a sample is of the second one.
+template <class Second>
 double alike_v(const std::vector<double> &level, const std::vector<double> &component, double low,
-               double width) {
+               double width, Second second) {
   struct Sum {
     double sum = 0.0, count = 0.0;
   };
   std::map<long, std::array<Sum, 2>> of_range;
   for (std::size_t i = 0; i < level.size(); ++i) {
-    Sum &s = of_range[std::lround(std::floor((level[i] - low) / width))][2 * i / level.size()];
+    Sum &s = of_range[std::lround(std::floor((level[i] - low) / width))][second(i) ? 1 : 0];
     s.sum += component[i];
     s.count += 1.0;
   }
   double power = 0.0, weight = 0.0;
-  for (const auto &[range, halves] : of_range) {
-    const double w = std::min(halves[0].count, halves[1].count);
+  for (const auto &[range, groups] : of_range) {
+    const double w = std::min(groups[0].count, groups[1].count);
     if (w <= 0.0)
       continue;
-    power += w * halves[0].sum / halves[0].count * halves[1].sum / halves[1].count;
+    power += w * groups[0].sum / groups[0].count * groups[1].sum / groups[1].count;
     weight += w;
   }
   return weight > 0.0 ? std::sqrt(std::max(0.0, power / weight)) : 0.0;
@@ -137,7 +137,9 @@ double alike_v(const std::vector<double> &level, const std::vector<double> &comp
 /// A converter whose steps are uneven errs with the level of a channel, finer than any bin of the
 /// angle: means over narrow bins of the modelled level (the measured one carries the noise along),
 /// none so narrow that an even converter's own steps show. Against the scatter of the channel
-/// itself: one of the two may be the noisier one.
+/// itself: one of the two may be the noisier one. It errs alike whenever it reads a level: in
+/// either half of the record, however fast the level comes and from whichever side of its peak.
+/// What goes on for a while, with the speed or with the angle is in one of the two.
 void report_levels(const Observations &data, const ResidualColumns &residual,
                    const Components &split, double least, std::vector<Structure> &out) {
   constexpr double kSteps = 4.0, kEach = 16.0, kFewest = 128.0, kMost = 8192.0;
@@ -148,8 +150,13 @@ void report_levels(const Observations &data, const ResidualColumns &residual,
   for (const Structure &s : out)
     if (s.along == "angle")
       known = std::max(known, kFiner * s.rms_v);
+  std::vector<double> speed;
+  for (float omega : data.omega)
+    speed.push_back(std::abs(omega));
+  const double usual_speed = quantile(std::vector<double>(speed), 0.5);
   const auto look = [&](const std::vector<double> &level, std::span<const float> measured,
-                        const std::vector<double> &component, const char *name) {
+                        const std::vector<double> &component, const std::vector<double> &other,
+                        double centre_of_other_v, const char *name) {
     const auto [low, high] = std::minmax_element(level.begin(), level.end());
     const double span = *high - *low, step = converter_step(measured);
     BinTest strongest{0.0, 0.0};
@@ -166,8 +173,12 @@ void report_levels(const Observations &data, const ResidualColumns &residual,
         width = span / count;
       }
     }
-    if (strongest.rms_v > known &&
-        kAgree * strongest.rms_v < alike_v(level, component, *low, width))
+    const auto alike = [&](auto second) {
+      return alike_v(level, component, *low, width, second) > kAgree * strongest.rms_v;
+    };
+    if (strongest.rms_v > known && alike([&](std::size_t i) { return 2 * i >= level.size(); }) &&
+        alike([&](std::size_t i) { return speed[i] > usual_speed; }) &&
+        alike([&](std::size_t i) { return other[i] > centre_of_other_v; }))
       out.push_back({"angle",
                      fmt::format("{} errs with its own level by {:.3g} mV rms, in ranges of about "
                                  "{:.2g} mV: the steps of the converter may be uneven",
@@ -175,8 +186,10 @@ void report_levels(const Observations &data, const ResidualColumns &residual,
                      strongest.rms_v});
   };
   const bool pair = split.judged.size() > 1;
-  look(residual.model_sin, data.vsin, split.of[pair ? 0 : 2], kComponent[0]);
-  look(residual.model_cos, data.vcos, split.of[pair ? 1 : 2], kComponent[1]);
+  look(residual.model_sin, data.vsin, split.of[pair ? 0 : 2], residual.model_cos, data.centre_cos_v,
+       kComponent[0]);
+  look(residual.model_cos, data.vcos, split.of[pair ? 1 : 2], residual.model_sin, data.centre_sin_v,
+       kComponent[1]);
 }
 
 void report_spectrum(const Observations &data, const Components &split, const Memory &memory,
@@ -232,17 +245,54 @@ void report_spectrum(const Observations &data, const Components &split, const Me
                    fmt::format("{:.3g} mV rms above white noise between {:.3g} and {:.3g} Hz",
                                1e3 * rms, from_hz, to_hz),
                    rms});
-  std::size_t peak = 1;
-  for (std::size_t k = 1; k < size; ++k)
-    if (std::norm(spectrum[k]) > std::norm(spectrum[peak]))
-      peak = k;
-  const double strongest = static_cast<double>(std::norm(spectrum[peak]));
-  const double line = std::sqrt(strongest) / n / std::sqrt(2.0);
-  if (strongest > noise(peak) * (std::log(n) + 25.0) && line > least)
+}
+
+/// The strongest line, of the channels or of what lies along or across the vector, wherever it has
+/// most of its power: what turns a vector that turns shows in the channels to both sides of its own
+/// frequency, and nothing there.
+void report_line(const Observations &data, const Components &split, const Memory &memory,
+                 double sigma, double least, std::vector<Structure> &out) {
+  struct Line {
+    double rms_v = 0.0, hz = 0.0; ///< of a channel
+  } strongest;
+  const char *of_what = "";
+  const double n = static_cast<double>(data.size());
+  const auto look = [&](auto value, double noise_v2, bool real, const char *name) {
+    const Spectrum of_time = spectrum_over_time(data.time, data.frame_period_s, value);
+    const std::size_t size = of_time.line.size();
+    const auto power = [&](std::size_t k) {
+      return static_cast<double>(std::norm(of_time.line[k]));
+    };
+    std::size_t peak = 0;
+    for (std::size_t k = 1; k < size; ++k)
+      if (peak == 0 || power(k) > power(peak))
+        peak = k;
+    if (peak == 0)
+      return;
+    const double hz = of_time.bin_hz * static_cast<double>(std::min(peak, size - peak));
+    const double expected = noise_v2 * n * memory.density(hz * data.frame_period_s);
+    // A real line has as much at the other sign of its frequency, and half of that in each channel.
+    const double rms_v = std::sqrt(power(peak)) / n / (real ? 1.0 : std::numbers::sqrt2);
+    if (power(peak) > expected * (std::log(n) + 25.0) && rms_v > strongest.rms_v) {
+      strongest = {rms_v, hz};
+      of_what = name;
+    }
+  };
+  const auto own_v2 = [&](int k) { return std::pow(sigma * split.noise[k], 2); };
+  const bool pair = split.judged.size() > 1;
+  if (pair)
+    look([&](std::size_t i) { return std::complex(split.of[1][i], split.of[0][i]); },
+         2.0 * sigma * sigma, false, "");
+  look([&](std::size_t i) { return std::complex(split.of[2][i]); }, own_v2(2), pair,
+       pair ? " along the vector" : "");
+  if (pair)
+    look([&](std::size_t i) { return std::complex(split.of[3][i]); }, own_v2(3), true,
+         " across the vector");
+  if (strongest.rms_v > least)
     out.push_back({"frequency",
-                   fmt::format("a line of {:.3g} mV rms at {:.5g} Hz", 1e3 * line,
-                               bin * static_cast<double>(std::min(peak, size - peak))),
-                   line});
+                   fmt::format("a line of {:.3g} mV rms{} at {:.5g} Hz", 1e3 * strongest.rms_v,
+                               of_what, strongest.hz),
+                   strongest.rms_v});
 }
 
 /// Radial or tangential part of a residual, V.
@@ -370,6 +420,7 @@ std::vector<Structure> find_structure(const Scene &scene, const Observations &da
     report_bins(split, bins_of(data.omega, 20), 20, of_means_v, least_rms_v, "speed",
                 "the signed speed", out);
   report_spectrum(data, split, memory, sigma_v, least_rms_v, out);
+  report_line(data, split, memory, sigma_v, least_rms_v, out);
   return out;
 }
 
