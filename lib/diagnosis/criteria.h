@@ -74,6 +74,10 @@ inline constexpr double kMostLeftOut = 0.8;
 /// Standard error of the sample clock, relative: of quartz that is good to 50 ppm, spread evenly.
 inline constexpr double kClock = 29e-6;
 
+/// Jumps of the angle that a search begins with, at most: a model holds ten causes, of which every
+/// pair has two.
+inline constexpr std::size_t kMostJumpsAside = 6;
+
 /// Samples that a search fits and judges on, and those of the last fits: more only narrow errors
 /// that are far below anything physical.
 inline constexpr std::size_t kSearchTrain = 30000, kSearchHeldout = 15000;

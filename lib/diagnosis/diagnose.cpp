@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,7 @@
 #include "base/plain_numbers.h"
 #include "diagnosis/conditions/alternation.h"
 #include "diagnosis/conditions/between_captures.h"
+#include "diagnosis/conditions/episodes.h"
 #include "diagnosis/conditions/held_rows.h"
 #include "diagnosis/conditions/pair_alone.h"
 #include "diagnosis/conditions/reference_course.h"
@@ -328,6 +330,19 @@ std::optional<Diagnosis> beside_wandering_reference(const Capture &capture,
   return with_reference_aside(why, true, left_v, std::move(alone));
 }
 
+/// The same as why_of_no_shaft(), whatever the pair does in episodes that are not the sensor's.
+std::string why_of_no_shaft_beside_episodes(const Capture &capture) {
+  std::string why = why_of_no_shaft(capture);
+  std::vector<char> usable(why.empty() ? 0 : capture.size(), 1);
+  if (why.empty() || leave_out_episodes(capture, usable).samples == 0)
+    return why;
+  Capture rest = capture;
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    if (!usable[i])
+      rest.vsin_v[i] = rest.vcos_v[i] = std::numeric_limits<double>::quiet_NaN();
+  return why_of_no_shaft(rest);
+}
+
 Diagnosis diagnose_rows(const Capture &capture, const DiagnosisOptions &given) {
   DiagnosisOptions options = given;
   std::optional<FreshReadings> judge;
@@ -342,8 +357,9 @@ Diagnosis diagnose_rows(const Capture &capture, const DiagnosisOptions &given) {
     return out;
   }
   // The two are judged alike.
-  const std::string why = why_of_no_shaft(capture),
-                    of_judge = options.heldout ? why_of_no_shaft(*options.heldout) : std::string();
+  const std::string why = why_of_no_shaft_beside_episodes(capture),
+                    of_judge = options.heldout ? why_of_no_shaft_beside_episodes(*options.heldout)
+                                               : std::string();
   if (why.empty() && of_judge.empty()) {
     Diagnosis out = diagnose_by_reference(capture, options);
     const auto alone = beside_wandering_reference(capture, options, out);

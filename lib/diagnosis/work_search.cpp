@@ -19,6 +19,7 @@
 #include "base/robust.h"
 #include "base/solve.h"
 #include "diagnosis/anonymous/beside_anonymous.h"
+#include "diagnosis/conditions/jumps_aside.h"
 #include "diagnosis/conditions/reference_zero.h"
 #include "diagnosis/conditions/uneven_motion.h"
 #include "diagnosis/conditions/unseen_supply.h"
@@ -85,7 +86,12 @@ void Work::search_causes() {
   const bool own = scene_.has_reference ? scene_.lag_in_zeros : !scene_.radius_only;
   free_lag_ =
       own && (scene_.several_speeds || scene_.both_directions) && !has(start, is_common_delay);
-  found_ = search(found_baseline()).run(false);
+  const auto is_slip = [](const EffectInfo &e) { return is_jump(e) && e.stage == Stage::motion; };
+  std::vector<EffectInstance> jumps;
+  if (scene_.has_reference)
+    for (const JumpAside &jump : jumps_aside(scene_.all, scene_.periods))
+      jumps.push_back({&the_effect(is_slip), {jump.time_s, jump.by_rad * kDegPerRad}, {}});
+  found_ = search(found_baseline()).run(false, nullptr, {}, jumps);
 }
 
 void Work::search_further() {
@@ -189,7 +195,10 @@ bool Work::drop_what_harms() {
     const double harm = by_angle ? *after.angle_error_rms_deg - *before.angle_error_rms_deg : less;
     const bool may_leave_more = f.effect->info().prior_rank == 0 &&
                                 nested_.clearness[i].as_said >= 1.0 && leaves_its_own(f);
-    const bool by_itself = !may_leave_more && makes_worse(before, after) &&
+    // A fit that is judged by the likelihood and not by the angle: any other cause that leaves
+    // held-out data less likely was of what the others have taken since.
+    const bool in_vain = f.effect->info().prior_rank != 0 && !nested_.by_direction && less > 0.0;
+    const bool by_itself = !may_leave_more && (in_vain || makes_worse(before, after)) &&
                            !is_measured_aside(split_.train, found_.fit.model, found_.order[i]);
     if ((whole_harms || by_itself) && harm > most) {
       most = harm;

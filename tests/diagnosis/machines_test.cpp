@@ -671,5 +671,52 @@ KIND(a_ripple_of_the_supply_repeats_with_no_angle) {
   expect_pair(d, bench.pair);
 }
 
+/// Jumps of a reference that take each other back: each alone makes the rest of the record worse.
+KIND(jumps_that_take_each_other_back_are_each_found) {
+  Bench bench;
+  Capture c = bench.capture(16000, 1000.0, 2, [](double t) { return kTwoPi * 4.3 * t; });
+  const double step_deg = bench.within(8.0, 20.0);
+  const double at[] = {bench.within(2.0, 4.0), bench.within(5.0, 7.0), bench.within(9.0, 11.0),
+                       bench.within(12.0, 14.0)};
+  const double by[] = {step_deg, -0.8 * step_deg, 1.1 * step_deg, -1.2 * step_deg};
+  for (std::size_t i = 0; i < c.size(); ++i)
+    for (int k = 0; k < 4; ++k)
+      if (c.time_s[i] >= at[k])
+        c.reference_deg[i] = wrap(c.reference_deg[i] + by[k], 360.0);
+  const Diagnosis d = diagnose(c, {});
+  int found = 0;
+  for (const Finding &f : d.findings)
+    for (int k = 0; k < 4 && f.effect->info().id == "angle-slip"; ++k)
+      if (std::abs(f.values[0] - at[k]) < 0.02) {
+        ++found;
+        EXPECT_NEAR(f.values[1], -by[k], 0.1) << names(d);
+      }
+  EXPECT_EQ(found, 4) << names(d);
+  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
+  ASSERT_TRUE(k && delta) << names(d);
+  EXPECT_NEAR(k->values[0], bench.pair.k, 1e-3);
+  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, 0.1);
+}
+
+/// A ring that is worn at one place: a contact opens and bounces there in every turn. A magnet does
+/// not take a channel to a rail, so these rows say nothing of the angle.
+KIND(a_contact_that_opens_at_one_place_of_the_turn_bends_no_fit) {
+  Bench bench;
+  Capture c = bench.capture(16000, 1000.0, 2,
+                            [](double t) { return kTwoPi * 2.0 * (t + 0.4 * std::sin(0.9 * t)); });
+  const double from_deg = bench.within(0.0, 340.0), rail_v = bench.within(0.02, 0.1);
+  const bool sine = bench.within(0.0, 1.0) < 0.5;
+  for (std::size_t i = 0; i < c.size(); ++i)
+    if (wrap(c.reference_deg[i] - from_deg, 360.0) < 10.0 && bench.within(0.0, 1.0) < 0.7)
+      (sine ? c.vsin_v : c.vcos_v)[i] = rail_v + bench.normal(0.005);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
+  ASSERT_TRUE(k && delta) << names(d);
+  EXPECT_NEAR(k->values[0], bench.pair.k, 1e-3);
+  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, 0.1);
+  EXPECT_EQ(d.findings.size(), 2u) << names(d);
+  EXPECT_EQ(d.verdict, Verdict::partly_explained);
+}
+
 } // namespace
 } // namespace ada::test

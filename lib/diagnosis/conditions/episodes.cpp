@@ -92,10 +92,14 @@ Off off_curve(const Capture &c, const Pair &pair, const EllipseParameters &curve
   return out;
 }
 
-/// Rows in which a column is off by more than a limit, and which are no single outliers: each with
-/// what still belongs to it on either side.
-std::vector<RowRange> rows_of(const std::vector<double> &by, double spread) {
-  constexpr std::size_t kBeside = 2, kFewest = health::kMaxFaultyRow + 1;
+/// More samples than single outliers have.
+constexpr std::size_t kFewestOfEpisode = health::kMaxFaultyRow + 1;
+
+/// Rows in which a column is off by more than a limit, in so many samples at least: each with what
+/// still belongs to it on either side.
+std::vector<RowRange> rows_of(const std::vector<double> &by, double spread,
+                              std::size_t fewest = kFewestOfEpisode) {
+  constexpr std::size_t kBeside = 2;
   constexpr double kBack = 3.0; // standard deviations
   const double limit = std::max(health::kFarOff, kOffCurve * spread);
   const auto off = [&](std::size_t i) { return std::abs(by[i]) > limit; };
@@ -112,7 +116,7 @@ std::vector<RowRange> rows_of(const std::vector<double> &by, double spread) {
     std::size_t count = 0;
     for (std::size_t i = r.first; i < r.end; ++i)
       count += off(i) ? 1 : 0;
-    return count < kFewest;
+    return count < fewest;
   });
   for (RowRange &r : rows) {
     while (r.first > 0 && std::abs(by[r.first - 1]) > kBack * spread)
@@ -255,13 +259,26 @@ private:
   std::vector<std::pair<double, std::uint32_t>> by_place_;
 };
 
+/// Whether no magnet does it, at whatever place of the turn: the vector gets half as long again at
+/// least, or loses half of its length, and that at once. A worn ring or a cable does.
+bool is_no_field(const Off &off, const RowRange &r) {
+  constexpr double kOfRadius = 0.5;
+  double most = 0.0, step = 0.0;
+  for (std::size_t i = r.first; i < r.end; ++i) {
+    most = std::max(most, std::abs(off.along[i]));
+    if (i > r.first)
+      step = std::max(step, std::abs(off.along[i] - off.along[i - 1]));
+  }
+  return most > kOfRadius && step > 0.5 * most;
+}
+
 /// Takes out what comes again each time the shaft passes: a weak pole or a chip of the magnet
-/// belongs to the angle.
-void leave_to_the_angle(const Capture &c, const Off &off, std::vector<RowRange> &rows) {
+/// belongs to the angle. What is no field stays; the number of those that come again.
+std::size_t leave_to_the_angle(const Capture &c, const Off &off, std::vector<RowRange> &rows) {
   const std::vector<double> way = way_of(c, off.psi);
   const auto [low, high] = std::minmax_element(way.begin(), way.end());
   if (rows.size() > kMostCompared || *high - *low < kTwoPi)
-    return;
+    return 0;
   const Places places(way);
   const auto most = [](const std::vector<double> &by, const RowRange &r) {
     double out = 0.0;
@@ -269,9 +286,15 @@ void leave_to_the_angle(const Capture &c, const Off &off, std::vector<RowRange> 
       out = std::max(out, std::abs(by[i]));
     return out;
   };
+  std::size_t stay = 0;
   std::erase_if(rows, [&](const RowRange &r) {
-    return places.recurs(r, most(off.along, r) >= most(off.across, r) ? off.along : off.across);
+    if (!places.recurs(r, most(off.along, r) >= most(off.across, r) ? off.along : off.across))
+      return false;
+    const bool stays = is_no_field(off, r);
+    stay += stays ? 1 : 0;
+    return !stays;
   });
+  return stay;
 }
 
 } // namespace
@@ -279,6 +302,8 @@ void leave_to_the_angle(const Capture &c, const Off &off, std::vector<RowRange> 
 Episodes &Episodes::operator+=(const Episodes &more) {
   if (more.count != 0 && (count == 0 || more.first_s < first_s))
     first_s = more.first_s;
+  if (more.count != 0)
+    at_one_place = more.at_one_place && (count == 0 || at_one_place);
   count += more.count;
   samples += more.samples;
   longest_s = std::max(longest_s, more.longest_s);
@@ -310,10 +335,16 @@ Episodes leave_out_episodes(const Capture &capture, std::span<char> usable) {
     apart = rows_of(off.across, robust_spread(off.across));
   std::erase_if(apart, [&](const RowRange &r) { return !is_abrupt(off.across, r); });
   std::vector<RowRange> rows = joined(rows_of(off.along, robust_spread(off.along)), apart);
-  leave_to_the_angle(capture, off, rows);
+  const std::size_t at_one_place = leave_to_the_angle(capture, off, rows);
+  if (2 * at_one_place > rows.size()) { // at a higher speed the same takes fewer samples
+    std::vector<RowRange> all = rows_of(off.along, robust_spread(off.along), 1);
+    std::erase_if(all, [&](const RowRange &r) { return !is_no_field(off, r); });
+    rows = joined(std::move(rows), all);
+  }
   if (rows.empty() || rows.front().first == 0 || rows.back().end == n)
     return {};
   Episodes out;
+  out.at_one_place = 2 * at_one_place > rows.size();
   for (const RowRange &r : rows) {
     out.samples += r.end - r.first;
     out.longest_s = std::max(out.longest_s, capture.time_s[r.end - 1] - capture.time_s[r.first]);
@@ -327,7 +358,7 @@ Episodes leave_out_episodes(const Capture &capture, std::span<char> usable) {
   out.count = rows.size();
   out.first_s = capture.time_s[rows.front().first];
   if (static_cast<double>(out.samples) > criteria::kMostOfEpisodes * static_cast<double>(n) ||
-      !come_at_any_angle(rows, off.psi))
+      !(out.at_one_place || come_at_any_angle(rows, off.psi)))
     return {};
   for (const RowRange &r : rows)
     std::fill(usable.begin() + static_cast<std::ptrdiff_t>(r.first),

@@ -20,13 +20,15 @@ struct Episodes {
   double longest_s = 0.0, first_s = 0.0; ///< the latter is when the first of them begins
   double squares_v2 = 0.0;               ///< what they are off the curve by, the sum over all samples
   double worst_v = 0.0;                  ///< the farthest off the curve
+  bool at_one_place = false;             ///< most come again there, turn for turn
   Episodes &operator+=(const Episodes &more);
 };
 
 /// Finds them among the samples that are usable, and takes them out of these: off the curve in
 /// radius, or in angle from the reference where that begins or ends at once. None where the rest
-/// does not lie on one ellipse, where they are many, reach an end of the record, or come at the same
-/// angles again and again: then it is the signal that is like that.
+/// does not lie on one ellipse, where they are many, reach an end of the record, or come at the
+/// same angles again and again: then it is the signal that is like that, but for what no magnet
+/// does.
 Episodes leave_out_episodes(const Capture &capture, std::span<char> usable);
 
 } // namespace ada

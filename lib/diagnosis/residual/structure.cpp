@@ -119,9 +119,11 @@ Structure of_episodes(const Scene &scene) {
       "time",
       fmt::format(
           "{} the pair leaves its curve or its reference, from {:.4g} s on, by up to {:.3g} V and "
-          "for {:.3g} s at most, at any angle, and comes back: a contact, a cable, or a "
+          "for {:.3g} s at most, {}, and comes back: a contact, a cable, or a "
           "value that was held; these {} of {} rows are left out, of the figures as well",
-          times_text(e.count), e.first_s, e.worst_v, e.longest_s, e.samples, scene.capture->size()),
+          times_text(e.count), e.first_s, e.worst_v, e.longest_s,
+          e.at_one_place ? "at one place of the turn by more than a magnet does" : "at any angle",
+          e.samples, scene.capture->size()),
       std::sqrt(e.squares_v2 / (2.0 * n))};
 }
 

@@ -413,13 +413,16 @@ void Search::progress(const char *what) {
     report_(1.0 - 1.0 / (1.0 + 0.25 * steps_), what);
 }
 
-SearchResult Search::run(bool thorough, const Model *found, const Unnamed &unnamed) {
+SearchResult Search::run(bool thorough, const Model *found, const Unnamed &unnamed,
+                         const std::vector<EffectInstance> &seen) {
   progress("fitting the baseline");
   unnamed_ = unnamed;
   // A signature is named only where no physical cause explains as much: those come first.
   signatures_ = found != nullptr;
   measure_discrepancy();
-  State now = evaluate(found ? *found : with_expected(baseline_), 12);
+  Model start = found ? *found : with_expected(baseline_);
+  start.effects.insert(start.effects.end(), seen.begin(), seen.end());
+  State now = evaluate(start, 12);
   weigh_motion(now);
   bool swapped = false;
   for (int round = 0; round < 4; ++round) {

@@ -64,8 +64,10 @@ public:
   /// Not `thorough`: only what is found on the way up, without rivals and second thoughts; that
   /// tells what bends the motion, in a part of the time. `found`: physical causes known already, to
   /// which signatures may come; without it only physical causes are looked for. `unnamed`: beside
-  /// those that were found.
-  SearchResult run(bool thorough, const Model *found = nullptr, const Unnamed &unnamed = {});
+  /// those that were found. `seen`: causes that a look at the data told, with which it begins, and
+  /// which have to hold like any other.
+  SearchResult run(bool thorough, const Model *found = nullptr, const Unnamed &unnamed = {},
+                   const std::vector<EffectInstance> &seen = {});
 
   /// Once more from what was found, with what nobody can name as a part of the noise.
   SearchResult run_against(const Discrepancy &discrepancy, const Unnamed &unnamed,
