@@ -192,6 +192,8 @@ void Work::settle() {
     found_.forget(found_.order.size() - 1);
     take(nested_models(scene_, split_, found_));
   }
+  if (name_what_the_length_shows())
+    take(nested_models(scene_, split_, found_));
   while (drop_what_is_impossible() || drop_what_is_cancelled() || drop_slips_within_a_step() ||
          drop_what_comes_in_slowly() || drop_steps_of_processes() ||
          drop_lines_that_stand_together() || drop_what_the_length_denies() ||

@@ -145,6 +145,22 @@ Model Work::found_baseline() const {
   return out;
 }
 
+bool Work::name_what_the_length_shows() {
+  if (!scene_.has_reference || found_.disturbed != Direction::none || nested_.by_direction)
+    return false;
+  const std::size_t before = found_.fit.model.effects.size();
+  const auto more = with_what_the_length_shows(split_, found_.fit.model);
+  if (!more)
+    return false;
+  found_.fit = fit(split_.train, *more, 12);
+  for (std::size_t k = before; k < found_.fit.model.effects.size(); ++k) {
+    found_.order.push_back(k);
+    found_.contribution.push_back(0.0); // of what the reference makes of it
+    found_.alternatives.emplace_back();
+  }
+  return true;
+}
+
 bool Work::needed_by_all(std::size_t place) const {
   const Model less = fit(split_.train, found_.fit.model.without(found_.order[place]), 6).model;
   if (!nested_.by_direction)
@@ -514,9 +530,14 @@ bool Work::drop_what_is_unclear() {
             [&](auto a, auto b) { return nested_.clearness[a].own < nested_.clearness[b].own; });
   for (const std::size_t place : places) {
     const Clearness &clear = nested_.clearness[place];
-    if (clear.beyond_chance >= criteria::kClear)
+    // With what else there may be its size is not known, and nothing that it could be instead is:
+    // what has no name says as much.
+    const Finding &f = nested_.findings[place];
+    const bool of_unknown_size =
+        f.effect->info().prior_rank != 0 && clear.as_said < 1.0 && f.alternatives.empty();
+    if (clear.beyond_chance >= criteria::kClear && !of_unknown_size)
       continue;
-    if (clear.own >= criteria::kUnclear) {
+    if (clear.own >= criteria::kUnclear && !of_unknown_size) {
       const Taken takes = taken(scene_, split_, found_.fit.model, found_.order[place]);
       if (takes.most && (clear.beyond_chance >= criteria::kUnclear ||
                          takes.of_left > criteria::kMoreThanChanceTakes))

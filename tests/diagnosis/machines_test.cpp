@@ -671,6 +671,24 @@ KIND(a_ripple_of_the_supply_repeats_with_no_angle) {
   expect_pair(d, bench.pair);
 }
 
+/// A reference of a degree of noise hides a small mismatch in the angle, and not in the length.
+KIND(a_noisy_reference_hides_nothing_that_the_length_shows) {
+  Bench bench;
+  bench.pair.k = bench.within(0.006, 0.012) * (bench.within(0.0, 1.0) < 0.5 ? -1.0 : 1.0);
+  const double swing = bench.within(4.0, 8.0);
+  Capture c = bench.capture(700, 20.0, 2, [&](double t) {
+    return kTwoPi * (0.3 * t + 0.02 * swing * std::sin(0.8 * t));
+  });
+  const double noise_deg = bench.within(0.8, 1.3);
+  for (double &r : c.reference_deg)
+    r = wrap(r + bench.normal(noise_deg), 360.0);
+  const Diagnosis d = diagnose(c, {});
+  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
+  ASSERT_TRUE(k && delta) << names(d);
+  EXPECT_NEAR(k->values[0], bench.pair.k, 1e-3);
+  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, 0.2);
+}
+
 /// Jumps of a reference that take each other back: each alone makes the rest of the record worse.
 KIND(jumps_that_take_each_other_back_are_each_found) {
   Bench bench;

@@ -20,6 +20,7 @@
 #include "diagnosis/naming/borne_out.h"
 #include "diagnosis/noise/along_and_across.h"
 #include "diagnosis/search/admission.h"
+#include "diagnosis/search/first_model.h"
 #include "diagnosis/search/identifiability.h"
 #include "diagnosis/search/told_apart.h"
 #include "diagnosis/words/explain.h"
@@ -544,6 +545,31 @@ void widen_by_alternatives(const Observations &data, const SearchResult &found, 
 }
 
 } // namespace
+
+std::optional<Model> with_what_the_length_shows(const DataSplit &split, const Model &model) {
+  Model more = with_expected(model);
+  const Scatter left = scatter_of(split.train, model);
+  if (more.effects.size() == model.effects.size() ||
+      left.across <= criteria::kMoreThanNoise * left.along)
+    return std::nullopt;
+  // Both as the length has them: a figure that the reference has bent is no matter of one or the
+  // other.
+  const auto by_length = [&](const Model &start) {
+    DataSplit at = split;
+    at.train.coloured.reset();
+    at.weigh(Direction::motion, left.along / left.across);
+    FitResult out = fit(at.train, start, 12);
+    at.train = at_own_angle(std::move(at.train), out.model);
+    at.weigh(Direction::motion, kWeightOfOwnAngle);
+    return fit(at.train, out.model, 5);
+  };
+  const FitResult with = by_length(more), without = by_length(model);
+  if (!with.determined ||
+      nats_between(radius_left(split.heldout, without.model),
+                   radius_left(split.heldout, with.model)) <= criteria::kLeastNats)
+    return std::nullopt;
+  return with.model;
+}
 
 NestedModels nested_models(const Scene &scene, DataSplit &split, const SearchResult &found) {
   // A supply that is not recorded counts as a finding, and so from its own step on.

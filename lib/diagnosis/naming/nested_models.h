@@ -65,6 +65,11 @@ inline double nats_between(const RadiusLeft &one, const RadiusLeft &other) {
   return std::min(one.samples, other.samples) * std::log(one.rms_v / std::max(other.rms_v, 1e-12));
 }
 
+/// The model with all that every pair has, where a reference errs by more than what is left along
+/// the vector and hides a part of it, and the length of held-out data shows that it is there.
+/// Nothing otherwise.
+std::optional<Model> with_what_the_length_shows(const DataSplit &split, const Model &model);
+
 /// Adds what a person reads: the cause in a sentence, and what would tell it from its rivals.
 void put_in_words(Finding &finding);
 
