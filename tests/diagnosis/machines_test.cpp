@@ -671,6 +671,32 @@ KIND(a_ripple_of_the_supply_repeats_with_no_angle) {
   expect_pair(d, bench.pair);
 }
 
+/// A magnet with lobes: its strength goes with the angle, its direction does not. Errors of the
+/// field, of the chain and of the reference that take each other back in the angle would make the
+/// same length, and there is none of them. Two lobes a turn are left out: with one period a turn
+/// they are an ellipse together with a sensor off its axis.
+KIND(a_magnet_with_lobes_errs_in_length_alone) {
+  Bench bench;
+  bench.pair.noise_v = 6e-4;
+  Capture c = bench.capture(2000, 100.0, 1,
+                            [](double t) { return kTwoPi * (1.2 * t + 0.05 * std::sin(0.7 * t)); });
+  const double three = bench.within(0.01, 0.03), four = bench.within(0.005, 0.02),
+               at_three = bench.within(0.0, kTwoPi), at_four = bench.within(0.0, kTwoPi);
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double a = c.reference_deg[i] * kRadPerDeg;
+    const double by = three * std::cos(3.0 * a + at_three) + four * std::cos(4.0 * a + at_four);
+    c.vsin_v[i] += by * (c.vsin_v[i] - kMiddleV);
+    c.vcos_v[i] += by * (c.vcos_v[i] - kMiddleV);
+  }
+  const Diagnosis d = diagnose(c, {});
+  for (const Finding &f : d.findings)
+    EXPECT_EQ(f.effect->info().prior_rank, 0) << names(d);
+  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
+  ASSERT_TRUE(k && delta) << names(d);
+  EXPECT_NEAR(k->values[0], bench.pair.k, 2e-3);
+  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, 0.15);
+}
+
 /// A reference of a degree of noise hides a small mismatch in the angle, and not in the length.
 KIND(a_noisy_reference_hides_nothing_that_the_length_shows) {
   Bench bench;

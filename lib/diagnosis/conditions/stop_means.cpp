@@ -22,14 +22,14 @@ namespace ada {
 
 namespace {
 
-/// Rows from one on, up to another.
-struct Rows {
+/// RowsOfStop from one on, up to another.
+struct RowsOfStop {
   std::size_t begin, end;
 };
 
 /// The rows of each stop. Those between two stops are of none: one or two, where most rows lie in
 /// stops of far more.
-std::vector<Rows> stops_of(const Capture &c) {
+std::vector<RowsOfStop> stops_of(const Capture &c) {
   constexpr std::size_t kFarFewer = 4;
   std::vector<double> alpha;
   for (double deg : c.reference_deg) {
@@ -41,18 +41,18 @@ std::vector<Rows> stops_of(const Capture &c) {
   const Stops stops = find_stops(c, alpha);
   if (!stops)
     return {};
-  std::vector<Rows> out;
+  std::vector<RowsOfStop> out;
   for (std::size_t i = 0; i < stops.of.size(); ++i)
     if (i == 0 || stops.of[i] != stops.of[i - 1])
       out.push_back({i, i + 1});
     else
       out.back().end = i + 1;
   std::vector<std::size_t> lengths; // of the stop of each row
-  for (const Rows &rows : out)
+  for (const RowsOfStop &rows : out)
     lengths.insert(lengths.end(), rows.end - rows.begin, rows.end - rows.begin);
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
   std::ranges::nth_element(lengths, middle);
-  std::erase_if(out, [usual = *middle](const Rows &rows) {
+  std::erase_if(out, [usual = *middle](const RowsOfStop &rows) {
     const std::size_t readings = rows.end - rows.begin;
     return static_cast<double>(readings) < criteria::kFewestReadings &&
            kFarFewer * readings < usual;
@@ -189,7 +189,7 @@ std::optional<StopMeans> means_of_stops(const Capture &capture) {
   constexpr double kOfWalk = 4.0, kClear = 4.0;
   if (!capture.has_reference() || capture.starts.size() > 1)
     return {};
-  const std::vector<Rows> stops = stops_of(capture);
+  const std::vector<RowsOfStop> stops = stops_of(capture);
   if (stops.size() < criteria::kFewestStops)
     return {};
   StopMeans out;

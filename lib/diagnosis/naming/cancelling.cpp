@@ -34,6 +34,63 @@ double turned_v2(const Observations &data, const Model &one, const Model &other)
   return mean_square(across);
 }
 
+/// Of the sensor at rest, or an error of the reference that goes with the angle.
+bool goes_with_the_angle(const EffectInstance &e) {
+  return is_static(*e.effect) || e.effect->reference_ripple(e.values).order > 0.0;
+}
+
+/// Whether causes that go with the angle, beside what every pair has, turn the vector by far more
+/// each for itself than together, but for what an offset or what every pair has does as well: of
+/// the one there may be as much as of the other.
+bool cancel_each_other(const Observations &data, const Model &model) {
+  const ResidualColumns with = residual_columns(data, model);
+  const auto n = static_cast<Eigen::Index>(data.size());
+  const auto turned_by = [&](const Model &other) {
+    std::vector<double> along, across;
+    ResidualColumns change = residual_columns(data, other);
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      change.sin[i] -= with.sin[i];
+      change.cos[i] -= with.cos[i];
+    }
+    along_and_across(data, change, along, across);
+    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(across.data(), n));
+  };
+  std::vector<Eigen::VectorXd> ordinary, of_causes;
+  constexpr double kStep = 1e-3; // of the amplitude
+  for (int k = 0; k < 3; ++k) {
+    Model moved = model;
+    (k == 0   ? moved.baseline.offset_sin_v
+     : k == 1 ? moved.baseline.offset_cos_v
+              : moved.baseline.angle_zero_deg) += kStep * model.baseline.amplitude_v;
+    ordinary.push_back(turned_by(moved));
+  }
+  const Model expected = with_expected(model);
+  for (std::size_t k = 0; k < expected.effects.size(); ++k) {
+    const EffectInfo &info = expected.effects[k].effect->info();
+    if (info.prior_rank == 0) {
+      Model moved = expected;
+      moved.effects[k].values[0] += info.parameters[0].step;
+      ordinary.push_back(turned_by(moved));
+    } else if (goes_with_the_angle(expected.effects[k])) {
+      of_causes.push_back(turned_by(model.without(k)));
+    }
+  }
+  if (of_causes.size() < 2)
+    return false;
+  Eigen::MatrixXd columns(n, static_cast<Eigen::Index>(ordinary.size()));
+  for (std::size_t k = 0; k < ordinary.size(); ++k)
+    columns.col(static_cast<Eigen::Index>(k)) = ordinary[k];
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+  Eigen::VectorXd together = Eigen::VectorXd::Zero(n);
+  double each2 = 0.0;
+  for (Eigen::VectorXd &cause : of_causes) {
+    cause -= columns * qr.solve(cause);
+    each2 += cause.squaredNorm();
+    together += cause;
+  }
+  return each2 > criteria::kCancels * together.squaredNorm();
+}
+
 /// Sum over the causes that act at rest.
 double turned_by_each_v2(const Observations &data, const Model &model) {
   double sum = 0.0;
@@ -144,16 +201,18 @@ void drop_what_turns_back(const DataSplit &split, SearchResult &found) {
   SearchResult fewer = found;
   bool dropped = false;
   for (std::size_t place = fewer.order.size(); place-- > 0;) {
-    const Effect &effect = *fewer.fit.model.effects[fewer.order[place]].effect;
-    if (!is_static(effect))
+    const EffectInstance &e = fewer.fit.model.effects[fewer.order[place]];
+    if (!goes_with_the_angle(e))
       continue;
-    dropped = dropped || effect.info().prior_rank != 0;
+    dropped = dropped || e.effect->info().prior_rank != 0;
     fewer.forget(place);
   }
   if (!dropped)
     return;
   const Model all = fit(split.train, found.fit.model, kRefit).model;
-  if (!leaves_length(split.train, all))
+  const bool leaves = leaves_length(split.train, all);
+  const bool cancel = cancel_each_other(split.train, all);
+  if (!leaves && !cancel)
     return;
   const std::optional<Model> told = name_what_the_direction_tells(split, fewer, true);
   if (!told || is_clearly_closer(split, all, *told))
@@ -163,7 +222,7 @@ void drop_what_turns_back(const DataSplit &split, SearchResult &found) {
   centred.baseline.offset_cos_v = all.baseline.offset_cos_v;
   const double needed_v2 =
       turned_by_each_v2(split.train, *told) + turned_v2(split.train, *told, centred);
-  if (turned_by_each_v2(split.train, all) > criteria::kTurnsBack * needed_v2) {
+  if (cancel || turned_by_each_v2(split.train, all) > criteria::kTurnsBack * needed_v2) {
     fewer.fit.model.baseline = told->baseline;
     found = std::move(fewer);
   }
