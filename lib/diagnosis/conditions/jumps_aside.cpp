@@ -73,6 +73,15 @@ std::vector<JumpAside> jumps_aside(const Observations &data, int periods) {
                                         aside.begin() + static_cast<std::ptrdiff_t>(to)),
                     0.5);
   };
+  // Where the shaft turns back a play or a hysteresis is taken up, and neither jumps.
+  constexpr std::size_t kReach = 32;
+  const auto turns_back = [&](std::size_t at) {
+    return (data.alpha[at - 1] - data.alpha[at - std::min(at, kReach)]) *
+               (data.alpha[std::min(n - 1, at + kReach)] - data.alpha[at]) <
+           0.0;
+  };
+  if (std::ranges::any_of(jumps.rows, turns_back))
+    return {};
   std::vector<JumpAside> out;
   for (std::size_t k = 0; k < jumps.rows.size(); ++k) {
     const std::size_t at = jumps.rows[k], from = k > 0 ? jumps.rows[k - 1] : 0,
