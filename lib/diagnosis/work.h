@@ -118,10 +118,11 @@ private:
   /// What the search began with: the model without its findings.
   Model found_baseline() const;
 
-  /// No finding makes held-out data worse: where all together do, the one that harms most goes. One
-  /// that does so where it is added, but not among all, is named after what it has to stand on.
   /// Adds what every pair has where only the length shows it, beside a reference that errs by more.
   bool name_what_the_length_shows();
+
+  /// No finding makes held-out data worse: where all together do, the one that harms most goes. One
+  /// that does so where it is added, but not among all, is named after what it has to stand on.
   bool drop_what_harms();
   /// Whether held-out data are less likely after a step than before it.
   bool makes_worse(const Quality &before, const Quality &after) const;

@@ -92,6 +92,11 @@ void Work::search_causes() {
     for (const JumpAside &jump : jumps_aside(scene_.all, scene_.periods))
       jumps.push_back({&the_effect(is_slip), {jump.time_s, jump.by_rad * kDegPerRad}, {}});
   found_ = search(found_baseline()).run(false, nullptr, {}, jumps);
+  // They take each other back: without one of them the others say nothing.
+  const auto held = std::ranges::count_if(
+      found_.fit.model.effects, [&](const EffectInstance &e) { return is_slip(e.effect->info()); });
+  if (held < std::ssize(jumps))
+    found_ = search(found_baseline()).run(false);
 }
 
 void Work::search_further() {

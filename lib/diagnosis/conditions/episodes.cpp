@@ -260,12 +260,12 @@ private:
 };
 
 /// Whether no magnet does it, at whatever place of the turn: the vector gets half as long again at
-/// least, or loses half of its length, and that at once. A worn ring or a cable does.
+/// least, and that at once. A worn ring or a cable does; a pole that is missing shortens it.
 bool is_no_field(const Off &off, const RowRange &r) {
   constexpr double kOfRadius = 0.5;
   double most = 0.0, step = 0.0;
   for (std::size_t i = r.first; i < r.end; ++i) {
-    most = std::max(most, std::abs(off.along[i]));
+    most = std::max(most, off.along[i]);
     if (i > r.first)
       step = std::max(step, std::abs(off.along[i] - off.along[i - 1]));
   }

@@ -35,9 +35,7 @@ std::optional<EllipseInverse> own_ellipse(const Observations &data) {
     if (fit.coverage_deg < 360.0 * criteria::kLeastCoverage)
       return std::nullopt;
     return invert(fit.value);
-  } catch (const Error &error) {
-    if (error.status() != ADA4571_ERROR_UNUSABLE_DATA)
-      throw;
+  } catch (const Error &) { // too little of one, or one that is flat
     return std::nullopt;
   }
 }

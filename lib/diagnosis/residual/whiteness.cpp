@@ -257,19 +257,24 @@ void report_line(const Observations &data, const Components &split, const Memory
   } strongest;
   const char *of_what = "";
   const double n = static_cast<double>(data.size());
+  constexpr double kFewestPeriods = 3.0; // over the record: below that it is a drift or a step
+  const double fewest_hz = kFewestPeriods / std::max(data.time.back() - data.time.front(), 1e-300);
   const auto look = [&](auto value, double noise_v2, bool real, const char *name) {
     const Spectrum of_time = spectrum_over_time(data.time, data.frame_period_s, value);
     const std::size_t size = of_time.line.size();
     const auto power = [&](std::size_t k) {
       return static_cast<double>(std::norm(of_time.line[k]));
     };
+    const auto hz_of = [&](std::size_t k) {
+      return of_time.bin_hz * static_cast<double>(std::min(k, size - k));
+    };
     std::size_t peak = 0;
     for (std::size_t k = 1; k < size; ++k)
-      if (peak == 0 || power(k) > power(peak))
+      if (hz_of(k) >= fewest_hz && (peak == 0 || power(k) > power(peak)))
         peak = k;
     if (peak == 0)
       return;
-    const double hz = of_time.bin_hz * static_cast<double>(std::min(peak, size - peak));
+    const double hz = hz_of(peak);
     const double expected = noise_v2 * n * memory.density(hz * data.frame_period_s);
     // A real line has as much at the other sign of its frequency, and half of that in each channel.
     const double rms_v = std::sqrt(power(peak)) / n / (real ? 1.0 : std::numbers::sqrt2);
@@ -283,8 +288,8 @@ void report_line(const Observations &data, const Components &split, const Memory
   if (pair)
     look([&](std::size_t i) { return std::complex(split.of[1][i], split.of[0][i]); },
          2.0 * sigma * sigma, false, "");
-  look([&](std::size_t i) { return std::complex(split.of[2][i]); }, own_v2(2), pair,
-       pair ? " along the vector" : "");
+  look([&](std::size_t i) { return std::complex(split.of[2][i]); }, own_v2(2), true,
+       " along the vector");
   if (pair)
     look([&](std::size_t i) { return std::complex(split.of[3][i]); }, own_v2(3), true,
          " across the vector");
