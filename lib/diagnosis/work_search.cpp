@@ -206,6 +206,12 @@ bool Work::drop_what_harms() {
   // What every pair has is fitted beside what has no name, which takes a part of it back: it may
   // leave more by itself, if its size is known, and no more than it moves: what is more than that
   // other numbers have done. Any other cause has to make held-out data likelier.
+  // Jumps that take each other back harm until the last of them is there.
+  const auto is_one_of_several = [&](std::size_t i) {
+    const Effect *effect = nested_.findings[i].effect;
+    return has_moment(*effect) &&
+           std::ranges::count(nested_.findings, effect, &Finding::effect) > 1 && needed_by_all(i);
+  };
   std::size_t worst = nested_.findings.size();
   double most = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < nested_.findings.size(); ++i) {
@@ -220,7 +226,8 @@ bool Work::drop_what_harms() {
     // held-out data less likely was of what the others have taken since.
     const bool in_vain = f.effect->info().prior_rank != 0 && !nested_.by_direction && less > 0.0;
     const bool by_itself = !may_leave_more && (in_vain || makes_worse(before, after)) &&
-                           !is_measured_aside(split_.train, found_.fit.model, found_.order[i]);
+                           !is_measured_aside(split_.train, found_.fit.model, found_.order[i]) &&
+                           !is_one_of_several(i);
     if ((whole_harms || by_itself) && harm > most) {
       most = harm;
       worst = i;
