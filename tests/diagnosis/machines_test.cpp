@@ -691,10 +691,7 @@ KIND(a_magnet_with_lobes_errs_in_length_alone) {
   const Diagnosis d = diagnose(c, {});
   for (const Finding &f : d.findings)
     EXPECT_EQ(f.effect->info().prior_rank, 0) << names(d);
-  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
-  ASSERT_TRUE(k && delta) << names(d);
-  EXPECT_NEAR(k->values[0], bench.pair.k, 2e-3);
-  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, 0.15);
+  expect_pair(d, bench.pair, 2e-3);
 }
 
 /// A reference of a degree of noise hides a small mismatch in the angle, and not in the length.
@@ -709,10 +706,7 @@ KIND(a_noisy_reference_hides_nothing_that_the_length_shows) {
   for (double &r : c.reference_deg)
     r = wrap(r + bench.normal(noise_deg), 360.0);
   const Diagnosis d = diagnose(c, {});
-  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
-  ASSERT_TRUE(k && delta) << names(d);
-  EXPECT_NEAR(k->values[0], bench.pair.k, 1e-3);
-  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, 0.2);
+  expect_pair(d, bench.pair, 1e-3);
 }
 
 /// Jumps of a reference that take each other back: each alone makes the rest of the record worse.
@@ -736,10 +730,7 @@ KIND(jumps_that_take_each_other_back_are_each_found) {
         EXPECT_NEAR(f.values[1], -by[k], 0.1) << names(d);
       }
   EXPECT_EQ(found, 4) << names(d);
-  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
-  ASSERT_TRUE(k && delta) << names(d);
-  EXPECT_NEAR(k->values[0], bench.pair.k, 1e-3);
-  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, 0.1);
+  expect_pair(d, bench.pair, 1e-3);
 }
 
 /// A ring that is worn at one place: a contact opens and bounces there in every turn. A magnet does
@@ -754,10 +745,7 @@ KIND(a_contact_that_opens_at_one_place_of_the_turn_bends_no_fit) {
     if (wrap(c.reference_deg[i] - from_deg, 360.0) < 10.0 && bench.within(0.0, 1.0) < 0.7)
       (sine ? c.vsin_v : c.vcos_v)[i] = rail_v + bench.normal(0.005);
   const Diagnosis d = diagnose(c, {});
-  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
-  ASSERT_TRUE(k && delta) << names(d);
-  EXPECT_NEAR(k->values[0], bench.pair.k, 1e-3);
-  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, 0.1);
+  expect_pair(d, bench.pair, 1e-3);
   EXPECT_EQ(d.findings.size(), 2u) << names(d);
   EXPECT_EQ(d.verdict, Verdict::partly_explained);
 }

@@ -15,9 +15,9 @@
 #include "base/pick.h"
 #include "base/robust.h"
 #include "base/sense.h"
-#include "calibration/ellipse_fit.h"
 #include "conversion/ellipse.h"
 #include "diagnosis/conditions/own_jumps.h"
+#include "diagnosis/conditions/pair_alone.h"
 #include "diagnosis/criteria.h"
 #include "motion/kinematics.h"
 
@@ -25,17 +25,15 @@ namespace ada {
 
 namespace {
 
-std::optional<EllipseInverse> own_ellipse(const Observations &data) {
+std::optional<EllipseInverse> own_inverse(const Observations &data) {
   std::vector<std::uint32_t> some(data.size());
   std::iota(some.begin(), some.end(), 0u);
   some = thin(some, criteria::kForCircle);
+  const auto fit =
+      own_ellipse(as_doubles(pick(data.vsin, some)), as_doubles(pick(data.vcos, some)));
   try {
-    const EllipseFit fit =
-        fit_ellipse(as_doubles(pick(data.vsin, some)), as_doubles(pick(data.vcos, some)));
-    if (fit.coverage_deg < 360.0 * criteria::kLeastCoverage)
-      return std::nullopt;
-    return invert(fit.value);
-  } catch (const Error &) { // too little of one, or one that is flat
+    return fit ? std::optional(invert(fit->value)) : std::nullopt;
+  } catch (const Error &) { // it is flat
     return std::nullopt;
   }
 }
@@ -44,7 +42,7 @@ std::optional<EllipseInverse> own_ellipse(const Observations &data) {
 
 std::vector<JumpAside> jumps_aside(const Observations &data, int periods) {
   const std::size_t n = data.size();
-  const auto own = own_ellipse(data);
+  const auto own = own_inverse(data);
   if (!own)
     return {};
   std::vector<double> aside(n);
@@ -72,7 +70,7 @@ std::vector<JumpAside> jumps_aside(const Observations &data, int periods) {
                     0.5);
   };
   // Where the shaft turns back a play or a hysteresis is taken up, and neither jumps.
-  constexpr std::size_t kReach = 32;
+  constexpr std::size_t kReach = 32; // rows, an estimate
   const auto turns_back = [&](std::size_t at) {
     return (data.alpha[at - 1] - data.alpha[at - std::min(at, kReach)]) *
                (data.alpha[std::min(n - 1, at + kReach)] - data.alpha[at]) <
