@@ -362,6 +362,7 @@ private:
   struct NotNamed {
     Observations data;
     ResidualColumns rest;
+    ResidualColumns of_the_angle; ///< and what goes with no other axis
   };
   NotNamed not_named() const;
   /// How much of a residual comes again at the places of the highest order that was found.

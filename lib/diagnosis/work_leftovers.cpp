@@ -276,10 +276,13 @@ Work::NotNamed Work::not_named() const {
   named.remainder.reset(); // it is what has no name
   std::vector<std::uint32_t> some(scene_.all.size());
   std::iota(some.begin(), some.end(), 0u);
-  NotNamed out{scene_.all.select(thin(some, kEnough, kRun)), {}};
+  NotNamed out{scene_.all.select(thin(some, kEnough, kRun)), {}, {}};
   if (scene_.radius_only)
     out.data = at_own_angle(std::move(out.data), named);
   out.rest = residuals_alone(out.data, named);
+  out.of_the_angle = scene_.radius_only
+                         ? out.rest
+                         : of_the_angle_alone(unnamed_, out.data, out_.extended, out.rest);
   return out;
 }
 
@@ -292,7 +295,7 @@ std::optional<Repeated> Work::repeats(const Observations &data, const ResidualCo
 
 Recurrence Work::recurrence(const NotNamed &left, double rms_v) const {
   constexpr double kErrors = 2.0, kSure = 2.5;
-  const auto seen = repeats(left.data, left.rest);
+  const auto seen = repeats(left.data, left.of_the_angle);
   if (!seen)
     return Recurrence::once;
   if (seen->v2 > kSure * seen->error_v2)
@@ -303,7 +306,7 @@ Recurrence Work::recurrence(const NotNamed &left, double rms_v) const {
 
 bool Work::comes_again_in_part(const NotNamed &left, double rms_v) const {
   constexpr double kWorthSaying = 0.1; // of its power
-  const auto seen = repeats(left.data, left.rest);
+  const auto seen = repeats(left.data, left.of_the_angle);
   return seen && seen->v2 > seen->error_v2 && seen->v2 > kWorthSaying * rms_v * rms_v;
 }
 

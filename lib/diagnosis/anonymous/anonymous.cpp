@@ -271,6 +271,24 @@ Anonymous anonymous_alike(const Scene &scene, const DataSplit &split, const Mode
   return out;
 }
 
+ResidualColumns of_the_angle_alone(const Anonymous &left, const Observations &data,
+                                   const Model &model, ResidualColumns residual) {
+  Selection others;
+  std::vector<double> values;
+  for (std::size_t k = 0; k < left.selection.columns.size(); ++k) {
+    const Eigen::Index column = left.selection.columns[k];
+    if (left.basis.groups()[static_cast<std::size_t>(column / 2)].axis == Axis::angle)
+      continue;
+    others.columns.push_back(column);
+    values.push_back(left.selection.values[static_cast<Eigen::Index>(k)]);
+  }
+  if (others.columns.empty())
+    return residual;
+  others.values = Eigen::Map<Eigen::VectorXd>(values.data(), std::ssize(values));
+  subtract(left.basis, others, at_shaft(model, data), residual);
+  return residual;
+}
+
 double left_beside_angle(const DataSplit &split, const Model &model, const Anonymous &other) {
   const Halves halves = halves_of(split, model);
   Basis basis(other.basis.periods(), zero_of(model));

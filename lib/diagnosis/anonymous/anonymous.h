@@ -65,6 +65,12 @@ Anonymous anonymous_of(const Scene &scene, const DataSplit &split, const Model &
 Anonymous anonymous_alike(const Scene &scene, const DataSplit &split, const Model &model,
                           const Anonymous &other);
 
+/// A residual of `model` without what goes with any other axis than the angle: what changes with
+/// the direction, say, is another one each time that the shaft passes a place, and hides what is
+/// the same.
+ResidualColumns of_the_angle_alone(const Anonymous &left, const Observations &data,
+                                   const Model &model, ResidualColumns residual);
+
 /// Held-out mean square, V^2 of a channel, that a model leaves beside what repeats with the angle,
 /// of the orders that `other` has. The baseline is fitted along: it does not wait for those orders.
 double left_beside_angle(const DataSplit &split, const Model &model, const Anonymous &other);
