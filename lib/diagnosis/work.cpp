@@ -135,6 +135,11 @@ Diagnosis Work::run() {
     search_thoroughly();
     settle();
   }
+  if (take_out_step_at_the_reversal()) {
+    weigh(disturbed, weight_along);
+    search_thoroughly();
+    settle();
+  }
   take_out_rest_of_courses();
   name_random_causes();
   angle_left_ = keep_for_last_look(scene_, out_.extended, floor());
@@ -220,7 +225,7 @@ void Work::judge_model() {
   if (scene_.radius_only) // the angle is that of the pair as the model has it now
     for (Observations *o : {&scene_.all, &split_.train, &split_.heldout})
       *o = at_own_angle(std::move(*o), out_.extended);
-  if (processes_.empty())
+  if (nothing_taken_out())
     first_ = scene_.radius_only ? split_.quality(nested_.baseline) : nested_.first;
   if (scene_.radius_only || found_.order.empty())
     last_ = split_.quality(out_.extended);
@@ -331,7 +336,7 @@ void Work::compare_with_anonymous() {
   const Uncoloured uncoloured(split_);
   const DataSplit &white = uncoloured.split();
   unnamed_ = anonymous_of(scene_, white, out_.extended);
-  if (processes_.empty()) {
+  if (nothing_taken_out()) {
     const Anonymous whole = anonymous_of(scene_, white, nested_.baseline);
     out_.budget = budget_of(whole, unnamed_);
     out_.anonymous = quality_with(whole, white, nested_.baseline);

@@ -239,6 +239,9 @@ private:
   /// Whether a process has a name already, and this is more of it.
   bool goes_on(const RandomCause &c) const;
 
+  /// Whether the outputs are as they were read.
+  bool nothing_taken_out() const { return processes_.empty() && !reversal_; }
+
   /// What the first half waves leave of a course is seen where nothing else is left beside it.
   void take_out_rest_of_courses();
 
@@ -298,6 +301,15 @@ private:
   /// gain was changed. That goes with the time and with the speed of each, and no half waves follow
   /// it. Taken out where that takes most of what goes with either.
   bool take_out_record_gains();
+
+  /// The pair of a bench that was turned forth and back may have another centre and length on the
+  /// way back: it has warmed up, or a supply or a wire was touched. One turning back does not tell
+  /// the time from the direction, and no cause has such a step; beside it nothing smaller than the
+  /// step would be named. Taken out where it takes more of held-out data than noise does.
+  bool take_out_step_at_the_reversal();
+  struct StepAtReversal {
+    double time_s, gain, sin_v, cos_v, moved_v;
+  };
 
   /// What the courses of processes and the causes beside them account for of each axis.
   void name_in_budget();
@@ -425,6 +437,7 @@ private:
   mutable std::optional<double> rounding_that_does_not_come_again_v2_;
   /// Processes, each with a cause that was taken back as one of the shapes that it may have.
   std::vector<std::pair<const Effect *, const Effect *>> shapes_;
+  std::optional<StepAtReversal> reversal_;
   int slow_waves_ = 0; ///< half waves by which the course of a slow process was taken out
   std::vector<double> lengthening_; ///< orders at which the length changes as the angle does
   bool remainder_of_reference_ = false; ///< see is_of_the_reference

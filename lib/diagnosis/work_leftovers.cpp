@@ -316,6 +316,15 @@ void Work::note_unnamed() {
   for (Structure &step : unnamed_steps(unnamed_, out_.extended))
     if (step.rms_v > criteria::kWorthAWord * noise)
       out_.structure.push_back(std::move(step));
+  if (reversal_)
+    out_.structure.push_back(
+        {std::string(axis_name(Axis::speed)),
+         fmt::format("{:.3g} mV rms are a step at {:.4g} s, where the shaft turns back: the centre "
+                     "moves by {:+.3g} mV (VSIN) and {:+.3g} mV (VCOS), the length by {:+.2g} %; "
+                     "the causes were looked for beside it, and none explains it",
+                     1e3 * reversal_->moved_v, reversal_->time_s, 1e3 * reversal_->sin_v,
+                     1e3 * reversal_->cos_v, 100.0 * reversal_->gain),
+         reversal_->moved_v});
   const double least = std::max(criteria::kWorthAWord * noise, criteria::kOfProcess * motion_v());
   for (BudgetLine line : out_.budget) {
     // How a supply that is only inferred goes with the time is its own affair, also where at one of
@@ -324,6 +333,9 @@ void Work::note_unnamed() {
         (line.axis == Axis::time || line.axis == Axis::frequency ||
          (line.axis == Axis::angle && remainder_in_part_)))
       continue;
+    if (reversal_ && line.axis == Axis::speed) // as has the step at the reversal
+      line.unnamed_rms_v = std::sqrt(std::max(0.0, line.unnamed_rms_v * line.unnamed_rms_v -
+                                                       reversal_->moved_v * reversal_->moved_v));
     if (line.axis == Axis::time) // the steps have sentences of their own
       line.unnamed_rms_v =
           std::sqrt(std::max(0.0, line.unnamed_rms_v * line.unnamed_rms_v - steps_v2));

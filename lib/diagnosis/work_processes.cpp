@@ -364,7 +364,7 @@ bool Work::take_out_record_gains() {
     return false;
   const double before_v2 = left_v2(split_, out_.extended);
   const Outputs as_they_were(*this);
-  const RecordGains gains(worked_on(), scene_, out_.extended);
+  const StretchGains gains(starts_of_records_s(worked_on()), scene_, out_.extended);
   for (Observations *data : all_data())
     for (std::size_t i = 0; i < data->size(); ++i)
       gains.take_out(data->time[i], data->vsin[i], data->vcos[i]);
@@ -382,14 +382,42 @@ bool Work::take_out_record_gains() {
   return true;
 }
 
+bool Work::take_out_step_at_the_reversal() {
+  const auto back_s = turns_back_once_s(scene_.all);
+  const double by_direction_v2 = unnamed_.selection.share_v2[static_cast<std::size_t>(Axis::speed)];
+  if (!back_s || !scene_.has_reference || judge_ || !processes_.empty() || reversal_ ||
+      worked_on().starts.size() > 1 || found_.disturbed != Direction::none ||
+      scene_.several_speeds || by_direction_v2 < unnamed_.selection.noise_v2)
+    return false;
+  const double before_v2 = left_v2(split_, out_.extended);
+  const Outputs as_they_were(*this);
+  const StretchGains gains({scene_.all.time.front(), *back_s}, scene_, out_.extended);
+  for (Observations *data : all_data())
+    for (std::size_t i = 0; i < data->size(); ++i)
+      gains.take_out_with_centre(data->time[i], data->vsin[i], data->vcos[i]);
+  const Uncoloured uncoloured(split_);
+  const DataSplit &white = uncoloured.split();
+  const double moved_v2 = before_v2 - left_v2(white, fit(white.train, gains.common(), 12).model);
+  if (moved_v2 < unnamed_.selection.noise_v2) { // beside which it hides nothing
+    as_they_were.put_back(*this);
+    return false;
+  }
+  const auto &own = gains.own();
+  reversal_ = {*back_s, own[1].gain / own[0].gain - 1.0, own[1].sin_v - own[0].sin_v,
+               own[1].cos_v - own[0].cos_v, std::sqrt(moved_v2)};
+  look_anew();
+  return true;
+}
+
 void Work::name_in_budget() {
   for (BudgetLine &line : out_.budget) {
     if (line.axis == Axis::noise) {
       line.rms_v = line.unnamed_rms_v = std::sqrt(unnamed_.selection.noise_v2);
       continue;
     }
-    const double left =
-        std::max(0.0, unnamed_.selection.share_v2[static_cast<std::size_t>(line.axis)]);
+    double left = std::max(0.0, unnamed_.selection.share_v2[static_cast<std::size_t>(line.axis)]);
+    if (reversal_ && line.axis == Axis::speed) // taken out, and without a name
+      left += reversal_->moved_v * reversal_->moved_v;
     line.unnamed_rms_v = std::min(line.rms_v, std::sqrt(left));
     line.named_rms_v =
         std::sqrt(std::max(0.0, line.rms_v * line.rms_v - line.unnamed_rms_v * line.unnamed_rms_v));

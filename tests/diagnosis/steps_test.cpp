@@ -304,5 +304,40 @@ KIND(an_offset_that_jumps_while_the_shaft_waits_is_a_step) {
   EXPECT_NEAR(f->values[1], sin_v, 0.1 * std::abs(sin_v));
 }
 
+/// Turned forth, and back as fast, once: the centre and the length of the way back are other ones,
+/// by more than all else that the pair has. What comes again at each place, there and back, is
+/// found beside it, and no cause stands in for the step.
+KIND(a_step_where_the_shaft_turns_back_hides_nothing_smaller) {
+  Bench bench;
+  const double speed = kTwoPi * bench.within(0.8, 1.2), moved_v = bench.within(0.01, 0.02),
+               towards = bench.within(0.0, kTwoPi), longer = bench.within(0.005, 0.015),
+               order_v = bench.within(0.25, 0.4) * moved_v;
+  const double back_s = 0.5 * kStepSpan;
+  Capture c = bench.capture(600, 100.0, 1,
+                            [&](double t) { return speed * (t < back_s ? t : 2.0 * back_s - t); });
+  for (std::size_t i = 0; i < c.time_s.size(); ++i) {
+    const double at = c.reference_deg[i] * kRadPerDeg;
+    c.vsin_v[i] += order_v * std::sin(5.0 * at);
+    c.vcos_v[i] += order_v * std::cos(5.0 * at);
+    if (c.time_s[i] < back_s)
+      continue;
+    c.vsin_v[i] =
+        kMiddleV + (1.0 + longer) * (c.vsin_v[i] - kMiddleV) + moved_v * std::sin(towards);
+    c.vcos_v[i] =
+        kMiddleV + (1.0 + longer) * (c.vcos_v[i] - kMiddleV) + moved_v * std::cos(towards);
+  }
+  const Diagnosis d = diagnose(c, {});
+  const Finding *k = named(d, "amplitude-mismatch"), *delta = named(d, "quadrature-error");
+  ASSERT_TRUE(k && delta) << all_of(d);
+  EXPECT_NEAR(k->values[0], bench.pair.k, 2e-3) << all_of(d);
+  EXPECT_NEAR(delta->values[0], bench.pair.delta_rad * kDegPerRad, 0.1) << all_of(d);
+  EXPECT_TRUE(d.extended.remainder || named(d, "harmonic-distortion")) << all_of(d);
+  EXPECT_TRUE(std::ranges::any_of(d.structure, [](const Structure &s) {
+    return s.description.find("where the shaft turns back") != std::string::npos;
+  })) << all_of(d);
+  expect_none(d, {"reference-delay", "angle-slip", "reference-eccentricity", "magnetic-hysteresis",
+                  "offset-step"});
+}
+
 } // namespace
 } // namespace ada::test

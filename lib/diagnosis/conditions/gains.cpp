@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Dense>
 
@@ -23,10 +24,34 @@ constexpr double kLeastGain = 0.1; ///< below a tenth of its length a vector tel
 
 } // namespace
 
-RecordGains::RecordGains(const Capture &joined, const Scene &scene, const Model &model) {
+std::vector<double> starts_of_records_s(const Capture &joined) {
+  std::vector<double> out;
   for (std::size_t start : joined.starts)
-    starts_s_.push_back(joined.time_s[start]);
-  common_ = with_expected(model);
+    out.push_back(joined.time_s[start]);
+  return out;
+}
+
+std::optional<double> turns_back_once_s(const Observations &data) {
+  std::optional<double> out;
+  int sense = 0;        // of the last row that moves
+  double moved_s = 0.0; // when that was: around the turning point a shaft stands
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const int now = data.direction[i];
+    if (now == 0)
+      continue;
+    if (sense != 0 && now != sense) {
+      if (out)
+        return std::nullopt;
+      out = 0.5 * (moved_s + data.time[i]);
+    }
+    sense = now;
+    moved_s = data.time[i];
+  }
+  return out;
+}
+
+StretchGains::StretchGains(std::vector<double> starts_s, const Scene &scene, const Model &model)
+    : starts_s_(std::move(starts_s)), common_(with_expected(model)) {
   constexpr int kPasses = 4; // each leaves a hundredth, the size of a mismatch, of what was wrong
   for (int pass = 0; pass < kPasses; ++pass) {
     estimate(scene.all, common_);
@@ -38,7 +63,7 @@ RecordGains::RecordGains(const Capture &joined, const Scene &scene, const Model 
   estimate(scene.all, common_);
 }
 
-RandomCause RecordGains::as_cause(double nats, double moved_v2) const {
+RandomCause StretchGains::as_cause(double nats, double moved_v2) const {
   double mean = 0.0, squares = 0.0;
   const double n = static_cast<double>(own_.size());
   for (const Own &own : own_)
@@ -56,18 +81,29 @@ RandomCause RecordGains::as_cause(double nats, double moved_v2) const {
   return out;
 }
 
-const RecordGains::Own &RecordGains::at(double time_s) const {
+const StretchGains::Own &StretchGains::at(double time_s) const {
   const auto next = std::upper_bound(starts_s_.begin(), starts_s_.end(), time_s);
   return own_[static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, next - starts_s_.begin() - 1))];
 }
 
-void RecordGains::take_out(double time_s, float &vsin_v, float &vcos_v) const {
+void StretchGains::take_out(double time_s, float &vsin_v, float &vcos_v) const {
   const Own &own = at(time_s);
   vsin_v = as_float(own.sin_v + (vsin_v - own.sin_v) / own.gain);
   vcos_v = as_float(own.cos_v + (vcos_v - own.cos_v) / own.gain);
 }
 
-void RecordGains::estimate(const Observations &data, const Model &model) {
+void StretchGains::take_out_with_centre(double time_s, float &vsin_v, float &vcos_v) const {
+  const Own &own = at(time_s);
+  double sin_v = 0.0, cos_v = 0.0;
+  for (const Own &of : own_) {
+    sin_v += of.sin_v / static_cast<double>(own_.size());
+    cos_v += of.cos_v / static_cast<double>(own_.size());
+  }
+  vsin_v = as_float(sin_v + (vsin_v - own.sin_v) / own.gain);
+  vcos_v = as_float(cos_v + (vcos_v - own.cos_v) / own.gain);
+}
+
+void StretchGains::estimate(const Observations &data, const Model &model) {
   const std::size_t records = starts_s_.size();
   const double sin_v = 0.5 * model.supply_v + model.baseline.offset_sin_v,
                cos_v = 0.5 * model.supply_v + model.baseline.offset_cos_v;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "diagnosis/conditions/observations.h"
@@ -14,27 +15,32 @@
 
 namespace ada {
 
-/// The pair of each record: its length over that of a model, and the centre that it turns about, V.
-class RecordGains {
+/// The pair of each stretch: its length over that of a model, and the centre that it turns about,
+/// V.
+class StretchGains {
 public:
-  /// Least squares of all records together, in turns of what is each record's own (length, centre)
+  /// Least squares of all stretches together, in turns of what is each one's own (length, centre)
   /// and what they have in common (the model, with what every pair has): a length that is wrong
-  /// bends the common shape, and the other way round.
-  RecordGains(const Capture &joined, const Scene &scene, const Model &model);
+  /// bends the common shape, and the other way round. `starts_s`: when each begins, ascending.
+  StretchGains(std::vector<double> starts_s, const Scene &scene, const Model &model);
 
-  /// The model with what every pair has, as all records have it in common.
+  /// The model with what every pair has, as all stretches have it in common.
   const Model &common() const { return common_; }
+
+  struct Own {
+    double gain, sin_v, cos_v;
+  };
+  const std::vector<Own> &own() const { return own_; }
 
   /// The cause of the catalogue that this is: the scatter of the lengths over their mean.
   RandomCause as_cause(double nats, double moved_v2) const;
 
   /// Gives a sample the length that the model has.
   void take_out(double time_s, float &vsin_v, float &vcos_v) const;
+  /// And the centre that the stretches have in the mean.
+  void take_out_with_centre(double time_s, float &vsin_v, float &vcos_v) const;
 
 private:
-  struct Own {
-    double gain, sin_v, cos_v;
-  };
   std::vector<double> starts_s_;
   std::vector<Own> own_;
   Model common_;
@@ -42,6 +48,12 @@ private:
   const Own &at(double time_s) const;
   void estimate(const Observations &data, const Model &model);
 };
+
+/// When each record of several begins, s.
+std::vector<double> starts_of_records_s(const Capture &joined);
+
+/// When the shaft turns back, s, where it does so once.
+std::optional<double> turns_back_once_s(const Observations &data);
 
 /// Whether a length and a zero angle of each record's own could take all that an effect of the model
 /// moves, as they can of what a filter does at one speed each.
