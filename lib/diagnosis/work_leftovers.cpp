@@ -23,11 +23,19 @@ namespace ada {
 
 namespace {
 
-/// Takes out what is described so, where something else goes on in time as well.
-void drop_one_of_several_in_time(std::vector<Structure> &structure, const std::string &described) {
-  const auto in_time = [](const Structure &s) { return s.along == axis_name(Axis::time); };
-  if (std::count_if(structure.begin(), structure.end(), in_time) > 1)
-    std::erase_if(structure, [&](const Structure &s) { return s.description == described; });
+/// Takes out what is only known to go on from row to row, where most of its power is told with what
+/// it goes, or something else goes on in time as well.
+void drop_what_others_tell(std::vector<Structure> &structure, const Structure &goes_on) {
+  double told_v2 = 0.0;
+  bool in_time = false;
+  for (const Structure &s : structure)
+    if (s.description != goes_on.description) {
+      told_v2 += s.rms_v * s.rms_v;
+      in_time = in_time || s.along == axis_name(Axis::time);
+    }
+  if (in_time || told_v2 > 0.5 * goes_on.rms_v * goes_on.rms_v)
+    std::erase_if(structure,
+                  [&](const Structure &s) { return s.description == goes_on.description; });
 }
 
 } // namespace
@@ -40,12 +48,12 @@ void Work::look_at_leftovers() {
   note_unnamed();
   note_what_stands_out();
   LeftOver left = left_over(scene_, split_, out_.extended, explained, last_, angle_left_);
-  const std::string of_few_rows = left.of_few_rows ? left.structure.front().description : "";
+  const Structure of_few_rows = left.of_few_rows ? left.structure.front() : Structure{};
   std::move(left.structure.begin(), left.structure.end(), std::back_inserter(out_.structure));
   drop_what_is_random();
   // Nothing new where more is known of what goes on.
   if (left.of_few_rows)
-    drop_one_of_several_in_time(out_.structure, of_few_rows);
+    drop_what_others_tell(out_.structure, of_few_rows);
   std::move(left.of_rows.begin(), left.of_rows.end(), std::back_inserter(out_.structure));
   note_what_the_anonymous_model_does_better();
   note_what_is_not_sure();

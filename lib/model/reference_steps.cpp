@@ -137,6 +137,7 @@ double reference_grid_rad(std::span<const double> reference_deg) {
 
 bool goes_on_evenly(std::span<const double> reference_deg) {
   constexpr double kNearlyAll = 0.999, kSame_deg = 1e-6;
+  constexpr double kMostly = 0.9;     // a counter that dithers turns back in each row
   constexpr double kDecimals = 100.0; // in a step that is none of them
   const std::vector<double> all(reference_deg.begin(), reference_deg.end());
   const double decimal_deg = last_decimal(all);
@@ -147,13 +148,21 @@ bool goes_on_evenly(std::span<const double> reference_deg) {
     by.push_back(wrap_centred(reference_deg[i] - reference_deg[i - 1], 360.0));
   if (by.empty())
     return false;
-  std::vector<double> sorted = by;
+  // Where the shaft turns back, two rows are nearer to each other, and on one of its sides.
+  std::vector<double> onward;
+  for (std::size_t i = 0; i < by.size(); ++i)
+    if (!(i > 0 && by[i - 1] * by[i] <= 0.0) && !(i + 1 < by.size() && by[i] * by[i + 1] <= 0.0))
+      onward.push_back(std::abs(by[i]));
+  if (static_cast<double>(onward.size()) < kMostly * static_cast<double>(by.size()))
+    return false;
+  std::vector<double> sorted = onward;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
   const double usual = *middle;
-  const auto same = std::count_if(by.begin(), by.end(),
+  const auto same = std::count_if(onward.begin(), onward.end(),
                                   [=](double d) { return std::abs(d - usual) < same_deg; });
-  return usual != 0.0 && static_cast<double>(same) >= kNearlyAll * static_cast<double>(by.size());
+  return usual != 0.0 &&
+         static_cast<double>(same) >= kNearlyAll * static_cast<double>(onward.size());
 }
 
 // A grid alone is no evidence: a stage that stops at whole degrees has one as well. A counter that

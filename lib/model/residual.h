@@ -144,9 +144,9 @@ struct Screened {
 /// The spacing, rad, of which all spacings of a reference's readings are multiples; 0 where there
 /// is none.
 double reference_grid_rad(std::span<const double> reference_deg);
-/// Whether it moves by the same from row to row, in all but a few: as it was told to, or as a
-/// counter that goes a whole number of its steps a row. Either has rounded nothing that could be
-/// told.
+/// Whether it moves by the same from row to row, forth or back, in all but a few: as it was told
+/// to, or as a counter that goes a whole number of its steps a row. Either has rounded nothing that
+/// could be told.
 bool goes_on_evenly(std::span<const double> reference_deg);
 
 bool screen_spikes(Screened &look, const Effect &effect);
