@@ -313,7 +313,8 @@ KIND(a_step_where_the_shaft_turns_back_hides_nothing_smaller) {
                towards = bench.within(0.0, kTwoPi), longer = bench.within(0.005, 0.015),
                order_v = bench.within(0.25, 0.4) * moved_v;
   const double back_s = 0.5 * kStepSpan;
-  Capture c = bench.capture(600, 100.0, 1,
+  const auto rows = static_cast<std::size_t>(bench.within(180.0, 600.0));
+  Capture c = bench.capture(rows, static_cast<double>(rows) / kStepSpan, 1,
                             [&](double t) { return speed * (t < back_s ? t : 2.0 * back_s - t); });
   for (std::size_t i = 0; i < c.time_s.size(); ++i) {
     const double at = c.reference_deg[i] * kRadPerDeg;
