@@ -627,12 +627,18 @@ KIND(a_gear_of_nearly_one_turn_a_turn_is_no_eccentricity) {
     c.reference_deg[i] =
         wrap(c.reference_deg[i] + size_deg * std::sin(order * turn(c.time_s[i]) + phase), 360.0);
   const Diagnosis d = diagnose(c, {});
+  // Nearer than eight periods over the record the sides of an eccentricity whose size comes and
+  // goes look the same: it is left without a name, and nothing else is named for it.
+  constexpr double kRecord_s = 16.0, kPeriodsApart = 8.5; // the swing is of the turns as well
   const Finding *f = named(d, "reference-harmonic");
-  ASSERT_TRUE(f) << left_of(d);
-  EXPECT_NEAR(f->values[0], order, 1e-3) << names(d);
-  EXPECT_NEAR(f->values[1], size_deg, 4.0 * f->std_errors[1] + 1e-3) << names(d);
+  const bool apart = std::abs(order - 1.0) * hz * kRecord_s > kPeriodsApart;
+  ASSERT_TRUE(f || !apart) << left_of(d);
   expect_pair(d, bench.pair);
   expect_none(d, {"reference-eccentricity", "stray-field"});
+  if (!f)
+    return;
+  EXPECT_NEAR(f->values[0], order, 1e-3) << names(d);
+  EXPECT_NEAR(f->values[1], size_deg, 4.0 * f->std_errors[1] + 1e-3) << names(d);
 }
 
 /// A tool with a magnet passes the bench once: what that does repeats with no angle.
